@@ -1,0 +1,1 @@
+"""basrelief: parallax mapping, written once in Python."""
