@@ -1,1 +1,55 @@
+"""The shader subset of Python: write a function once, run it anywhere.
 
+`@shader` marks a function, `@struct` a record, `@slot` a function that is chosen when a program
+is made. Types and intrinsics are imported from here. `CONVENTIONS.md` states the rules.
+"""
+
+from basrelief.lang.intrinsics import (
+    acos,
+    asin,
+    atan,
+    atan2,
+    bits_float,
+    clamp,
+    copysign,
+    corners,
+    cos,
+    cross,
+    dot,
+    exp,
+    exp2,
+    float_bits,
+    floor,
+    fract,
+    length,
+    levels,
+    log,
+    log2,
+    maximum,
+    minimum,
+    mix,
+    normalize,
+    pow,
+    reflect,
+    saturate,
+    sin,
+    size,
+    smoothstep,
+    sqrt,
+    tan,
+    texel,
+    transpose,
+)
+from basrelief.lang.resources import Buffer, HeightField, Texture
+from basrelief.lang.shader import Shader, bound, shader, slot
+from basrelief.lang.types import ShaderError, TypeSlot, setting, struct
+from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+
+__all__ = [
+    "Buffer", "HeightField", "IVec2", "Mat3", "Shader", "ShaderError", "Texture", "TypeSlot",
+    "Vec2", "Vec3", "Vec4", "acos", "asin", "atan", "atan2", "bits_float", "bound", "clamp",
+    "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
+    "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
+    "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "struct", "tan",
+    "texel", "transpose",
+]  # fmt: skip

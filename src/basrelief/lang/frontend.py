@@ -1,0 +1,663 @@
+"""From the syntax tree of shaders to the typed tree: names resolved, types inferred, rules kept.
+
+What is outside the subset is refused with file, line, the offending text and what to write
+instead. The rules are those of the design: values only, one type a name, loops that end.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
+from basrelief.lang import tree
+from basrelief.lang.intrinsics import BY_FUNCTION
+from basrelief.lang.resources import buffer_record, is_handle
+from basrelief.lang.shader import Shader
+from basrelief.lang.types import SCALARS, VECTORS, ShaderError, TypeSlot, fields_of, is_record
+from basrelief.lang.types import type_name as named
+from basrelief.lang.values import Mat3, Vec3, swizzle_indices
+
+Bindings = Mapping[Shader[..., Any], Shader[..., Any]]
+
+_BINARY = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%",
+    ast.MatMult: "@", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<",
+    ast.RShift: ">>",
+}  # fmt: skip
+_COMPARE = {
+    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
+}  # fmt: skip
+
+
+def analyse(entry: Shader[..., Any], bindings: Bindings | None = None) -> tree.Module:
+    """The typed tree of a program: the entry, and all that it calls with the slots bound.
+
+    Raises ShaderError for anything outside the subset.
+    """
+    return _Program(bindings or {}).module(entry)
+
+
+class _Program:
+    """Analyses shaders once each, callees before callers, under one set of bindings."""
+
+    def __init__(self, bindings: Bindings) -> None:
+        self.bindings = bindings
+        self.done: dict[Shader[..., Any], tree.Function] = {}
+        self.under_way: list[Shader[..., Any]] = []
+        self.names: set[str] = set()
+        self.types = _bound_types(bindings)
+
+    def module(self, entry: Shader[..., Any]) -> tree.Module:
+        function = self.function(entry)
+        return tree.Module(list(self.done.values()), function)
+
+    def resolve(self, shader: Shader[..., Any]) -> Shader[..., Any]:
+        """The shader itself, or what is bound to it where it is a slot."""
+        seen = shader
+        while seen.is_slot:
+            if seen not in self.bindings:
+                raise ShaderError(f"{seen.location}: the slot {seen.name} is not bound")
+            seen = self.bindings[seen]
+        return seen
+
+    def type_of(self, annotation: Any) -> Any:
+        """An annotation's type, with type slots filled in."""
+        if isinstance(annotation, type) and issubclass(annotation, TypeSlot):
+            if annotation not in self.types:
+                raise ShaderError(f"the type slot {annotation.__name__} is not bound")
+            return self.types[annotation]
+        return annotation
+
+    def function(self, shader: Shader[..., Any]) -> tree.Function:
+        shader = self.resolve(shader)
+        if shader in self.done:
+            return self.done[shader]
+        if shader in self.under_way:
+            raise ShaderError(
+                f"{shader.location}: {shader.name} calls itself; write a loop with a bound"
+            )
+        self.under_way.append(shader)
+        function = _FunctionAnalysis(self, shader).run()
+        self.under_way.pop()
+        number = 2
+        while function.name in self.names:
+            function.name = f"{shader.name}_{number}"
+            number += 1
+        self.names.add(function.name)
+        self.done[shader] = function
+        return function
+
+
+def _bound_types(bindings: Bindings) -> dict[type, Any]:
+    """What each type slot stands for, read off the shaders that are bound; signatures compared."""
+    found: dict[type, Any] = {}
+    for slot, shader in bindings.items():
+        wanted, wanted_result = slot.signature
+        given, given_result = shader.signature
+        pairs = [*zip(wanted.values(), given.values(), strict=False), (wanted_result, given_result)]
+        fits = len(wanted) == len(given)
+        for w, g in pairs:
+            if isinstance(w, type) and issubclass(w, TypeSlot):
+                fits = fits and found.setdefault(w, g) is g
+            else:
+                fits = fits and w == g
+        if not fits:
+            raise ShaderError(
+                f"{shader.location}: {shader.name}{_signature_text(shader)} does not fit the slot "
+                f"{slot.name}; its signature is {_signature_text(slot)}"
+            )
+    return found
+
+
+def _signature_text(shader: Shader[..., Any]) -> str:
+    parameters, result = shader.signature
+    inside = ", ".join(f"{name}: {named(t)}" for name, t in parameters.items())
+    return f"({inside}) -> {named(result)}"
+
+
+class _Scope:
+    """A block while it is analysed: its statements, and which block encloses it."""
+
+    def __init__(self, parent: _Scope | None) -> None:
+        self.parent = parent
+        self.block = tree.Block()
+
+    def chain(self) -> list[_Scope]:
+        """This scope and those around it, the innermost first."""
+        return [self, *(self.parent.chain() if self.parent else [])]
+
+
+class _FunctionAnalysis:
+    """One shader's body, statement by statement."""
+
+    def __init__(self, program: _Program, shader: Shader[..., Any]) -> None:
+        self.program = program
+        self.shader = shader
+        self.source = shader.source
+        annotated, result = shader.signature
+        self.parameters = {name: program.type_of(t) for name, t in annotated.items()}
+        self.result = program.type_of(result)
+        for name, t in [*self.parameters.items(), ("return", self.result)]:
+            self.check_type(t, name)
+        self.locals: dict[str, Any] = {}
+        self.loop_names: set[str] = set()
+        self.assignments: dict[str, list[tuple[_Scope, tree.Assign]]] = {}
+        self.uses: dict[str, list[_Scope]] = {}
+        self.assigned: set[str] = set()
+        self.used_parameters: set[str] = set()
+        self.scope = _Scope(None)
+        self.loops = 0
+
+    def check_type(self, t: Any, name: str) -> None:
+        known = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t)
+        if not known and not (is_handle(t) and name != "return"):
+            raise ShaderError(
+                f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
+                "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
+            )
+
+    def run(self) -> tree.Function:
+        returns = self.block_into(self.scope, self.source.tree.body)
+        if not returns:
+            raise self.source.error(
+                self.source.tree.body[-1],
+                f"{self.shader.name} can end without a result; end every path with `return`",
+            )
+        self.place_declarations()
+        kept = {
+            name: t
+            for name, t in self.parameters.items()
+            if not is_handle(t) or name in self.used_parameters
+        }
+        once = {name for name, found in self.assignments.items() if len(found) == 1}
+        declared = {n for n in once if self.assignments[n][0][1].declares}
+        return tree.Function(
+            name=self.shader.name,
+            parameters=kept,
+            result=self.result,
+            body=self.scope.block,
+            doc=inspect.cleandoc(self.shader.__doc__ or ""),
+            location=self.shader.location,
+            locals=self.locals,
+            constants=frozenset(declared),
+        )
+
+    # --- where variables live --------------------------------------------------------------
+
+    def place_declarations(self) -> None:
+        """Give each variable the innermost block that holds all its uses as its home."""
+        for name, found in self.assignments.items():
+            scopes = [scope for scope, _ in found] + self.uses.get(name, [])
+            home = next(
+                candidate
+                for candidate in scopes[0].chain()
+                if all(candidate in scope.chain() for scope in scopes)
+            )
+            first_scope, first = found[0]
+            if first_scope is home:
+                first.declares = True
+            else:
+                home.block.hoisted[name] = self.locals[name]
+
+    # --- statements -------------------------------------------------------------------------
+
+    def block_into(self, scope: _Scope, statements: list[ast.stmt]) -> bool:
+        """Analyse statements into a scope; whether every path through them leaves it."""
+        outer, self.scope = self.scope, scope
+        leaves = False
+        for node in statements:
+            if leaves:
+                raise self.source.error(node, "nothing gets here; remove it")
+            before = self.source.comments_before(node.lineno)
+            leaves = self.statement(node, before)
+        self.scope = outer
+        return leaves
+
+    def emit(self, statement: tree.Statement) -> None:
+        self.scope.block.statements.append(statement)
+
+    def statement(self, node: ast.stmt, comments: tuple[str, ...]) -> bool:
+        match node:
+            case ast.Expr(ast.Constant(str())):
+                return False
+            case ast.Assign([ast.Name(name)], value):
+                self.assign(node, name, self.expression(value), comments)
+            case ast.AnnAssign(ast.Name(name), _, ast.expr() as value):
+                self.assign(node, name, self.expression(value), comments)
+            case ast.AugAssign(ast.Name(name), operator, value):
+                current = ast.copy_location(ast.Name(name, ast.Load()), node)
+                whole = ast.copy_location(ast.BinOp(current, operator, value), node)
+                self.assign(node, name, self.expression(whole), comments)
+            case ast.If():
+                return self.if_statement(node, comments)
+            case ast.For(ast.Name(), ast.Call(ast.Name("range"), _, []), _, []):
+                self.for_statement(node, comments)
+            case ast.While(orelse=[]):
+                self.while_statement(node, comments)
+            case ast.Break() | ast.Continue():
+                made = tree.Break if isinstance(node, ast.Break) else tree.Continue
+                self.emit(made(comments=comments))
+                return True
+            case ast.Return(ast.expr() as value):
+                result = self.expression(value)
+                self.expect(node, result.type, self.result, "the result")
+                self.emit(tree.Return(result, comments=comments))
+                return True
+            case ast.Pass():
+                return False
+            case _:
+                raise self.source.error(node, _instead_of_statement(node))
+        return False
+
+    def assign(
+        self, node: ast.stmt, name: str, value: tree.Expression, comments: tuple[str, ...]
+    ) -> None:
+        if name in self.parameters:
+            raise self.source.error(node, "a parameter keeps its value; use a new name")
+        if name in self.loop_names:
+            raise self.source.error(node, "a loop's counter is set by the loop alone")
+        if is_handle(value.type):
+            raise self.source.error(node, "a resource is passed on, not assigned")
+        known = self.locals.setdefault(name, value.type)
+        self.expect(node, value.type, known, f"{name}, which is a {named(known)},")
+        statement = tree.Assign(name, value, comments=comments)
+        self.assignments.setdefault(name, []).append((self.scope, statement))
+        self.assigned.add(name)
+        self.emit(statement)
+
+    def if_statement(self, node: ast.If, comments: tuple[str, ...]) -> bool:
+        test = self.condition(node.test)
+        then, otherwise = _Scope(self.scope), _Scope(self.scope)
+        before = set(self.assigned)
+        then_leaves = self.block_into(then, node.body)
+        after_then, self.assigned = self.assigned, set(before)
+        else_leaves = bool(node.orelse) and self.block_into(otherwise, node.orelse)
+        after_else = self.assigned
+        if then_leaves or else_leaves:
+            self.assigned = after_else if then_leaves else after_then
+        else:
+            self.assigned = after_then & after_else
+        self.emit(tree.If(test, then.block, otherwise.block, comments=comments))
+        return then_leaves and else_leaves
+
+    def for_statement(self, node: ast.For, comments: tuple[str, ...]) -> None:
+        assert isinstance(node.target, ast.Name)
+        assert isinstance(node.iter, ast.Call)
+        name = node.target.id
+        bounds = [self.expression(a) for a in node.iter.args]
+        for bound, text in zip(bounds, node.iter.args, strict=True):
+            self.expect(text, bound.type, int, "a bound of range")
+        start = bounds[0] if len(bounds) > 1 else tree.Literal(int, 0)
+        stop = bounds[1] if len(bounds) > 1 else bounds[0]
+        step = bounds[2] if len(bounds) > 2 else tree.Literal(int, 1)
+        if not isinstance(step, tree.Literal) or step.value <= 0:
+            raise self.source.error(node, "the step of a range is a positive number written out")
+        if name in self.parameters or name in self.locals:
+            raise self.source.error(node, f"{name} is a variable already; count with a new name")
+        self.loop_names.add(name)
+        inner = self.loop_body(node, name)
+        self.loop_names.discard(name)
+        self.emit(tree.For(name, start, stop, int(step.value), inner.block, comments=comments))
+
+    def while_statement(self, node: ast.While, comments: tuple[str, ...]) -> None:
+        test = self.condition(node.test)
+        if not _ends(node):
+            raise self.source.error(
+                node.test,
+                "this loop cannot be seen to end; count in it (`k < n and …`, with `k = k + 1` "
+                "last in the body), or write `for k in range(n)` with a `break`",
+            )
+        inner = self.loop_body(node, None)
+        self.emit(tree.While(test, inner.block, comments=comments))
+
+    def loop_body(self, node: ast.For | ast.While, counter: str | None) -> _Scope:
+        inner = _Scope(self.scope)
+        before = set(self.assigned)
+        if counter:
+            self.assigned.add(counter)
+        self.loops += 1
+        self.block_into(inner, node.body)
+        self.loops -= 1
+        self.assigned = before
+        return inner
+
+    # --- expressions ------------------------------------------------------------------------
+
+    def expect(self, node: ast.AST, given: Any, wanted: Any, what: str) -> None:
+        if given != wanted:
+            hint = ""
+            if (given, wanted) == (int, float):
+                hint = "; write 1.0 for 1, or float(…)"
+            raise self.source.error(node, f"{what} is {named(wanted)}, not {named(given)}{hint}")
+
+    def condition(self, node: ast.expr) -> tree.Expression:
+        test = self.expression(node)
+        self.expect(node, test.type, bool, "a condition")
+        return test
+
+    def expression(self, node: ast.expr) -> tree.Expression:
+        match node:
+            case ast.Constant(value):
+                return self.literal(node, value)
+            case ast.Name(name):
+                return self.name(node, name)
+            case ast.UnaryOp():
+                return self.unary(node)
+            case ast.BinOp():
+                return self.binary(node)
+            case ast.BoolOp(operator, values):
+                parts = [self.condition(value) for value in values]
+                word = "and" if isinstance(operator, ast.And) else "or"
+                whole = parts[0]
+                for part in parts[1:]:
+                    whole = tree.Logic(bool, word, whole, part)
+                return whole
+            case ast.Compare():
+                return self.comparison(node)
+            case ast.IfExp(test, then, otherwise):
+                a, b = self.expression(then), self.expression(otherwise)
+                self.expect(otherwise, b.type, a.type, "the other choice")
+                return tree.Select(a.type, self.condition(test), a, b)
+            case ast.Attribute(operand, name):
+                return self.attribute(node, self.expression(operand), name)
+            case ast.Subscript(operand, index):
+                buffer = self.expression(operand)
+                record = buffer_record(buffer.type)
+                if record is None:
+                    raise self.source.error(node, "only a Buffer is indexed; name components")
+                position = self.expression(index)
+                self.expect(index, position.type, int, "an index")
+                return tree.Item(record, buffer, position)
+            case ast.Call():
+                return self.call(node)
+        raise self.source.error(node, _instead_of_expression(node))
+
+    def literal(self, node: ast.AST, value: Any) -> tree.Expression:
+        if type(value) is int and not -(2**31) <= value < 2**31:
+            raise self.source.error(node, "an int has 32 bits; this number has more")
+        if type(value) not in SCALARS:
+            raise self.source.error(node, "numbers and bools only; the subset has no text")
+        return tree.Literal(type(value), value)
+
+    def name(self, node: ast.Name, name: str) -> tree.Expression:
+        if name in self.parameters:
+            self.used_parameters.add(name)
+            return tree.Local(self.parameters[name], name)
+        if name in self.loop_names:
+            return tree.Local(int, name)
+        if name in self.locals:
+            if name not in self.assigned:
+                raise self.source.error(
+                    node, f"{name} has no value on every path to here; set it before the branch"
+                )
+            self.uses.setdefault(name, []).append(self.scope)
+            return tree.Local(self.locals[name], name)
+        value = self.lookup(node, name)
+        if type(value) in SCALARS:
+            return self.literal(node, value)
+        raise self.source.error(
+            node, f"{name} is no number, shader or value here; pass it as a parameter"
+        )
+
+    def lookup(self, node: ast.AST, name: str) -> Any:
+        try:
+            return self.shader.lookup(name)
+        except KeyError:
+            raise self.source.error(node, f"{name} is not known here; define or import it") from None
+
+    def unary(self, node: ast.UnaryOp) -> tree.Expression:
+        operand = self.expression(node.operand)
+        if isinstance(node.op, ast.Not):
+            self.expect(node.operand, operand.type, bool, "what `not` turns")
+            return tree.Unary(bool, "not", operand)
+        number = operand.type in (float, int) or operand.type in VECTORS
+        if not isinstance(node.op, ast.USub) or not number:
+            raise self.source.error(node, "write `-x` of a number or vector, or `not x` of a bool")
+        return tree.Unary(operand.type, "-", operand)
+
+    def binary(self, node: ast.BinOp) -> tree.Expression:
+        left, right = self.expression(node.left), self.expression(node.right)
+        symbol = _BINARY.get(type(node.op))
+        if symbol is None:
+            raise self.source.error(node, "write pow(x, y), or x * x")
+        result = _binary_type(symbol, left, right)
+        if result is None:
+            raise self.source.error(
+                node,
+                f"`{symbol}` does not join {named(left.type)} and {named(right.type)}"
+                + _binary_hint(symbol, left, right),
+            )
+        return tree.Binary(result, symbol, left, right)
+
+    def comparison(self, node: ast.Compare) -> tree.Expression:
+        operands = [self.expression(n) for n in [node.left, *node.comparators]]
+        whole: tree.Expression | None = None
+        for operator, a, b in zip(node.ops, operands, operands[1:], strict=False):
+            symbol = _COMPARE.get(type(operator))
+            same = a.type == b.type and a.type in SCALARS
+            if symbol is None or not same or (a.type is bool and symbol not in ("==", "!=")):
+                raise self.source.error(
+                    node, f"compare two floats or two ints, not {named(a.type)} and {named(b.type)}"
+                )
+            one = tree.Compare(bool, symbol, a, b)
+            whole = one if whole is None else tree.Logic(bool, "and", whole, one)
+        assert whole is not None
+        return whole
+
+    def attribute(self, node: ast.AST, operand: tree.Expression, name: str) -> tree.Expression:
+        t = operand.type
+        if t in VECTORS:
+            component, size = VECTORS[t]
+            indices = swizzle_indices(name, size)
+            if indices is not None:
+                result = _vector_type(component, len(indices))
+                if result is not None:
+                    return tree.Swizzle(result, operand, indices)
+        elif t is Mat3 and name in "xyz" and len(name) == 1:
+            return tree.Swizzle(Vec3, operand, ("xyz".index(name),))
+        elif is_record(t) and name in fields_of(t):
+            return tree.Member(self.program.type_of(fields_of(t)[name]), operand, name)
+        raise self.source.error(node, f"{named(t)} has no field {name}")
+
+    # --- calls --------------------------------------------------------------------------------
+
+    def call(self, node: ast.Call) -> tree.Expression:
+        if not isinstance(node.func, ast.Name):
+            raise self.source.error(node, "call a shader or intrinsic by its plain name")
+        target = self.lookup(node.func, node.func.id)
+        if isinstance(target, Shader):
+            return self.shader_call(node, target)
+        if target in VECTORS or target is Mat3:
+            return self.construct_vector(node, target)
+        if is_record(target):
+            return self.construct_record(node, target)
+        try:
+            intrinsic = BY_FUNCTION[target]
+        except (KeyError, TypeError):
+            raise self.source.error(
+                node, f"{node.func.id} is no shader; mark it with @shader"
+            ) from None
+        arguments = self.positional(node)
+        try:
+            result = intrinsic.rule(tuple(a.type for a in arguments))
+        except TypeError as error:
+            raise self.source.error(node, f"{intrinsic.name} {error}") from None
+        return tree.IntrinsicCall(result, intrinsic.name, arguments)
+
+    def positional(self, node: ast.Call) -> tuple[tree.Expression, ...]:
+        if node.keywords:
+            raise self.source.error(node, "pass these arguments by position")
+        return tuple(self.expression(a) for a in node.args)
+
+    def arguments(self, node: ast.Call, names: list[str]) -> dict[str, ast.expr]:
+        """Arguments by parameter, given by position or by name."""
+        if len(node.args) > len(names) or any(isinstance(a, ast.Starred) for a in node.args):
+            raise self.source.error(node, f"takes {len(names)} arguments: {', '.join(names)}")
+        given = dict(zip(names, node.args, strict=False))
+        for keyword in node.keywords:
+            if keyword.arg not in names or keyword.arg in given:
+                raise self.source.error(node, f"there is no parameter {keyword.arg} left to set")
+            given[keyword.arg] = keyword.value
+        return given
+
+    def shader_call(self, node: ast.Call, target: Shader[..., Any]) -> tree.Expression:
+        function = self.program.function(target)
+        parameters, _ = target.signature
+        given = self.arguments(node, list(parameters))
+        resolved = list(self.program.resolve(target).signature[0])
+        arguments: list[tree.Expression] = []
+        for name, inner in zip(parameters, resolved, strict=True):
+            if name not in given:
+                raise self.source.error(node, f"{target.name} also takes {name}")
+            if inner not in function.parameters:
+                continue  # a resource that the callee never reads
+            argument = self.expression(given[name])
+            self.expect(given[name], argument.type, function.parameters[inner], name)
+            arguments.append(argument)
+        return tree.Call(function.result, function, tuple(arguments))
+
+    def construct_vector(self, node: ast.Call, target: Any) -> tree.Expression:
+        parts = self.positional(node)
+        if target is Mat3:
+            fits = [p.type for p in parts] == [Vec3] * 3
+        else:
+            component, size = VECTORS[target]
+            widths = [_width(p.type, component) for p in parts]
+            fits = 0 not in widths and (sum(widths) == size or widths == [1])
+        if not fits:
+            given = ", ".join(named(p.type) for p in parts)
+            raise self.source.error(node, f"a {named(target)} cannot be made of ({given})")
+        return tree.Construct(target, parts)
+
+    def construct_record(self, node: ast.Call, target: Any) -> tree.Expression:
+        fields = fields_of(target)
+        given = self.arguments(node, list(fields))
+        parts: list[tree.Expression] = []
+        for name, t in fields.items():
+            if name in given:
+                part = self.expression(given[name])
+            elif hasattr(target, name) and type(getattr(target, name)) in SCALARS:
+                part = self.literal(node, getattr(target, name))
+            else:
+                raise self.source.error(node, f"{named(target)} also takes {name}")
+            self.expect(node, part.type, self.program.type_of(t), f"{named(target)}.{name}")
+            parts.append(part)
+        return tree.Construct(target, tuple(parts))
+
+
+# --- rules of the subset ------------------------------------------------------------------------
+
+
+def _width(t: Any, component: Any) -> int:
+    if t is component:
+        return 1
+    kind, size = VECTORS.get(t, (None, 0))
+    return size if kind is component else 0
+
+
+def _vector_type(component: Any, count: int) -> Any:
+    if count == 1:
+        return component
+    return next((t for t, made in VECTORS.items() if made == (component, count)), None)
+
+
+def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> Any:
+    """The type of `left symbol right`, None where they do not go together."""
+    a, b = left.type, right.type
+    if symbol == "@":
+        return Vec3 if (a, b) == (Mat3, Vec3) else None
+    if symbol in ("&", "|", "^", "//", "%"):
+        return int if (a, b) == (int, int) else None
+    if symbol in ("<<", ">>"):
+        fits = isinstance(right, tree.Literal) and 0 <= right.value < 32
+        return int if (a, b) == (int, int) and fits else None
+    whole = a is int or VECTORS.get(a, (None,))[0] is int
+    if symbol == "/" and whole:
+        return None
+    if a == b and (a in (float, int) or a in VECTORS):
+        return a
+    for vector, scalar in ((a, b), (b, a)):
+        if vector in VECTORS and VECTORS[vector][0] is scalar:
+            return vector
+    return None
+
+
+def _binary_hint(symbol: str, left: tree.Expression, right: tree.Expression) -> str:
+    types = {left.type, right.type}
+    if symbol in ("<<", ">>"):
+        return "; shift an int by a number from 0 to 31, written out"
+    if symbol == "/" and types == {int}:
+        return "; write // for whole numbers, or float(a) / float(b)"
+    if symbol in ("//", "%"):
+        return "; of floats take floor(a / b) or fract"
+    if types == {int, float}:
+        return "; write 1.0 for 1, or float(…)"
+    return ""
+
+
+def _ends(node: ast.While) -> bool:
+    """Whether a while loop counts: `k < n` in its condition, `k = k + 1` always done in its body."""
+    tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
+    if isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or):
+        return False
+    counters = {
+        t.left.id
+        for t in tests
+        if isinstance(t, ast.Compare)
+        and isinstance(t.left, ast.Name)
+        and len(t.ops) == 1
+        and isinstance(t.ops[0], ast.Lt | ast.LtE)
+    }
+    if any(isinstance(n, ast.Continue) for n in ast.walk(node)):
+        return False
+    counted = [s for s in node.body if _counts_up(s) in counters]
+    names = [n.id for n in ast.walk(node) if isinstance(n, ast.Name) and not _loaded(n)]
+    return any(names.count(_counts_up(s) or "") == 1 for s in counted)
+
+
+def _loaded(node: ast.Name) -> bool:
+    return isinstance(node.ctx, ast.Load)
+
+
+def _counts_up(statement: ast.stmt) -> str | None:
+    """The name in `k = k + 1` or `k += 1`, with any positive int; else None."""
+    match statement:
+        case ast.Assign([ast.Name(a)], ast.BinOp(ast.Name(b), ast.Add(), ast.Constant(int(n)))):
+            return a if a == b and n > 0 else None
+        case ast.AugAssign(ast.Name(a), ast.Add(), ast.Constant(int(n))):
+            return a if n > 0 else None
+    return None
+
+
+def _instead_of_statement(node: ast.stmt) -> str:
+    match node:
+        case ast.For():
+            return "loop over `range(…)`, without else; the subset has no other iterables"
+        case ast.While():
+            return "a loop has no else here"
+        case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
+            return "assign to one plain name; records and vectors are built anew, not changed"
+        case ast.Return():
+            return "return a value"
+        case ast.FunctionDef() | ast.ClassDef():
+            return "define shaders and records at the top of a file"
+        case ast.Try() | ast.Raise() | ast.Assert():
+            return "the subset has no exceptions; return a record that says so"
+        case ast.Expr():
+            return "an expression alone does nothing; assign or return it"
+    return "this statement is outside the subset: assign, if, for … in range, while, return"
+
+
+def _instead_of_expression(node: ast.expr) -> str:
+    match node:
+        case ast.List() | ast.Tuple() | ast.Dict() | ast.Set():
+            return "the subset has no containers; use Vec2 … Vec4 or a @struct"
+        case ast.Lambda():
+            return "the subset has no closures; write a shader"
+        case ast.ListComp() | ast.GeneratorExp() | ast.DictComp() | ast.SetComp():
+            return "the subset has no comprehensions; write a loop"
+        case ast.JoinedStr():
+            return "the subset has no text"
+    return "this expression is outside the subset"

@@ -1,0 +1,90 @@
+"""Resource handles: the maps and lists that a program reads, as NumPy arrays.
+
+Shaders read them through intrinsics (`corners`, `texel`, `size`, `levels`) and, for a `Buffer`,
+through `len(buffer)` and `buffer[index]`. Engines take the arrays as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Generic, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Edge = Literal["wrap", "clamp"]
+_T = TypeVar("_T")
+
+
+def wrap_index(index: int, count: int, edge: Edge) -> int:
+    """The index of the texel that stands at `index` under an edge policy."""
+    return index % count if edge == "wrap" else min(max(index, 0), count - 1)
+
+
+class _Pyramid:
+    """Levels of one map, the first the largest, each half of the one before, down to one texel."""
+
+    def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge) -> None:
+        if not levels:
+            raise ValueError("a map has at least one level")
+        self.levels = tuple(np.ascontiguousarray(level) for level in levels)
+        self.edge: Edge = edge
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width of the first level, in texels."""
+        height, width = self.levels[0].shape[:2]
+        return height, width
+
+    def texel_index(self, x: int, y: int, level: int) -> tuple[int, int, int]:
+        """Level, row and column that a read lands on."""
+        level = min(max(int(level), 0), len(self.levels) - 1)
+        height, width = self.levels[level].shape[:2]
+        return level, wrap_index(int(y), height, self.edge), wrap_index(int(x), width, self.edge)
+
+
+class HeightField(_Pyramid):
+    """Heights, 0 to 1, as float32: levels of shape (H, W). `edge` says what lies beyond the map."""
+
+    def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap") -> None:
+        super().__init__([np.asarray(level, np.float32) for level in levels], edge)
+
+
+class Texture(_Pyramid):
+    """Four channels as 16-bit fractions of one: levels of shape (H, W, 4), uint16."""
+
+    def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap") -> None:
+        if any(level.dtype != np.uint16 or level.shape[2:] != (4,) for level in levels):
+            raise ValueError("a texture's levels are uint16 arrays of shape (H, W, 4)")
+        super().__init__(levels, edge)
+
+
+class Buffer(Generic[_T]):
+    """A list of records of one type; a program has at most one buffer of each record type."""
+
+    def __init__(self, items: Sequence[_T], record: type[_T] | None = None) -> None:
+        if record is None:
+            if not items:
+                raise ValueError("an empty buffer must be told its record type")
+            record = type(items[0])
+        self.items = tuple(items)
+        self.record: type[_T] = record
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    def __getitem__(self, index: int) -> _T:
+        return self.items[min(max(int(index), 0), len(self.items) - 1)]
+
+
+HANDLES: tuple[type, ...] = (HeightField, Texture)
+
+
+def is_handle(t: Any) -> bool:
+    """Whether t is a resource handle: a map, or `Buffer[Record]`."""
+    return t in HANDLES or getattr(t, "__origin__", None) is Buffer
+
+
+def buffer_record(t: Any) -> type | None:
+    """The record type of a `Buffer[Record]` annotation, else None."""
+    return t.__args__[0] if getattr(t, "__origin__", None) is Buffer else None

@@ -1,0 +1,226 @@
+"""`@shader` and `@slot`: a Python function as a shader, run as it stands or handed to a printer.
+
+Called from Python, a shader runs as the function it is, in the file it is in, so a breakpoint
+stops in it; only its literals and conversions are made 32 bits wide, since Python's own are not.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import copy
+import functools
+import inspect
+import sys
+import textwrap
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import numpy as np
+
+from basrelief.lang.intrinsics import INTRINSICS
+from basrelief.lang.types import ShaderError, coerce
+
+P = ParamSpec("P")
+R = TypeVar("R", covariant=True)
+_running = threading.local()
+
+
+class Shader(Generic[P, R]):
+    """A function of the shader subset. Call it as a plain function, or compile a program of it."""
+
+    def __init__(self, function: Callable[P, R], *, is_slot: bool = False) -> None:
+        self.function = function
+        self.name: str = function.__name__
+        self.is_slot = is_slot
+        functools.update_wrapper(self, function)
+
+    def __repr__(self) -> str:
+        return f"<{'slot' if self.is_slot else 'shader'} {self.__module__}.{self.name}>"
+
+    @functools.cached_property
+    def source(self) -> Source:
+        """The function's syntax tree with its file and lines."""
+        return Source(self.function)
+
+    @functools.cached_property
+    def signature(self) -> tuple[dict[str, Any], Any]:
+        """Parameters by name with their types, and the type of the result."""
+        try:
+            hints = inspect.get_annotations(self.function, eval_str=True)
+        except Exception as error:
+            raise ShaderError(f"{self.location}: {self.name}: an annotation fails: {error}") from None
+        names = list(inspect.signature(self.function).parameters)
+        for name in [*names, "return"]:
+            if name not in hints:
+                what = "result" if name == "return" else f"parameter {name}"
+                raise ShaderError(
+                    f"{self.location}: {self.name}: the {what} has no type; annotate it, "
+                    "for example `x: float` or `-> Vec3`"
+                )
+        return {name: hints[name] for name in names}, hints["return"]
+
+    @property
+    def location(self) -> str:
+        """File and line of the definition."""
+        code = self.function.__code__
+        return f"{code.co_filename}:{code.co_firstlineno}"
+
+    def lookup(self, name: str) -> Any:
+        """What a global or enclosing name stands for; raises KeyError where it is unknown."""
+        closure = inspect.getclosurevars(self.function).nonlocals
+        if name in closure:
+            return closure[name]
+        if name in self.function.__globals__:
+            return self.function.__globals__[name]
+        return vars(__import__("builtins"))[name]
+
+    @functools.cached_property
+    def _plain(self) -> Callable[..., Any]:
+        return _as_32_bits(self)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        if self.is_slot:
+            bound = getattr(_running, "bindings", {}).get(self)
+            if bound is None:
+                raise ShaderError(f"the slot {self.name} is not bound; use `with bound({{...}})`")
+            return bound(*args, **kwargs)  # type: ignore[no-any-return]
+        if getattr(_running, "inside", False):
+            return self._plain(*args, **kwargs)  # type: ignore[no-any-return]
+        given = inspect.signature(self.function).bind(*args, **kwargs)
+        given.apply_defaults()
+        types, _ = self.signature
+        values = [coerce(value, types[name]) for name, value in given.arguments.items()]
+        _running.inside = True
+        try:
+            with np.errstate(all="ignore"):
+                return self._plain(*values)  # type: ignore[no-any-return]
+        finally:
+            _running.inside = False
+
+
+def shader(function: Callable[P, R]) -> Shader[P, R]:
+    """Make a function of the shader subset a shader."""
+    return Shader(function)
+
+
+def slot(function: Callable[P, R]) -> Shader[P, R]:
+    """Declare a shader whose body is chosen when a program is made; the body here is `...`."""
+    return Shader(function, is_slot=True)
+
+
+@contextlib.contextmanager
+def bound(bindings: Mapping[Shader[..., Any], Shader[..., Any]]) -> Iterator[None]:
+    """Bind slots for shaders called as plain Python within the `with` block, in this thread."""
+    before = getattr(_running, "bindings", {})
+    _running.bindings = {**before, **bindings}
+    try:
+        yield
+    finally:
+        _running.bindings = before
+
+
+class Source:
+    """A function's syntax tree, its comments, and how to point at a place in it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.file = function.__code__.co_filename
+        try:
+            lines, first = inspect.getsourcelines(function)
+        except OSError:
+            raise ShaderError(
+                f"{self.file}: {function.__name__}: the source is not to be had; "
+                "write shaders in a file or a notebook cell"
+            ) from None
+        text = "".join(lines)
+        indent = len(text) - len(text.lstrip())
+        self.lines = textwrap.dedent(text).splitlines()
+        self.first = first
+        self.indent = indent
+        tree = ast.parse(textwrap.dedent(text)).body[0]
+        assert isinstance(tree, ast.FunctionDef)
+        self.tree = tree
+        ast.increment_lineno(tree, first - 1)
+
+    def comments_before(self, line: int) -> tuple[str, ...]:
+        """The comment lines that stand directly above a line of the file."""
+        found: list[str] = []
+        index = line - self.first - 1
+        while index >= 0 and self.lines[index].strip().startswith("#"):
+            found.insert(0, self.lines[index].strip().lstrip("# "))
+            index -= 1
+        return tuple(found)
+
+    def error(self, node: ast.AST, message: str) -> ShaderError:
+        """An error that names the file, the line and the text of a node."""
+        line = getattr(node, "lineno", self.first)
+        text = ast.unparse(node).splitlines()[0]
+        return ShaderError(f"{self.file}:{line}: `{text}`: {message}")
+
+
+def _as_32_bits(shader_: Shader[..., Any]) -> Callable[..., Any]:
+    """The same function with literals, conversions and loop counters 32 bits wide."""
+    source = shader_.source
+    rewriting = _Rewriting(shader_)
+    body = rewriting.visit(copy.deepcopy(source.tree))
+    body.decorator_list = []
+    body.returns = None
+    for argument in body.args.args:
+        argument.annotation = None
+    names = list(rewriting.captured)
+    factory = ast.FunctionDef(
+        name="_factory",
+        args=ast.arguments([], [ast.arg(name) for name in names], None, [], [], None, []),
+        body=[body, ast.Return(ast.Name(body.name, ast.Load()))],
+        decorator_list=[],
+    )
+    if sys.version_info >= (3, 12):
+        factory.type_params = []
+    module = ast.fix_missing_locations(ast.Module([factory], []))
+    scope: dict[str, Any] = {}
+    exec(compile(module, source.file, "exec"), shader_.function.__globals__, scope)
+    made: Callable[..., Any] = scope["_factory"](*rewriting.captured.values())
+    made.__defaults__ = shader_.function.__defaults__
+    return made
+
+
+def _int_range(*bounds: Any) -> Iterator[Any]:
+    return map(np.int32, range(*map(int, bounds)))
+
+
+class _Rewriting(ast.NodeTransformer):
+    """Numbers become captured float32 and int32 values; `float`, `int`, `range` … our own."""
+
+    def __init__(self, shader_: Shader[..., Any]) -> None:
+        self.shader = shader_
+        self.captured: dict[str, Any] = {}
+        self.locals = set(shader_.function.__code__.co_varnames)
+
+    def _capture(self, name: str, value: Any, node: ast.AST) -> ast.AST:
+        self.captured[name] = value
+        return ast.copy_location(ast.Name(name, ast.Load()), node)
+
+    def _number(self, value: Any, node: ast.AST) -> ast.AST:
+        wide = np.float32(value) if isinstance(value, float) else np.int32(value)
+        return self._capture(f"_number_{len(self.captured)}", wide, node)
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        return self._number(node.value, node) if type(node.value) in (float, int) else node
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        if node.id in self.locals or not isinstance(node.ctx, ast.Load):
+            return node
+        try:
+            value = self.shader.lookup(node.id)
+        except KeyError:
+            return node
+        if type(value) in (float, int):
+            return self._number(value, node)
+        if value is range:
+            return self._capture("_range", _int_range, node)
+        if any(value is known for known in (float, int, len, min, max)):
+            return self._capture(f"_{node.id}", INTRINSICS[node.id].python, node)
+        if node.id in self.shader.function.__code__.co_freevars:
+            return self._capture(node.id, value, node)
+        return node

@@ -1,0 +1,228 @@
+"""The typed tree: what the front end makes of shaders and the printers read.
+
+Every expression knows its type. Statements know the comments that stood above them, so that a
+printer can keep them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Expression:
+    """Something with a value."""
+
+    type: Any
+
+
+@dataclass(frozen=True)
+class Literal(Expression):
+    value: float | int | bool
+
+
+@dataclass(frozen=True)
+class Local(Expression):
+    """A parameter or a local variable."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Unary(Expression):
+    """`-x` or `not x`."""
+
+    operator: str
+    operand: Expression
+
+
+@dataclass(frozen=True)
+class Binary(Expression):
+    """`+ - * / // % @ & | ^ << >>`; one side may be a scalar where the other is a vector."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Compare(Expression):
+    """`< <= > >= == !=` of two scalars of one type."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Logic(Expression):
+    """`and` or `or` of bools."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Select(Expression):
+    """`then if test else otherwise`."""
+
+    test: Expression
+    then: Expression
+    otherwise: Expression
+
+
+@dataclass(frozen=True)
+class Swizzle(Expression):
+    """Components of a vector by index, or one column of a matrix."""
+
+    operand: Expression
+    indices: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Member(Expression):
+    """A field of a record."""
+
+    operand: Expression
+    name: str
+
+
+@dataclass(frozen=True)
+class Construct(Expression):
+    """A vector, matrix or record from its parts; a vector of one scalar is spread."""
+
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class IntrinsicCall(Expression):
+    name: str
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class Call(Expression):
+    """A call of another shader of the program, by its unique name."""
+
+    function: Function
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class Item(Expression):
+    """`buffer[index]`, the index held to the buffer."""
+
+    buffer: Expression
+    index: Expression
+
+
+@dataclass
+class Statement:
+    """Something done; `comments` stood above it in the source."""
+
+    comments: tuple[str, ...] = field(default=(), kw_only=True)
+
+
+@dataclass
+class Assign(Statement):
+    """`name = value`; `declares` where this is the first assignment, in the variable's own block."""
+
+    name: str
+    value: Expression
+    declares: bool = False
+
+
+@dataclass
+class If(Statement):
+    test: Expression
+    body: Block
+    otherwise: Block
+
+
+@dataclass
+class For(Statement):
+    """`for name in range(start, stop, step)`, step a positive literal."""
+
+    name: str
+    start: Expression
+    stop: Expression
+    step: int
+    body: Block
+
+
+@dataclass
+class While(Statement):
+    test: Expression
+    body: Block
+
+
+@dataclass
+class Break(Statement):
+    pass
+
+
+@dataclass
+class Continue(Statement):
+    pass
+
+
+@dataclass
+class Return(Statement):
+    value: Expression
+
+
+@dataclass
+class Block:
+    """Statements in order, and the variables that are declared when it is entered."""
+
+    statements: list[Statement] = field(default_factory=list)
+    hoisted: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Function:
+    """One shader, typed: unique name, parameters, locals, body, docstring."""
+
+    name: str
+    parameters: dict[str, Any]
+    result: Any
+    body: Block
+    doc: str
+    location: str
+    locals: dict[str, Any] = field(default_factory=dict)
+    constants: frozenset[str] = frozenset()
+    """Locals that are assigned once, where they are declared."""
+
+
+@dataclass(eq=False)
+class Module:
+    """A whole program: functions in an order in which each comes after those it calls."""
+
+    functions: list[Function]
+    entry: Function
+
+    @property
+    def handles(self) -> dict[str, Any]:
+        """The resource parameters of the entry, by name."""
+        from basrelief.lang.resources import is_handle
+
+        return {n: t for n, t in self.entry.parameters.items() if is_handle(t)}
+
+
+def contains(block: Block, *kinds: type[Statement]) -> bool:
+    """Whether a block holds a statement of these kinds; `break` and `continue` of inner loops
+    are their own affair."""
+    for statement in block.statements:
+        if isinstance(statement, kinds):
+            return True
+        inner = tuple(k for k in kinds if k not in (Break, Continue))
+        match statement:
+            case If(_, body, otherwise):
+                if contains(body, *kinds) or contains(otherwise, *kinds):
+                    return True
+            case For(body=body) | While(body=body):
+                if inner and contains(body, *inner):
+                    return True
+    return False

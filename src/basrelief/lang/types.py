@@ -1,0 +1,140 @@
+"""The types of the shader subset, and records.
+
+A type *is* its Python class: `float`, `int`, `bool`, `Vec2` … `Mat3`, a record made by `@struct`,
+or a resource handle. This module answers what they are made of.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Iterator
+from typing import Any, TypeVar, dataclass_transform
+
+import numpy as np
+
+from basrelief.errors import BasreliefError
+from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+
+VECTORS: dict[type, tuple[type, int]] = {
+    Vec2: (float, 2),
+    Vec3: (float, 3),
+    Vec4: (float, 4),
+    IVec2: (int, 2),
+}
+SCALARS: tuple[type, ...] = (float, int, bool)
+_FIELDS = "__shader_fields__"
+_T = TypeVar("_T")
+
+
+class ShaderError(BasreliefError):
+    """Source that is outside the shader subset: file, line, the offending text, what to write."""
+
+
+def setting(
+    default: Any, doc: str, *, low: float | None = None, high: float | None = None
+) -> Any:
+    """A record's field with its default, its meaning and the range a user may choose from.
+
+    `low` and `high` are inclusive; None leaves that side open. Ranges are checked by
+    `check_settings`, not when a shader builds a record.
+    """
+    return dataclasses.field(default=default, metadata={"doc": doc, "low": low, "high": high})
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(setting,))
+def struct(cls: type[_T]) -> type[_T]:
+    """Make a record of a class with annotated fields: frozen, its values held as float32, int32."""
+    made: Any = dataclasses.dataclass(frozen=True)(cls)
+    names = {f.name: f.type for f in dataclasses.fields(made)}
+    module = vars(sys.modules[cls.__module__])
+    fields = {}
+    for name, annotation in names.items():
+        fields[name] = (
+            eval(annotation, module, dict(vars(cls)))
+            if isinstance(annotation, str)
+            else annotation
+        )
+    setattr(made, _FIELDS, fields)
+
+    def coerce_fields(self: Any) -> None:
+        for name, wanted in fields.items():
+            object.__setattr__(self, name, coerce(getattr(self, name), wanted))
+
+    made.__post_init__ = coerce_fields
+    return made  # type: ignore[no-any-return]
+
+
+class TypeSlot:
+    """A type that is known once the slots are bound; subclass it to name it.
+
+    A slot may use it for one parameter; the shader bound to that slot decides what it is.
+    """
+
+
+def is_record(t: Any) -> bool:
+    """Whether t was made by `@struct`."""
+    return isinstance(t, type) and _FIELDS in vars(t)
+
+
+def fields_of(t: type) -> dict[str, type]:
+    """A record's fields in order: name to type."""
+    return vars(t)[_FIELDS]  # type: ignore[no-any-return]
+
+
+def leaves(t: type, name: str = "") -> Iterator[tuple[str, type]]:
+    """The scalars that make up a value of type t, in order: dotted name and float, int or bool."""
+    if t in SCALARS:
+        yield name, t
+        return
+    if t in VECTORS:
+        component, size = VECTORS[t]
+        parts: dict[str, type] = dict.fromkeys("xyzw"[:size], component)
+    elif t is Mat3:
+        parts = dict.fromkeys("xyz", Vec3)
+    else:
+        parts = fields_of(t)
+    for part, part_type in parts.items():
+        yield from leaves(part_type, f"{name}.{part}" if name else part)
+
+
+def leaf_values(value: Any, t: type) -> Iterator[Any]:
+    """The scalars of a value, in the order of `leaves`."""
+    if t in SCALARS:
+        yield value
+    elif t in VECTORS:
+        yield from value
+    else:
+        parts = dict.fromkeys("xyz", Vec3) if t is Mat3 else fields_of(t)
+        for part, part_type in parts.items():
+            yield from leaf_values(getattr(value, part), part_type)
+
+
+def from_leaves(values: Iterator[Any], t: type) -> Any:
+    """Build a value of type t from its scalars, in the order of `leaves`."""
+    if t in SCALARS:
+        return coerce(next(values), t)
+    if t in VECTORS:
+        return t(*(next(values) for _ in range(VECTORS[t][1])))
+    parts = dict.fromkeys("xyz", Vec3) if t is Mat3 else fields_of(t)
+    return t(*(from_leaves(values, part_type) for part_type in parts.values()))
+
+
+def coerce(value: Any, t: Any) -> Any:
+    """The value as the subset holds it: float32, int32 or bool; others must be of the type."""
+    if t is float:
+        return np.float32(value)
+    if t is int:
+        return np.int32(value)
+    if t is bool:
+        return bool(value)
+    if t in VECTORS and not isinstance(value, t):
+        return t(*value)
+    if isinstance(t, type) and not issubclass(t, TypeSlot) and not isinstance(value, t):
+        raise TypeError(f"expected {t.__name__}, not {type(value).__name__}")
+    return value
+
+
+def type_name(t: Any) -> str:
+    """How messages name a type."""
+    return getattr(t, "__name__", str(t))
