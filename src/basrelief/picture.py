@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from basrelief.errors import InputError
 
 __all__ = [
+    "LOSSY",
     "READABLE",
     "WRITABLE",
     "Picture",
@@ -35,10 +36,12 @@ __all__ = [
     "write_picture",
 ]
 
-READABLE = frozenset(
-    (".bmp", ".dds", ".dpx", ".exr", ".gif", ".hdr", ".jfif", ".jp2", ".jpeg", ".jpg", ".jxl")
-    + (".pbm", ".pfm", ".pgm", ".png", ".pnm", ".ppm", ".psd", ".sgi", ".tga", ".tif", ".tiff")
-    + (".tx", ".webp")
+LOSSY = frozenset({".jfif", ".jp2", ".jpeg", ".jpg", ".webp"})
+"""Suffixes of formats that usually lose something."""
+
+READABLE = LOSSY | frozenset(
+    {".bmp", ".dds", ".dpx", ".exr", ".gif", ".hdr", ".jxl", ".pbm", ".pfm", ".pgm", ".png"}
+    | {".pnm", ".ppm", ".psd", ".sgi", ".tga", ".tif", ".tiff", ".tx"}
 )
 """Suffixes that are taken for pictures when a folder is searched."""
 

@@ -1,1 +1,7 @@
+"""Materials: from files, by the conventions of their makers, or procedural."""
 
+from basrelief.material.load import load
+from basrelief.material.material import MAPS, Map, Material, Note
+from basrelief.material.samples import SAMPLES, sample
+
+__all__ = ["MAPS", "SAMPLES", "Map", "Material", "Note", "load", "sample"]

@@ -1,0 +1,221 @@
+"""What a texture's file name says about it.
+
+Names are cut into words at `_`, `-`, `.`, spaces, changes of case and numbers; resolutions and
+file formats are dropped. The last words that are known decide, so `rough_wood_diff_1k` is a base
+colour. Covered are the habits of ambientCG, Poly Haven, Substance, Unity, Unreal, Megascans and
+Blender users, and the usual packed maps.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+Green = Literal["gl", "dx"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One map that a file holds: its name, the channel it lies in ("" for its own), its sense."""
+
+    map: str
+    channel: str = ""
+    inverted: bool = False
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a file holds, by its name.
+
+    No `parts`: a picture that is not used. `second` marks a second choice beside a better name.
+    `green` is the direction of a normal map's green, where the name gives it. `bump` marks a name
+    that some use for heights and others for normals.
+    """
+
+    parts: tuple[Part, ...]
+    second: bool = False
+    green: Green | None = None
+    bump: bool = False
+
+
+@dataclass(frozen=True)
+class Name:
+    """A file name taken apart: the words before the part that is known, and its meaning."""
+
+    words: tuple[str, ...]
+    prefix: tuple[str, ...]
+    meaning: Meaning | None
+
+
+def _one(map: str, *, inverted: bool = False, second: bool = False) -> Meaning:
+    return Meaning((Part(map, inverted=inverted),), second=second)
+
+
+def _packed(**channels: str) -> Meaning:
+    """`_packed(r="occlusion")`; "gloss" stands for an inverted roughness."""
+    return Meaning(
+        tuple(
+            Part("roughness", channel, inverted=True) if map == "gloss" else Part(map, channel)
+            for channel, map in channels.items()
+        )
+    )
+
+
+_NORMAL_HEIGHT = Meaning((Part("normal"), Part("height", "a")))
+_COLOR_OPACITY = Meaning((Part("base_color"), Part("opacity", "a")))
+_ORM = _packed(r="occlusion", g="roughness", b="metallic")
+_RMA = _packed(r="roughness", g="metallic", b="occlusion")
+_MRAO = _packed(r="metallic", g="roughness", b="occlusion")
+_METAL_ROUGH = _packed(g="roughness", b="metallic")
+_METAL_GLOSS = _packed(r="metallic", a="gloss")
+_MASK_MAP = _packed(r="metallic", g="occlusion", a="gloss")
+_UNUSED = Meaning(())
+
+_SPELLINGS: Mapping[str, Meaning] = {
+    "albedo alb basecolor basecolour basecol base color colour col maintex": _one("base_color"),
+    "diffuse diff dif": _one("base_color", second=True),
+    "normal normals nor norm nrm nrml nml": _one("normal"),
+    "height heights hgt displacement displace displ disp dis parallax relief elevation": _one(
+        "height"
+    ),
+    "bump bmp": Meaning((Part("height"),), second=True, bump=True),
+    "depth dpt cavitydepth parallaxdepth": _one("height", inverted=True, second=True),
+    "occlusion ambientocclusion ambientocc ao mixedao occ": _one("occlusion"),
+    "roughness rough rgh": _one("roughness"),
+    "gloss glossiness smoothness": _one("roughness", inverted=True, second=True),
+    "metallic metalness metal metall metalic mtl": _one("metallic"),
+    "emission emissive emit emissivecolor emissioncolor glow": _one("emission"),
+    "opacity alpha transparency cutout": _one("opacity"),
+    "normalheight normalh nh nrmh normaldisplacement normaldisp": _NORMAL_HEIGHT,
+    "albedotransparency albedoalpha albedoopacity coloropacity coloralpha": _COLOR_OPACITY,
+    "basecoloralpha basecoloropacity diffusealpha": _COLOR_OPACITY,
+    "orm arm aorm occlusionroughnessmetallic occlusionroughnessmetalness": _ORM,
+    "aoroughnessmetallic aoroughmetal aoroughnessmetalness": _ORM,
+    "rma rmao roughnessmetallicao roughnessmetallicocclusion": _RMA,
+    "mra mrao metallicroughnessao metallicroughnessocclusion": _MRAO,
+    "metallicroughness metalroughness metalrough metalnessroughness": _METAL_ROUGH,
+    "metallicsmoothness metallicgloss metalsmoothness metallicglossiness": _METAL_GLOSS,
+    "specular spec specularlevel reflection refl ior f0 sss subsurface scattering": _UNUSED,
+    "translucency translucent transmission thickness curvature cavity id detail": _UNUSED,
+    "anisotropy anisotropic sheen fuzz clearcoat coat position worldnormal bentnormal": _UNUSED,
+    "preview previews thumb thumbnail render rendered renders sphere screenshot": _UNUSED,
+}
+
+
+def _table() -> dict[str, Meaning]:
+    """Each spelling alone and with "map" or "tex" behind it; "mask" alone would say too little."""
+    table = {"maskmap": _MASK_MAP}
+    for spellings, meaning in _SPELLINGS.items():
+        for spelling in spellings.split():
+            for suffix in ("", "map", "tex", "texture"):
+                table[spelling + suffix] = meaning
+    return table
+
+
+_MEANINGS = _table()
+
+_UNREAL = dict(
+    d="color", bc="color", n="normal", h="height", r="roughness", m="metallic", e="emission"
+)
+"""Last letters of names that begin with T_, after Epic's naming guide."""
+
+_GREEN: Mapping[str, Green] = dict(gl="gl", ogl="gl", opengl="gl", dx="dx", directx="dx")
+_INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
+_LONGEST = 4
+
+_WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+[kK](?![a-z])|\d+")
+_SIZES = re.compile(
+    r"(?<![A-Za-z0-9])(\d{2,5}[xX]\d{2,5}|\d+[- ]?bits?|\d+K)(?![a-z0-9])", re.IGNORECASE
+)
+_FORMATS = frozenset({"jpg", "jpeg", "png", "tif", "tiff", "exr", "tga"})
+_RESOLUTIONS = frozenset(str(2**power) for power in range(7, 15))
+
+
+def words(stem: str) -> tuple[str, ...]:
+    """The words of a file name without its suffix, lower case, sizes and formats left out."""
+    text = re.sub(r"(?i)d3d", "Directx", _SIZES.sub(" ", stem))
+    return tuple(
+        word.lower()
+        for word in _WORD.findall(text)
+        if word.lower() not in _FORMATS and word not in _RESOLUTIONS
+    )
+
+
+def read_name(stem: str) -> Name:
+    """What one file name says by itself."""
+    return _read(words(stem))
+
+
+def read_names(stems: Iterable[str]) -> dict[str, Name]:
+    """What the names of one folder say together.
+
+    The words that all of them begin with name the material, not the map: beside
+    `rusty_metal_normal`, `rusty_metal` is no metal map. They are set aside, unless that would take
+    their meaning from more names than the one that is nothing but these words.
+    """
+    all_words = {stem: words(stem) for stem in stems}
+    alone = {stem: _read(each) for stem, each in all_words.items()}
+    shared = _shared_prefix(list(all_words.values()))
+    within: dict[str, Name] = {}
+    for stem, each in all_words.items():
+        rest = _read(each[len(shared) :])
+        within[stem] = Name(each, shared + rest.prefix, rest.meaning)
+    robbed = [stem for stem in within if alone[stem].meaning and not within[stem].meaning]
+    bare = len(robbed) == 1 and all_words[robbed[0]] == shared
+    others = any(name.meaning and name.meaning.parts for name in within.values())
+    return within if not robbed or (bare and others) else alone
+
+
+def _shared_prefix(names: list[tuple[str, ...]]) -> tuple[str, ...]:
+    if len(names) < 2:
+        return ()
+    count = 0
+    for column in zip(*names, strict=False):
+        if len(set(column)) > 1:
+            break
+        count += 1
+    return names[0][:count]
+
+
+def _read(name: tuple[str, ...]) -> Name:
+    """Look for the last run of words that is known, the longest first."""
+    if len(name) > 2 and name[0] == "t" and name[-1] in _UNREAL:
+        return Name(name, name[:-1], _MEANINGS[_UNREAL[name[-1]]])
+    for end in range(len(name), 0, -1):
+        for start in range(max(end - _LONGEST, 0), end):
+            meaning = _MEANINGS.get("".join(name[start:end])) or _with_green(name[start:end])
+            if meaning is not None:
+                prefix, tail = name[:start], name[end:]
+                return Name(name, prefix, _qualified(meaning, prefix[-1:] + tail))
+    return Name(name, name, None)
+
+
+def _with_green(name: tuple[str, ...]) -> Meaning | None:
+    """Words written together, such as "normalgl"."""
+    for spelling, green in _GREEN.items():
+        stem = "".join(name).removesuffix(spelling)
+        if stem != "".join(name) and stem in _MEANINGS:
+            meaning = _MEANINGS[stem]
+            if any(part.map == "normal" for part in meaning.parts):
+                return replace(meaning, green=green)
+    return None
+
+
+def _qualified(meaning: Meaning, around: tuple[str, ...]) -> Meaning:
+    """Add what the neighbouring words say: the direction of green, or that values are inverted."""
+    if any(part.map == "normal" for part in meaning.parts):
+        for word in around:
+            meaning = replace(meaning, green=meaning.green or _GREEN.get(word))
+    if any(word in _INVERTED for word in around):
+        meaning = replace(
+            meaning,
+            parts=tuple(
+                replace(part, inverted=not part.inverted)
+                if part.map in ("height", "roughness")
+                else part
+                for part in meaning.parts
+            ),
+        )
+    return meaning

@@ -1,0 +1,123 @@
+"""The ground that patterns are drawn on: a periodic square or strip, and periodic noise.
+
+x runs from 0 to 1 across the picture, y downwards in the same unit, so a picture twice as high as
+wide has y from 0 to 2. Everything repeats at the edges. Each draw of random numbers has a name of
+its own and does not depend on the picture's size: a larger picture shows the same pattern, finer.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Plane = NDArray[np.float32]
+"""One number per texel, (height, width)."""
+
+Color = tuple[float, float, float]
+"""Red, green, blue as sRGB code values, 0 to 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """What a pattern draws; the rest is derived. Planes are (height, width).
+
+    `height` is any float range; `color` (height, width, 3) are sRGB values 0 to 1; `roughness` and
+    `metallic` 0 to 1. `depth` and `tile`, in metres, are the full height range and the width.
+    """
+
+    height: Plane
+    color: NDArray[np.float32]
+    roughness: Plane
+    depth: float
+    tile: float
+    metallic: Plane | None = None
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """A periodic picture of `height` × `width` texels, and its `seed`."""
+
+    height: int
+    width: int
+    seed: int
+
+    @cached_property
+    def x(self) -> Plane:
+        """Texel centres, (1, width), 0 to 1."""
+        return ((np.arange(self.width, dtype=np.float32) + np.float32(0.5)) / self.width)[None, :]
+
+    @cached_property
+    def y(self) -> Plane:
+        """Texel centres, (height, 1), 0 to height/width."""
+        return ((np.arange(self.height, dtype=np.float32) + np.float32(0.5)) / self.width)[:, None]
+
+    def rows(self, columns: int, *, even: bool = False) -> int:
+        """How many rows of about square cells fit, when `columns` fit across."""
+        step = 2 if even else 1
+        return max(step, step * round(columns * self.height / self.width / step))
+
+    def random(self, name: str) -> np.random.Generator:
+        """Random numbers of their own for each name."""
+        return np.random.default_rng([self.seed, zlib.crc32(name.encode())])
+
+    def noise(self, name: str, cells: int, *, octaves: int = 1, gain: float = 0.5) -> Plane:
+        """Smooth periodic noise, mean 0 and standard deviation about 1.
+
+        A cubic B-spline through random values on a lattice of `cells` across; each further octave
+        has twice the cells and `gain` times the weight. Octaves finer than two texels are left
+        out, so that a small picture is a smooth version of a large one.
+        """
+        total = np.zeros((self.height, self.width), np.float64)
+        for octave in range(octaves):
+            across = cells << octave
+            if octave and across > self.width // 2:
+                break
+            down = self.rows(across)
+            lattice = self.random(f"{name} {octave}").uniform(-1, 1, (down, across))
+            vertical = _spline(self.height, down)
+            total += gain**octave * (vertical @ lattice @ _spline(self.width, across).T)
+        weight = sum(gain ** (2 * octave) for octave in range(octaves))
+        return (total * (_TO_UNIT_DEVIATION / weight**0.5)).astype(np.float32)
+
+
+_TO_UNIT_DEVIATION = 3**0.5 / 0.4794
+"""Uniform −1…1 deviates by 1/√3; a cubic B-spline keeps 151/315 of the variance per axis."""
+
+
+def _spline(texels: int, cells: int) -> NDArray[np.float64]:
+    """Weights (texels, cells) of a periodic uniform cubic B-spline at the texel centres."""
+    at = (np.arange(texels) + 0.5) / texels * cells
+    cell = np.floor(at).astype(int)
+    t = at - cell
+    pieces = ((1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3)
+    weights = np.zeros((texels, cells))
+    for offset, piece in zip((-1, 0, 1, 2), pieces, strict=True):
+        np.add.at(weights, (np.arange(texels), (cell + offset) % cells), piece / 6)
+    return weights
+
+
+def smoothstep(low: float, high: float, values: Any) -> Plane:
+    """0 below `low`, 1 above `high`, and a smooth S between them."""
+    t = np.clip((values - np.float32(low)) / np.float32(high - low), 0, 1)
+    curve: Plane = (t * t * (3 - 2 * t)).astype(np.float32)
+    return curve
+
+
+def mix(one: Any, other: Any, share: Any) -> NDArray[np.float32]:
+    """`one` where `share` is 0, `other` where it is 1; planes are shared over the colours."""
+    one, other, share = (np.asarray(each, np.float32) for each in (one, other, share))
+    if share.ndim == 2 and (one.shape[-1:] == (3,) or other.shape[-1:] == (3,)):
+        share = share[:, :, None]
+    mixed: NDArray[np.float32] = one + (other - one) * share
+    return mixed
+
+
+def shade(color: NDArray[np.float32], factor: Any) -> NDArray[np.float32]:
+    """Colours made lighter or darker by a plane of factors."""
+    shaded: NDArray[np.float32] = color * np.asarray(factor, np.float32)[:, :, None]
+    return shaded

@@ -1,0 +1,106 @@
+"""Procedural samples: materials with all their maps, seamless, from a seed.
+
+The same name, size and seed give the same maps on one machine; between machines single codes may
+differ by one, since elementary functions are rounded differently.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.errors import InputError
+from basrelief.material.material import Map, Material, Note
+from basrelief.material.patterns import PATTERNS, Canvas, Relief
+
+SAMPLES = tuple(PATTERNS)
+"""The names that `sample` knows."""
+
+LARGEST = 16384
+
+
+def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Material:
+    """Draw a procedural material: base colour, normal, height, occlusion, roughness, some metallic.
+
+    `size` is a side, or (height, width), in texels; the pattern keeps its proportions, and a
+    larger picture shows the same stones, finer. All maps repeat without a seam. Heights and
+    normals have 16 bits. `depth` and `tile` are set, and the normals fit their `scale`.
+    Raises InputError for an unknown name, or a size that is not 1 to 16384.
+    """
+    if name not in PATTERNS:
+        raise InputError(f"there is no sample {name!r}; choose one of {', '.join(SAMPLES)}")
+    height, width = (size, size) if isinstance(size, int) else size
+    if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
+        raise InputError(f"sample {name}: a side has 1 to {LARGEST} texels, not {height}×{width}")
+    if seed < 0:
+        raise InputError(f"sample {name}: a seed is a whole number from 0 up, not {seed}")
+    relief = PATTERNS[name](Canvas(height, width, seed))
+    return _material(name, seed, relief)
+
+
+def _material(name: str, seed: int, relief: Relief) -> Material:
+    heights = _to_unit(relief.height)
+    scale = relief.depth / relief.tile
+
+    def map_of(kind: str, values: NDArray[Any], bits: int = 8, srgb: bool = False) -> Map:
+        return Map(_codes(values, bits), srgb, f"sample {name}, {kind}")
+
+    shadow = occlusion(heights, scale)
+    return Material(
+        name,
+        base_color=map_of("base colour", relief.color, srgb=True),
+        normal=map_of("normal", normals(heights, scale) * 0.5 + 0.5, bits=16),
+        height=map_of("height", heights[:, :, None], bits=16),
+        occlusion=map_of("occlusion", shadow[:, :, None]),
+        roughness=map_of("roughness", relief.roughness[:, :, None]),
+        metallic=None
+        if relief.metallic is None
+        else map_of("metallic", relief.metallic[:, :, None]),
+        depth=relief.depth,
+        tile=relief.tile,
+        notes=(Note(f"procedural sample {name}", f"drawn from seed {seed}"),),
+    )
+
+
+def normals(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
+    """Unit normals (h, w, 3), x right, y up in the picture, of periodic heights (h, w) in 0…1.
+
+    `scale` is the full height range as a fraction of the picture's width. Central differences.
+    """
+    per_texel = heights * (scale * heights.shape[1] / 2)
+    rise_right = np.roll(per_texel, -1, axis=1) - np.roll(per_texel, 1, axis=1)
+    rise_up = np.roll(per_texel, 1, axis=0) - np.roll(per_texel, -1, axis=0)
+    length = np.sqrt(rise_right * rise_right + rise_up * rise_up + 1)
+    return np.stack([-rise_right / length, -rise_up / length, 1 / length], 2).astype(np.float32)
+
+
+def occlusion(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
+    """How open each texel is, 0 to 1, (h, w): how far its surroundings rise above it, in four sizes.
+
+    Not a ray-traced occlusion but a picture of one: the mean height around a texel, less its own,
+    over the radius, is the slope under which the surroundings stand.
+    """
+    width = heights.shape[1]
+    spectrum = np.fft.rfft2(heights)
+    along_y = np.fft.fftfreq(heights.shape[0])[:, None] ** 2
+    along_x = np.fft.rfftfreq(width)[None, :] ** 2
+    closed = np.zeros_like(heights, dtype=np.float64)
+    for radius in (1 / 256, 1 / 128, 1 / 64, 1 / 32):
+        blur = np.exp(-2 * (np.pi * radius * width) ** 2 * (along_x + along_y))
+        mean = np.fft.irfft2(spectrum * blur, s=heights.shape)
+        closed += np.maximum(mean - heights, 0) * scale / radius
+    return (1 / (1 + 0.6 * closed)).astype(np.float32)
+
+
+def _to_unit(values: NDArray[Any]) -> NDArray[np.float64]:
+    values = values.astype(np.float64)
+    low, high = values.min(), values.max()
+    return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
+
+
+def _codes(values: NDArray[Any], bits: int) -> NDArray[Any]:
+    most = 2**bits - 1
+    codes: NDArray[Any] = np.rint(np.clip(values, 0, 1) * most)
+    return codes.astype(np.uint8 if bits == 8 else np.uint16)
