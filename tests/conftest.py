@@ -1,0 +1,111 @@
+"""What all tests share: the GPU adapter, the rock material, and the rule that CI skips nothing.
+
+On CI (the variable `CI` is set) a skip that `allowed_skips.txt` does not list is a failure, so a
+missing driver or file cannot pass for success.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+TESTS = Path(__file__).parent
+ROCK058 = TESTS.parent.parent / "shared" / "data" / "Rock058_1K-JPG"
+
+# How long an example takes says more about the machine's other work than about the code.
+settings.register_profile("unhurried", deadline=None)
+settings.load_profile("unhurried")
+
+
+# --- skips --------------------------------------------------------------------------------------
+
+
+@functools.cache
+def allowed_skips() -> frozenset[str]:
+    """The listed node ids; each stands for all its parameters."""
+    listed = TESTS / "allowed_skips.txt"
+    lines = listed.read_text().splitlines() if listed.exists() else []
+    return frozenset(line.split()[0] for line in lines if line.strip() and line[0] != "#")
+
+
+def _fail_unexpected_skip(report: Any) -> None:
+    """Turn the report of a skip into that of a failure where skips are not welcome."""
+    if not os.environ.get("CI") or not report.skipped or hasattr(report, "wasxfail"):
+        return
+    if report.nodeid.split("[")[0] in allowed_skips():
+        return
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+    report.outcome = "failed"
+    report.longrepr = (
+        f"skipped on CI ({reason}); mend what is missing, or list it in tests/allowed_skips.txt"
+    )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Iterator[None]:
+    report = yield
+    _fail_unexpected_skip(report)
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Iterator[None]:
+    report = yield
+    _fail_unexpected_skip(report)
+    return report
+
+
+# --- the GPU ------------------------------------------------------------------------------------
+
+
+@functools.cache
+def find_adapter() -> Any:
+    """The WebGPU adapter that tests run on, or the reason why there is none."""
+    try:
+        import wgpu
+    except ImportError:
+        return "wgpu is not installed; pip install 'basrelief[gpu]'"
+    try:
+        return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
+    except (RuntimeError, OSError) as error:
+        return f"no WebGPU adapter: {error}"
+
+
+def pytest_report_header() -> str:
+    adapter = find_adapter()
+    return f"gpu: {adapter if isinstance(adapter, str) else adapter.summary}"
+
+
+@pytest.fixture(scope="session")
+def gpu_adapter() -> Any:
+    """A WebGPU adapter; on CI the software one, on which expected values were made."""
+    adapter = find_adapter()
+    if isinstance(adapter, str):
+        pytest.skip(adapter)
+    if os.environ.get("CI"):
+        assert "llvmpipe" in adapter.summary, f"CI tests run on llvmpipe, not {adapter.summary}"
+    return adapter
+
+
+@pytest.fixture(autouse=True)
+def _gpu_where_marked(request: pytest.FixtureRequest) -> None:
+    """Tests marked `gpu` run only where there is an adapter."""
+    if request.node.get_closest_marker("gpu"):
+        request.getfixturevalue("gpu_adapter")
+
+
+# --- materials ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def rock058() -> Path:
+    """The folder of ambientCG's Rock058, which stands beside the repository, not in it."""
+    if not ROCK058.is_dir():
+        pytest.skip(f"Rock058_1K-JPG from ambientCG is not in {ROCK058.parent}")
+    return ROCK058
