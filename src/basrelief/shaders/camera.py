@@ -1,0 +1,73 @@
+"""Primary rays: from a place in the picture to a ray in the world, with its derivatives.
+
+The world is right-handed with y up. Places in the picture are in pixels, x to the right, y down,
+(0, 0) the top left corner of the picture, pixel centres at + ½. `basrelief.cameras` works out a
+camera's fields from where it stands and what it looks at.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import Vec2, Vec3, dot, shader, sqrt, struct
+
+
+@struct
+class Camera:
+    """A camera as the shaders need it; lengths in world units.
+
+    `corner + right · x + down · y` leads to the place (x, y) of the picture: in perspective
+    (1) it is the direction of the ray from `position`, one unit deep along `forward`; in
+    orthographic projection (0) it is where the ray starts, from `position`, and lies across
+    `forward`.
+    """
+
+    position: Vec3
+    corner: Vec3
+    right: Vec3
+    down: Vec3
+    forward: Vec3
+    perspective: float
+
+
+@struct
+class CameraRay:
+    """A ray and how it changes from one pixel to the next: `_dx` to the right, `_dy` downwards.
+
+    `direction` is of unit length; its derivatives are those of the unit vector, per pixel.
+    """
+
+    origin: Vec3
+    direction: Vec3
+    origin_dx: Vec3
+    origin_dy: Vec3
+    direction_dx: Vec3
+    direction_dy: Vec3
+
+
+@shader
+def primary_ray(camera: Camera, sample: Vec2) -> CameraRay:
+    """The ray through a place of the picture, in pixels, and its analytic derivatives.
+
+    After H. Igehy, Tracing Ray Differentials, 1999.
+    """
+    parallel = 1.0 - camera.perspective
+    spanned = camera.corner + camera.right * sample.x + camera.down * sample.y
+    towards = spanned * camera.perspective + camera.forward * parallel
+    scale = 1.0 / sqrt(dot(towards, towards))
+    direction = towards * scale
+    return CameraRay(
+        origin=camera.position + spanned * parallel,
+        direction=direction,
+        origin_dx=camera.right * parallel,
+        origin_dy=camera.down * parallel,
+        direction_dx=change_of_unit(direction, camera.right * (camera.perspective * scale)),
+        direction_dy=change_of_unit(direction, camera.down * (camera.perspective * scale)),
+    )
+
+
+@shader
+def change_of_unit(unit: Vec3, change: Vec3) -> Vec3:
+    """The change of a normalised vector, given the vector's own ÷ its length: the part across it.
+
+    Igehy's equation 8 after taking |d| out: d/dx (d ÷ |d|) = (d′ − û (û · d′)) ÷ |d|.
+    """
+    return change - unit * dot(unit, change)

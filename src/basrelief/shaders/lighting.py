@@ -1,0 +1,232 @@
+"""Light that arrives at a point, and how much of it a surface sends to the viewer.
+
+Colours are linear Rec. 709. Direction vectors are of unit length and point away from the surface,
+but for `Light.direction`, the way the light travels.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import (
+    Vec3,
+    cross,
+    dot,
+    length,
+    mix,
+    normalize,
+    pow,
+    reflect,
+    saturate,
+    setting,
+    shader,
+    slot,
+    smoothstep,
+    sqrt,
+    struct,
+)
+
+DIRECTIONAL = 0
+POINT = 1
+SPOT = 2
+
+FAR_AWAY = 1e18
+"""The distance of a directional light: so large that nothing lies behind it, its square finite."""
+NEAREST = 1e-3
+"""Point and spot lights give no more light than at this distance, in world units."""
+SHARPEST = 1e-6
+"""The least difference of the cosines of a spot's two cones, some units in the last place."""
+SMOOTHEST = 0.045
+"""The least roughness: its fourth power is still clear of float32's rounding of 1 (R. Guy and
+M. Agopian, Physically Based Rendering in Filament, 2018)."""
+EDGE_ON = 1e-4
+"""The least cosine between normal and view: a bent normal may well face away from the viewer."""
+DIELECTRIC = 0.04
+"""What a dielectric reflects head-on: an index of refraction of 1.5 (glTF 2.0)."""
+PI = 3.14159265358979
+
+
+@struct
+class Light:
+    """A light. `kind` is DIRECTIONAL, POINT or SPOT; fields that a kind has no use for are unread.
+
+    `position` in world units; `direction` the way the light travels, unit; `color` its radiance,
+    intensity included: for a point or spot light, that at distance 1. `falloff` is the power of
+    distance that divides it there: 1, or 2 for the inverse square. A spot is bright within the
+    angle of cosine `cos_inner`, dark outside that of `cos_outer`, which is no larger.
+    """
+
+    kind: int
+    position: Vec3
+    direction: Vec3
+    color: Vec3
+    falloff: float
+    cos_inner: float
+    cos_outer: float
+
+
+@struct
+class Incoming:
+    """Light at a point: the unit direction towards it, its radiance, how far away it is."""
+
+    direction: Vec3
+    radiance: Vec3
+    distance: float
+
+
+@struct
+class ShadingPoint:
+    """A point of a surface, ready to be lit.
+
+    `normal` is the shading normal, `view` points to the viewer, both unit. `base_color`,
+    `roughness` (perceptual), `metallic` and `occlusion` (1 where nothing occludes) are 0 to 1, as
+    in glTF 2.0; `emission` is the radiance the point sends out by itself.
+    """
+
+    position: Vec3
+    normal: Vec3
+    view: Vec3
+    base_color: Vec3
+    roughness: float
+    metallic: float
+    occlusion: float
+    emission: Vec3
+
+
+@struct
+class Shading:
+    """The numbers of the lighting that a user turns."""
+
+    ambient: Vec3 = setting(Vec3(0.1), "light from everywhere, linear colour", low=0.0)
+    diffuse: float = setting(1.0, "share of the base colour in Phong's diffuse term", low=0.0)
+    specular: Vec3 = setting(Vec3(1.0), "colour of Phong's highlight, linear", low=0.0)
+    shininess: float = setting(10.0, "exponent of Phong's highlight", low=1.0, high=1000.0)
+
+
+# --- light arriving --------------------------------------------------------------------------
+
+
+@shader
+def arriving(light: Light, position: Vec3) -> Incoming:
+    """The light that arrives at a position, in world units, with nothing in its way."""
+    if light.kind == DIRECTIONAL:
+        return Incoming(-light.direction, light.color, FAR_AWAY)
+    offset = light.position - position
+    distance = length(offset)
+    # within the lamp itself any direction is as good as another
+    direction = Vec3(0.0, 1.0, 0.0)
+    if distance > SHARPEST:
+        direction = offset / distance
+    radiance = light.color / pow(max(distance, NEAREST), light.falloff)
+    if light.kind == SPOT:
+        radiance = radiance * cone(light, -dot(direction, light.direction))
+    return Incoming(direction, radiance, distance)
+
+
+@shader
+def cone(light: Light, cosine: float) -> float:
+    """A spot's share, 0 to 1, at an angle from its axis: exactly 0 outside, 1 within."""
+    inner = max(light.cos_inner, light.cos_outer + SHARPEST)
+    return smoothstep(light.cos_outer, inner, cosine)
+
+
+@shader
+def ambient_light(point: ShadingPoint, shading: Shading) -> Vec3:
+    """Ambient light · base colour · occlusion.
+
+    The same for a metal: it has no diffuse term, but mirrors its surroundings in its base colour.
+    """
+    return shading.ambient * point.base_color * point.occlusion
+
+
+# --- light reflected -------------------------------------------------------------------------
+
+
+@slot
+def reflectance(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
+    """The radiance that the point sends to the viewer for one light, the cosine included."""
+    raise NotImplementedError
+
+
+@shader
+def phong(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
+    """B. T. Phong, Illumination for Computer Generated Pictures, 1975, after wikibooks.
+
+    Diffuse: the base colour · n·l; specular: the reflected light's cosine with the view, to the
+    power of the shininess, not scaled by n·l. Neither from a light behind the surface. Takes no
+    notice of roughness and metallic.
+    """
+    facing = dot(point.normal, incoming.direction)
+    if facing <= 0.0:
+        return Vec3(0.0)
+    mirrored = reflect(-incoming.direction, point.normal)
+    highlight = pow(max(dot(mirrored, point.view), 0.0), shading.shininess)
+    diffuse = point.base_color * (shading.diffuse * facing)
+    return incoming.radiance * (diffuse + shading.specular * highlight)
+
+
+@shader
+def ggx(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
+    """Metallic-roughness as in glTF 2.0, appendix B, with π · the reflectance function.
+
+    Lights' radiance counts π-fold, so that a white diffuse surface facing a directional light of
+    colour 1 comes out as 1 (less what the Fresnel term takes for the highlight): Lambert's term
+    is the base colour itself. Takes no notice of `shading`: the material's maps say it all.
+    """
+    facing = dot(point.normal, incoming.direction)
+    if facing <= 0.0:
+        return Vec3(0.0)
+    seen = max(dot(point.normal, point.view), EDGE_ON)
+    halfway = halfway_between(incoming.direction, point.view, point.normal)
+    held = max(point.roughness, SMOOTHEST)
+    alpha = held * held
+    head_on = mix(Vec3(DIELECTRIC), point.base_color, point.metallic)
+    fresnel = schlick_fresnel(head_on, saturate(dot(point.view, halfway)))
+    microfacets = trowbridge_reitz(point.normal, halfway, alpha) * smith(facing, seen, alpha)
+    diffuse = point.base_color * (1.0 - point.metallic) * (1.0 - fresnel)
+    return incoming.radiance * (diffuse + fresnel * (microfacets * PI)) * facing
+
+
+@shader
+def halfway_between(light: Vec3, view: Vec3, normal: Vec3) -> Vec3:
+    """The unit vector between two; the normal where they are opposite."""
+    total = light + view
+    if dot(total, total) > SHARPEST:
+        return normalize(total)
+    return normal
+
+
+@shader
+def trowbridge_reitz(normal: Vec3, halfway: Vec3, alpha: float) -> float:
+    """The density of microfacets that face halfway, alpha the squared roughness.
+
+    T. S. Trowbridge and K. P. Reitz, Average Irregularity Representation of a Rough Surface for
+    Ray Reflection, 1975. Facets that face into the surface do not count.
+    """
+    cosine = saturate(dot(normal, halfway))
+    across = cross(normal, halfway)
+    squared = alpha * alpha
+    # 1 − cosine² as |n × h|², which does not cancel near the highlight
+    spread = cosine * cosine * squared + dot(across, across)
+    return squared / (PI * spread * spread)
+
+
+@shader
+def smith(facing: float, seen: float, alpha: float) -> float:
+    """Height-correlated masking and shadowing ÷ (4 · n·l · n·v).
+
+    E. Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, 2014.
+    """
+    squared = alpha * alpha
+    light = seen * sqrt(facing * facing * (1.0 - squared) + squared)
+    view = facing * sqrt(seen * seen * (1.0 - squared) + squared)
+    return 0.5 / (light + view)
+
+
+@shader
+def schlick_fresnel(head_on: Vec3, cosine: float) -> Vec3:
+    """What is reflected at an angle, given what is reflected head-on.
+
+    C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.
+    """
+    rest = 1.0 - cosine
+    squared = rest * rest
+    return head_on + (1.0 - head_on) * (squared * squared * rest)

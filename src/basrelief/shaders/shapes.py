@@ -1,0 +1,260 @@
+"""Where a ray meets a shape, in the shape's own space: plane, box, sphere, cylinder.
+
+Each shape fits the cube from −½ to ½. uv (0, 0) is the top left corner of the picture, u to the
+right, v down, as seen from outside; cross(normal, ∂P/∂u) points along −∂P/∂v on each of them, so
+nothing is mirrored. Only the outside is seen: a ray that starts inside, or meets the plane from
+behind, finds nothing.
+
+A ray is a world ray taken to object space, its direction not normalised, so that the distance
+along it, in multiples of `direction`, is the same in both spaces.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import (
+    Vec2,
+    Vec3,
+    atan2,
+    clamp,
+    copysign,
+    cross,
+    dot,
+    length,
+    normalize,
+    shader,
+    slot,
+    sqrt,
+    struct,
+)
+
+PI = 3.14159265358979
+TWO_PI = 6.28318530717959
+SLOWEST = 1e-18
+"""Directions' components are held to at least this: far below any that matters (a component of 1
+has 1e-7 of itself as its last place), and the quotients by it far from overflow."""
+SLOWEST_SQUARED = 1e-24
+"""The same for the squared length of a direction seen along an axis."""
+NARROWEST = 1e-4
+"""The sine of the angle from the pole below which the sphere's circle of latitude is held."""
+
+
+@struct
+class ShapeRay:
+    """A ray in object space; `direction` is of any length but 0."""
+
+    origin: Vec3
+    direction: Vec3
+
+
+@struct
+class SurfacePoint:
+    """Where a ray meets a surface, in object space.
+
+    `distance` is the ray's parameter there, above 0; `normal` the outward unit normal; `along_u`
+    and `along_v` are ∂P/∂u and ∂P/∂v, never of length 0. Where nothing is `found` the vectors
+    are sound all the same, those of a plane.
+    """
+
+    found: bool
+    distance: float
+    position: Vec3
+    normal: Vec3
+    along_u: Vec3
+    along_v: Vec3
+    uv: Vec2
+
+
+@struct
+class Interval:
+    """The part of a ray within something, as parameters; empty where `enter` > `leave`."""
+
+    enter: float
+    leave: float
+
+
+@slot
+def shape(ray: ShapeRay) -> SurfacePoint:
+    """The nearest point of the chosen shape's outside that the ray meets."""
+    raise NotImplementedError
+
+
+# --- the shapes ------------------------------------------------------------------------------
+
+
+@shader
+def plane(ray: ShapeRay) -> SurfacePoint:
+    """The square from −½ to ½ in x and y at z = 0, facing +z: u along +x, v along −y."""
+    height = ray.origin.z
+    falling = -ray.direction.z
+    if height <= 0.0 or falling < SLOWEST:
+        return nothing()
+    distance = height / falling
+    met = ray.origin + ray.direction * distance
+    if max(abs(met.x), abs(met.y)) > 0.5:
+        return nothing()
+    return flat(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), Vec3(0.0, 1.0, 0.0))
+
+
+@shader
+def box(ray: ShapeRay) -> SurfacePoint:
+    """The cube from −½ to ½, the whole texture on each of its six faces.
+
+    Seen from outside, the four sides have the picture's top towards +y. Top and bottom go on
+    from the front (+z) where they meet it: the top's picture has its top towards −z, the bottom's
+    towards +z, and u runs along +x on both.
+    """
+    x = slab(ray.origin.x, ray.direction.x)
+    y = slab(ray.origin.y, ray.direction.y)
+    z = slab(ray.origin.z, ray.direction.z)
+    distance = max(x.enter, max(y.enter, z.enter))
+    if distance <= 0.0 or distance > min(x.leave, min(y.leave, z.leave)):
+        return nothing()
+    met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
+    up = Vec3(0.0, 1.0, 0.0)
+    normal = Vec3(0.0, 0.0, -copysign(1.0, ray.direction.z))
+    position = Vec3(met.xy, 0.5 * normal.z)
+    if x.enter >= max(y.enter, z.enter):
+        normal = Vec3(-copysign(1.0, ray.direction.x), 0.0, 0.0)
+        position = Vec3(0.5 * normal.x, met.yz)
+    elif y.enter >= z.enter:
+        normal = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
+        position = Vec3(met.x, 0.5 * normal.y, met.z)
+        up = Vec3(0.0, 0.0, -normal.y)
+    return flat(distance, position, normal, up)
+
+
+@shader
+def sphere(ray: ShapeRay) -> SurfacePoint:
+    """The sphere of radius ½: u around the y axis, ½ at +z; v from the north pole (+y) down.
+
+    At the poles ∂P/∂u vanishes; closer to them than an angle of 1e-4 its length is held there.
+    """
+    inside = ball(ray.origin, ray.direction)
+    if inside.enter <= 0.0 or inside.enter > inside.leave:
+        return nothing()
+    normal = normalize(ray.origin + ray.direction * inside.enter)
+    ring = sqrt(normal.x * normal.x + normal.z * normal.z)
+    east = east_of(normal, ring)
+    return SurfacePoint(
+        found=True,
+        distance=inside.enter,
+        position=normal * 0.5,
+        normal=normal,
+        along_u=east * (PI * max(ring, NARROWEST)),
+        along_v=Vec3(normal.y * -east.z, -ring, normal.y * east.x) * (0.5 * PI),
+        uv=Vec2(around(normal), atan2(ring, normal.y) / PI),
+    )
+
+
+@shader
+def cylinder(ray: ShapeRay) -> SurfacePoint:
+    """The cylinder of radius ½ from y = −½ to ½, closed by flat caps.
+
+    On the side u runs around the y axis, ½ at +z, and v from the top down. Each cap shows the
+    disc within the texture that a box's top or bottom would show.
+    """
+    side = ball(Vec3(ray.origin.x, 0.0, ray.origin.z), Vec3(ray.direction.x, 0.0, ray.direction.z))
+    caps = slab(ray.origin.y, ray.direction.y)
+    distance = max(side.enter, caps.enter)
+    if distance <= 0.0 or distance > min(side.leave, caps.leave):
+        return nothing()
+    met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
+    if caps.enter >= side.enter:
+        cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
+        return flat(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
+    normal = normalize(Vec3(met.x, 0.0, met.z))
+    return SurfacePoint(
+        found=True,
+        distance=distance,
+        position=Vec3(0.5 * normal.x, met.y, 0.5 * normal.z),
+        normal=normal,
+        along_u=east_of(normal, 1.0) * PI,
+        along_v=Vec3(0.0, -1.0, 0.0),
+        uv=Vec2(around(normal), 0.5 - met.y),
+    )
+
+
+# --- what they are made of -------------------------------------------------------------------
+
+
+@shader
+def nothing() -> SurfacePoint:
+    """No point: not found, the vectors those of a plane."""
+    return SurfacePoint(
+        found=False,
+        distance=0.0,
+        position=Vec3(0.0),
+        normal=Vec3(0.0, 0.0, 1.0),
+        along_u=Vec3(1.0, 0.0, 0.0),
+        along_v=Vec3(0.0, -1.0, 0.0),
+        uv=Vec2(0.0),
+    )
+
+
+@shader
+def flat(distance: float, position: Vec3, normal: Vec3, up: Vec3) -> SurfacePoint:
+    """A point on a unit square centred on an axis, its picture's top towards `up`."""
+    right = cross(up, normal)
+    return SurfacePoint(
+        found=True,
+        distance=distance,
+        position=position,
+        normal=normal,
+        along_u=right,
+        along_v=-up,
+        uv=Vec2(0.5 + dot(position, right), 0.5 - dot(position, up)),
+    )
+
+
+@shader
+def slab(origin: float, direction: float) -> Interval:
+    """Where one coordinate of a ray is within −½ to ½.
+
+    After T. L. Kay and J. T. Kajiya, Ray Tracing Complex Scenes, 1986. A ray across the axis gets
+    a large finite interval: around 0 when it starts within, far from it when not.
+    """
+    step = copysign(max(abs(direction), SLOWEST), direction)
+    half = copysign(0.5, direction)
+    return Interval((-half - origin) / step, (half - origin) / step)
+
+
+@shader
+def ball(origin: Vec3, direction: Vec3) -> Interval:
+    """Where a ray is within the sphere of radius ½.
+
+    After E. Haines, J. Günther and T. Akenine-Möller, Precision Improvements for Ray/Sphere
+    Intersection, 2019: the discriminant from the point closest to the centre, and the root that
+    would cancel from the product of the two. With the y of both at 0 it is the endless cylinder.
+    """
+    squared = max(dot(direction, direction), SLOWEST_SQUARED)
+    towards = -dot(origin, direction)
+    closest = origin + direction * (towards / squared)
+    room = 0.25 - dot(closest, closest)
+    if room < 0.0:
+        return Interval(1.0, 0.0)
+    far = length(origin)
+    outside = (far - 0.5) * (far + 0.5)
+    root = sqrt(squared * room)
+    # the two terms have the same sign; 0 only where the ray touches the sphere at its origin
+    larger = towards + copysign(root, towards)
+    safe = copysign(max(abs(larger), SLOWEST), larger)
+    if towards >= 0.0:
+        return Interval(outside / safe, larger / squared)
+    return Interval(larger / squared, outside / safe)
+
+
+@shader
+def east_of(normal: Vec3, ring: float) -> Vec3:
+    """The unit vector around the y axis in the sense of u; `ring` is normal.xz's length.
+
+    On the axis itself, +x, as at +z.
+    """
+    if ring > 0.0:
+        return Vec3(normal.z / ring, 0.0, -normal.x / ring)
+    return Vec3(1.0, 0.0, 0.0)
+
+
+@shader
+def around(normal: Vec3) -> float:
+    """u around the y axis, 0 to 1: ½ at +z, ¾ at +x, 0 and 1 at −z."""
+    return 0.5 + atan2(normal.x, normal.z) / TWO_PI
