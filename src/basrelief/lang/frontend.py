@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from basrelief.lang import tree
@@ -39,6 +39,14 @@ def analyse(entry: Shader[..., Any], bindings: Bindings | None = None) -> tree.M
     return _Program(bindings or {}).module(entry)
 
 
+def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
+    """Typed functions of several shaders and of what they call, each once."""
+    program = _Program({})
+    for shader in shaders:
+        program.function(shader)
+    return list(program.done.values())
+
+
 class _Program:
     """Analyses shaders once each, callees before callers, under one set of bindings."""
 
@@ -47,7 +55,7 @@ class _Program:
         self.done: dict[Shader[..., Any], tree.Function] = {}
         self.under_way: list[Shader[..., Any]] = []
         self.names: set[str] = set()
-        self.types = _bound_types(bindings)
+        self.types = bound_types(bindings)
 
     def module(self, entry: Shader[..., Any]) -> tree.Module:
         function = self.function(entry)
@@ -90,7 +98,7 @@ class _Program:
         return function
 
 
-def _bound_types(bindings: Bindings) -> dict[type, Any]:
+def bound_types(bindings: Bindings) -> dict[type, Any]:
     """What each type slot stands for, read off the shaders that are bound; signatures compared."""
     found: dict[type, Any] = {}
     for slot, shader in bindings.items():

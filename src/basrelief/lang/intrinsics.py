@@ -289,10 +289,13 @@ def _approximated(name: str, arguments: int) -> None:
     _intrinsic(_fixed(float, *(float,) * arguments))(call)
 
 
-APPROXIMATED = ("exp", "exp2", "log", "log2", "sin", "cos", "tan", "asin", "acos", "atan")
-for _name in APPROXIMATED:
+_OF_ONE = ("exp", "exp2", "log", "log2", "sin", "cos", "tan", "asin", "acos", "atan")
+_OF_TWO = ("pow", "atan2")
+APPROXIMATED = (*_OF_ONE, *_OF_TWO)
+"""Intrinsics that Python and the CPU compute with the shaders of `approximations`."""
+for _name in _OF_ONE:
     _approximated(_name, 1)
-for _name in ("pow", "atan2"):
+for _name in _OF_TWO:
     _approximated(_name, 2)
 
 exp: Callable[[float], float] = INTRINSICS["exp"].python

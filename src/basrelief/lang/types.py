@@ -45,23 +45,19 @@ def setting(
 @dataclass_transform(frozen_default=True, field_specifiers=(setting,))
 def struct(cls: type[_T]) -> type[_T]:
     """Make a record of a class with annotated fields: frozen, its values held as float32, int32."""
-    made: Any = dataclasses.dataclass(frozen=True)(cls)
-    names = {f.name: f.type for f in dataclasses.fields(made)}
-    module = vars(sys.modules[cls.__module__])
-    fields = {}
-    for name, annotation in names.items():
-        fields[name] = (
-            eval(annotation, module, dict(vars(cls)))
-            if isinstance(annotation, str)
-            else annotation
-        )
-    setattr(made, _FIELDS, fields)
+    fields: dict[str, Any] = {}
 
     def coerce_fields(self: Any) -> None:
         for name, wanted in fields.items():
             object.__setattr__(self, name, coerce(getattr(self, name), wanted))
 
-    made.__post_init__ = coerce_fields
+    cls.__post_init__ = coerce_fields  # type: ignore[attr-defined]
+    made: Any = dataclasses.dataclass(frozen=True)(cls)
+    module = vars(sys.modules[cls.__module__])
+    for field in dataclasses.fields(made):
+        written = field.type
+        fields[field.name] = eval(written, module) if isinstance(written, str) else written
+    setattr(made, _FIELDS, fields)
     return made  # type: ignore[no-any-return]
 
 

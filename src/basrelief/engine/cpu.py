@@ -1,0 +1,243 @@
+"""The CPU engine: LLVM through llvmlite, one pixel a SIMD lane, rows shared among all cores."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import platform
+import threading
+import weakref
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.engine import cache
+from basrelief.engine.engine import Planes, Progress, check_resource, pack_buffer, pack_uniforms
+from basrelief.errors import EngineError
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Buffer, Edge, HeightField, Texture, is_handle
+
+_ROWS = 8
+"""Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
+
+_FORMAT = 1
+"""Raised whenever printer or layouts change in a way that the program's own key cannot see."""
+
+
+class CpuEngine:
+    """Runs programs on all cores. `lanes` and `threads` default to what the machine has."""
+
+    name = "cpu"
+
+    def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
+        self.lanes = lanes or _natural_lanes()
+        self.threads = threads or _cores()
+        self.device = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
+        self._compiled: dict[str, _Compiled] = {}
+        self._uploaded: weakref.WeakKeyDictionary[Any, _Resident] = weakref.WeakKeyDictionary()
+        self._lock = threading.Lock()
+
+    def compile(self, program: Program) -> None:
+        """Make the program ready: from this process, from disk, or from its source."""
+        self._ready(program)
+
+    def run(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+        progress: Progress | None = None,
+    ) -> Planes:
+        """Run a program over a picture of (width, height); see `Engine.run`."""
+        compiled = self._ready(program)
+        residents = [self._resident(program, name, values) for name in compiled.handles]
+        pointers = (ctypes.c_void_p * max(1, len(residents)))(*(r.address for r in residents))
+        uniforms = pack_uniforms(program, values)
+        width, height = size
+        stride = -(-width // self.lanes) * self.lanes
+        planes = np.zeros((len(program.planes), height, stride), np.int32)
+
+        def rows(first: int) -> None:
+            last = min(first + _ROWS, height)
+            compiled.run(
+                uniforms.ctypes.data, ctypes.addressof(pointers), planes.ctypes.data,
+                height * stride, stride, width, first, last,
+            )  # fmt: skip
+
+        self._spread(rows, range(0, height, _ROWS), progress)
+        found: Planes = {}
+        for plane, (name, t) in zip(planes, program.planes, strict=True):
+            found[name] = (plane.view(np.float32) if t is float else plane)[:, :width]
+        return found
+
+    def _spread(self, task: Any, starts: range, progress: Progress | None) -> None:
+        """Do a task for each start on all threads; an interrupt leaves the rest undone."""
+        pool = ThreadPoolExecutor(self.threads)
+        try:
+            for done, _ in enumerate(pool.map(task, starts), 1):
+                if progress is not None:
+                    progress(done / len(starts))
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    def _resident(self, program: Program, name: str, values: Mapping[str, Any]) -> _Resident:
+        if name not in values:
+            raise EngineError(f"the program {program.entry.name} needs a value for {name}")
+        value = values[name]
+        check_resource(program, name, value)
+        with self._lock:
+            if value not in self._uploaded:
+                self._uploaded[value] = _resident(value)
+            return self._uploaded[value]
+
+    def _ready(self, program: Program) -> _Compiled:
+        with self._lock:
+            if program.key not in self._compiled:
+                self._compiled[program.key] = self._load(program)
+            return self._compiled[program.key]
+
+    def _load(self, program: Program) -> _Compiled:
+        key = self._cache_key(program)
+        stored = cache.read(key)
+        if stored is None:
+            handles = [n for n, t in program.module.entry.parameters.items() if is_handle(t)]
+            stored = {"handles": handles}, _object_code(program, self.lanes)
+            cache.write(key, *stored)
+        header, code = stored
+        return _link(code, header["handles"])
+
+    def _cache_key(self, program: Program) -> str:
+        import llvmlite
+
+        parts = (
+            _FORMAT, program.key, _printer_digest(), self.lanes, *_host(), llvmlite.__version__,
+            platform.machine(), platform.system(),
+        )  # fmt: skip
+        return "cpu-" + hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+# --- compiling -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Compiled:
+    """Machine code in memory; `keep` holds what must live as long as it."""
+
+    run: Any
+    handles: list[str]
+    keep: Any
+
+
+@functools.cache
+def _host() -> tuple[str, str]:
+    """The processor's name and features."""
+    import llvmlite.binding as llvm
+
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def _natural_lanes() -> int:
+    return 16 if "+avx512f" in _host()[1] else 8
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@functools.cache
+def _printer_digest() -> str:
+    """A digest of the front end and printer, so that a changed compiler finds no old code."""
+    from pathlib import Path
+
+    import basrelief.lang
+
+    digest = hashlib.sha256()
+    for file in sorted(Path(basrelief.lang.__file__).parent.glob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _target_machine() -> Any:
+    """A new one each time: a compiler that links code takes its own over."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_default_triple()
+    name, features = _host()
+    return target.create_target_machine(cpu=name, features=features, opt=3, jit=True)
+
+
+def _object_code(program: Program, lanes: int) -> bytes:
+    import llvmlite.binding as llvm
+
+    from basrelief.lang.llvm import print_llvm
+
+    machine = _target_machine()
+    module = llvm.parse_assembly(print_llvm(program.module, lanes, program.edge))
+    module.triple = llvm.get_default_triple()
+    module.data_layout = str(machine.target_data)
+    module.verify()
+    # it is vector code already: loop and straight-line vectorisation would only take time
+    tuning = llvm.create_pipeline_tuning_options(speed_level=2)
+    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+    return machine.emit_object(module)  # type: ignore[no-any-return]
+
+
+def _link(code: bytes, handles: list[str]) -> _Compiled:
+    import llvmlite.binding as llvm
+
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    pointer, wide, word = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32
+    kind = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, wide, word, word, word, word)
+    return _Compiled(kind(engine.get_function_address("run")), handles, engine)
+
+
+# --- resources in memory: see the end of `lang/llvm.py` -----------------------------------------------
+
+
+class _Resident:
+    """A resource laid out for compiled code: its data, and the header that points to it."""
+
+    def __init__(self, data: NDArray[Any], words: list[int]) -> None:
+        self.data = data
+        address = np.array([data.ctypes.data], np.uint64).view(np.int32)
+        self.header = np.concatenate([address, np.array(words, np.int32)])
+        self.address = self.header.ctypes.data
+
+
+def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
+    if isinstance(value, Buffer):
+        return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), 0])
+    bordered = isinstance(value, HeightField)
+    parts, words, first = [], [len(value.levels), 0], 0
+    for level in value.levels:
+        height, width = level.shape[:2]
+        stored = _with_border(level, value.edge) if bordered else level
+        stride = stored.shape[1]
+        inside = stride + 1 if bordered and value.edge == "clamp" else 0
+        words += [first + inside, width, height, stride]
+        parts.append(stored.reshape(-1))
+        first += stored.shape[0] * stride
+    # two floats are read at once: one more, so that the last read stays within
+    end = np.zeros(2 if bordered else 4, parts[0].dtype)
+    return _Resident(np.concatenate([*parts, end]), words)
+
+
+def _with_border(level: NDArray[Any], edge: Edge) -> NDArray[Any]:
+    """A level with the neighbours that a read at its edge needs."""
+    if edge == "wrap":
+        return np.pad(level, ((0, 1), (0, 1)), mode="wrap")
+    return np.pad(level, 1, mode="edge")

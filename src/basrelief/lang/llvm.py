@@ -1,0 +1,1012 @@
+"""The typed tree printed as LLVM IR, one pixel a SIMD lane.
+
+Each scalar of the subset is a vector of L lanes, a Vec3 three of them. Which lanes are alive is a
+mask: `if` narrows it and skips a block that no lane enters, loops run until it is empty, `break`,
+`continue` and an early `return` take lanes out of it, and assignments to names that live outside
+the block are selects under it. After M. Pharr and W. R. Mark, ispc: A SPMD Compiler for
+High-Performance CPU Programming, 2012.
+
+No fast-math and no contraction: every lane computes what the same shader computes in plain Python,
+to the last bit, whatever the number of lanes.
+
+The compiled entry is `void run(uniforms, resources, planes, plane_stride, row_stride, width,
+first_row, last_row)`; `engine/cpu.py` lays out what it reads, as this module's end says.
+"""
+
+from __future__ import annotations
+
+import functools
+import struct as binary
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from basrelief.lang import tree
+from basrelief.lang.intrinsics import APPROXIMATED
+from basrelief.lang.resources import Edge, is_handle
+from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
+from basrelief.lang.values import Mat3
+
+Leaves = list[str]
+"""The scalars of a value in the order of `types.leaves`, each an SSA name or constant."""
+
+_CHEAP = 14
+"""A branch of at most so many operations is computed by all lanes rather than skipped."""
+
+_FLOAT_COMPARE = {"<": "olt", "<=": "ole", ">": "ogt", ">=": "oge", "==": "oeq", "!=": "une"}
+_INT_COMPARE = {"<": "slt", "<=": "sle", ">": "sgt", ">=": "sge", "==": "eq", "!=": "ne"}
+_FLOAT_OPERATION = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
+_INT_OPERATION = {
+    "+": "add", "-": "sub", "*": "mul", "&": "and", "|": "or", "^": "xor", "<<": "shl",
+    ">>": "ashr",
+}  # fmt: skip
+
+
+def print_llvm(module: tree.Module, lanes: int, edge: Edge) -> str:
+    """LLVM IR of a program, for a number of lanes and the edge policy of its maps."""
+    out = _Output(lanes, edge)
+    text = [_FunctionPrinter(out, function).text() for function in module.functions]
+    printed: set[str] = set()
+    while out.approximations - printed:
+        for name in sorted(out.approximations - printed):
+            printed.add(name)
+            text.append(_FunctionPrinter(out, _approximations()[name], _MATH).text())
+    text.append(_EntryPrinter(out, module.entry).text())
+    return "\n".join([*sorted(out.declarations), "", *text, "!0 = !{}", ""])
+
+
+_MATH = "math."
+
+
+@functools.cache
+def _approximations() -> dict[str, tree.Function]:
+    """The typed functions of `approximations`, by name."""
+    from basrelief.lang import approximations
+    from basrelief.lang.frontend import analyse_all
+    from basrelief.lang.shader import Shader
+
+    shaders = [s for s in vars(approximations).values() if isinstance(s, Shader)]
+    return {function.name: function for function in analyse_all(shaders)}
+
+
+class _Output:
+    """What all functions of a module share: the lanes, the declarations."""
+
+    def __init__(self, lanes: int, edge: Edge) -> None:
+        self.lanes = lanes
+        self.edge = edge
+        self.declarations: set[str] = set()
+        self.approximations: set[str] = set()
+        self.names = {
+            float: f"<{lanes} x float>",
+            int: f"<{lanes} x i32>",
+            bool: f"<{lanes} x i1>",
+        }
+
+    def constant(self, value: Any, t: type) -> str:
+        """A literal in every lane."""
+        if t is float:
+            bits: int = binary.unpack(">Q", binary.pack(">d", float(np.float32(value))))[0]
+            one = f"float 0x{bits:016X}"
+        elif t is int:
+            one = f"i32 {int(value)}"
+        else:
+            one = f"i1 {'true' if value else 'false'}"
+        return "<" + ", ".join([one] * self.lanes) + ">"
+
+    def vector(self, t: Any) -> list[str]:
+        """The LLVM types of the leaves of t."""
+        return [self.names[leaf] for _, leaf in leaves(t)]
+
+    def result(self, t: Any) -> str:
+        """The LLVM type that a function of result t returns."""
+        parts = self.vector(t)
+        return parts[0] if len(parts) == 1 else "{" + ", ".join(parts) + "}"
+
+
+class _Printer:
+    """Instructions, one after another, with fresh names."""
+
+    def __init__(self, out: _Output) -> None:
+        self.out = out
+        self.lines: list[str] = []
+        self.entry_lines: list[str] = []
+        self.count = 0
+
+    def emit(self, line: str) -> None:
+        self.lines.append("  " + line)
+
+    def fresh(self, hint: str) -> str:
+        self.count += 1
+        return f"{hint}.{self.count}"
+
+    def make(self, instruction: str, hint: str = "v") -> str:
+        name = f"%{self.fresh(hint)}"
+        self.emit(f"{name} = {instruction}")
+        return name
+
+    def label(self, name: str) -> None:
+        self.lines.append(f"{name}:")
+
+    def variable(self, t: type, hint: str) -> str:
+        name = f"%{self.fresh(hint)}"
+        self.entry_lines.append(f"  {name} = alloca {self.out.names[t]}")
+        return name
+
+    def load(self, pointer: str, t: type) -> str:
+        return self.make(f"load {self.out.names[t]}, ptr {pointer}")
+
+    def store(self, value: str, pointer: str, t: type) -> None:
+        self.emit(f"store {self.out.names[t]} {value}, ptr {pointer}")
+
+    def operation(self, name: str, a: str, b: str, t: type) -> str:
+        return self.make(f"{name} {self.out.names[t]} {a}, {b}")
+
+    def integer(self, name: str, a: str, b: str | int) -> str:
+        right = b if isinstance(b, str) else self.out.constant(b, int)
+        return self.operation(name, a, right, int)
+
+    def both(self, a: str, b: str) -> str:
+        return self.operation("and", a, b, bool)
+
+    def invert(self, mask: str) -> str:
+        return self.operation("xor", mask, self.out.constant(True, bool), bool)
+
+    def compare(self, symbol: str, a: str, b: str, t: type) -> str:
+        if t is float:
+            return self.make(f"fcmp {_FLOAT_COMPARE[symbol]} {self.out.names[float]} {a}, {b}")
+        return self.make(f"icmp {_INT_COMPARE[symbol]} {self.out.names[t]} {a}, {b}")
+
+    def select(self, test: str, a: str, b: str, t: type) -> str:
+        names = self.out.names
+        return self.make(f"select {names[bool]} {test}, {names[t]} {a}, {names[t]} {b}")
+
+    def intrinsic(self, name: str, result: type, *arguments: tuple[str, type]) -> str:
+        """Call an LLVM intrinsic that works on each lane."""
+        names = self.out.names
+        types = [names[t] for _, t in arguments]
+        self.out.declarations.add(f"declare {names[result]} @{name}({', '.join(types)})")
+        given = ", ".join(f"{names[t]} {a}" for a, t in arguments)
+        return self.make(f"call {names[result]} @{name}({given})")
+
+    def lane_function(self, name: str, *arguments: str) -> str:
+        suffix = f"v{self.out.lanes}f32"
+        return self.intrinsic(f"llvm.{name}.{suffix}", float, *((a, float) for a in arguments))
+
+    def to_int(self, x: str) -> str:
+        suffix = f"v{self.out.lanes}i32.v{self.out.lanes}f32"
+        return self.intrinsic(f"llvm.fptosi.sat.{suffix}", int, (x, float))
+
+    def to_float(self, x: str) -> str:
+        return self.make(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
+
+    def held(self, index: str, limit: str) -> str:
+        """The smaller as unsigned numbers: keeps an index within memory, whatever it was."""
+        suffix = f"v{self.out.lanes}i32"
+        return self.intrinsic(f"llvm.umin.{suffix}", int, (index, int), (limit, int))
+
+    def splat(self, scalar: str, t: type) -> str:
+        """The same scalar in every lane."""
+        name, count = self.out.names[t], self.out.lanes
+        kind = name.split(" x ")[1][:-1]
+        one = self.make(f"insertelement {name} poison, {kind} {scalar}, i32 0")
+        zeros = f"<{count} x i32> zeroinitializer"
+        return self.make(f"shufflevector {name} {one}, {name} poison, {zeros}")
+
+    def gather(self, base: str, index: str, kind: str) -> list[str]:
+        """One scalar (or short vector) of LLVM type `kind` for each lane; returns their names."""
+        found = []
+        for lane in range(self.out.lanes):
+            one = self.make(f"extractelement {self.out.names[int]} {index}, i32 {lane}")
+            wide = self.make(f"zext i32 {one} to i64")
+            element = "i32" if kind == "i32" else "float" if "float" in kind else "i64"
+            place = self.make(f"getelementptr {element}, ptr {base}, i64 {wide}")
+            found.append(self.make(f"load {kind}, ptr {place}, align 4, !invariant.load !0"))
+        return found
+
+    def assemble(self, scalars: Sequence[str], kind: str) -> str:
+        """A vector of one scalar for each lane."""
+        vector = "poison"
+        for lane, scalar in enumerate(scalars):
+            name = f"<{self.out.lanes} x {kind}>"
+            vector = self.make(f"insertelement {name} {vector}, {kind} {scalar}, i32 {lane}")
+        return vector
+
+
+class _FunctionPrinter(_Printer):
+    """One function: its statements under masks, its expressions leaf by leaf."""
+
+    def __init__(self, out: _Output, function: tree.Function, prefix: str = "") -> None:
+        super().__init__(out)
+        self.function = function
+        self.prefix = prefix
+        self.places: dict[str, list[str]] = {}
+        self.handles: dict[str, str] = {}
+        self.counters: dict[str, str] = {}
+        self.home: dict[str, tree.Block] = {}
+        self.mask = self.variable(bool, "mask")
+        self.returned = self.variable(bool, "returned")
+        self.continued: list[str] = []
+        self.results = [self.variable(leaf, "result") for _, leaf in leaves(function.result)]
+        self.block = function.body
+
+    # --- the function around its statements ---------------------------------------------------
+
+    def text(self) -> str:
+        function, out = self.function, self.out
+        parameters = [f"{out.names[bool]} %active"]
+        self.store("%active", self.mask, bool)
+        self.store("zeroinitializer", self.returned, bool)
+        for name, t in function.parameters.items():
+            if is_handle(t):
+                self.handles[name] = f"%{name}"
+                parameters.append(f"ptr noalias readonly %{name}")
+                continue
+            self.places[name] = []
+            for path, leaf in leaves(t, name):
+                parameters.append(f"{out.names[leaf]} %arg.{path}")
+                place = self.variable(leaf, path)
+                self.store(f"%arg.{path}", place, leaf)
+                self.places[name].append(place)
+        self.body(function.body)
+        self.return_results()
+        doc = "".join(f"; {line}\n" for line in function.doc.splitlines())
+        head = (
+            f"define internal fastcc {out.result(function.result)} "
+            f"@{self.prefix}{function.name}({', '.join(parameters)}) alwaysinline nounwind {{"
+        )
+        return doc + "\n".join([head, *self.entry_lines, *self.lines, "}", ""])
+
+    def return_results(self) -> None:
+        kinds = [leaf for _, leaf in leaves(self.function.result)]
+        values = [self.load(p, t) for p, t in zip(self.results, kinds, strict=True)]
+        whole = self.out.result(self.function.result)
+        if len(values) == 1:
+            self.emit(f"ret {whole} {values[0]}")
+            return
+        made = "poison"
+        for index, (value, t) in enumerate(zip(values, kinds, strict=True)):
+            made = self.make(f"insertvalue {whole} {made}, {self.out.names[t]} {value}, {index}")
+        self.emit(f"ret {whole} {made}")
+
+    # --- control --------------------------------------------------------------------------------
+
+    def active(self) -> str:
+        return self.load(self.mask, bool)
+
+    def any(self, mask: str) -> str:
+        lanes = self.out.lanes
+        bits = self.make(f"bitcast {self.out.names[bool]} {mask} to i{lanes}")
+        return self.make(f"icmp ne i{lanes} {bits}, 0")
+
+    def branch(self, condition: str, yes: str, no: str) -> None:
+        self.emit(f"br i1 {condition}, label %{yes}, label %{no}")
+
+    def jump(self, target: str) -> None:
+        self.emit(f"br label %{target}")
+
+    def body(self, block: tree.Block) -> None:
+        """A block's statements; its hoisted variables start at zero."""
+        outer, self.block = self.block, block
+        for name, t in block.hoisted.items():
+            self.declare(name, t)
+            for place, (_, leaf) in zip(self.places[name], leaves(t), strict=True):
+                self.store("zeroinitializer", place, leaf)
+        self.statements(block.statements)
+        self.block = outer
+
+    def statements(self, statements: Sequence[tree.Statement]) -> None:
+        for index, statement in enumerate(statements):
+            self.statement(statement)
+            if _may_leave(statement) and index + 1 < len(statements):
+                rest, end = self.fresh("rest"), self.fresh("end")
+                self.branch(self.any(self.active()), rest, end)
+                self.label(rest)
+                self.statements(statements[index + 1 :])
+                self.jump(end)
+                self.label(end)
+                return
+
+    def statement(self, statement: tree.Statement) -> None:
+        for comment in statement.comments:
+            self.emit(f"; {comment}")
+        match statement:
+            case tree.Assign():
+                self.assign(statement)
+            case tree.If():
+                self.if_statement(statement)
+            case tree.For():
+                self.for_statement(statement)
+            case tree.While():
+                self.loop(lambda: self.value(statement.test)[0], statement.body, lambda: None)
+            case tree.Return(value):
+                self.return_statement(self.value(value))
+            case tree.Break():
+                self.store("zeroinitializer", self.mask, bool)
+            case tree.Continue():
+                waiting = self.load(self.continued[-1], bool)
+                now = self.operation("or", waiting, self.active(), bool)
+                self.store(now, self.continued[-1], bool)
+                self.store("zeroinitializer", self.mask, bool)
+
+    def return_statement(self, values: Leaves) -> None:
+        mask = self.active()
+        for place, value, (_, leaf) in zip(
+            self.results, values, leaves(self.function.result), strict=True
+        ):
+            if self.early_returns:
+                value = self.select(mask, value, self.load(place, leaf), leaf)
+            self.store(value, place, leaf)
+        gone = self.operation("or", self.load(self.returned, bool), mask, bool)
+        self.store(gone, self.returned, bool)
+        self.store("zeroinitializer", self.mask, bool)
+
+    @functools.cached_property
+    def early_returns(self) -> bool:
+        """Whether some lanes may have their result before the last statement."""
+        return any(_contains_return(s) for s in self.function.body.statements)
+
+    def if_statement(self, node: tree.If) -> None:
+        before = self.active()
+        test = self.value(node.test)[0]
+        leaving = _may_leave(node)
+        after: list[str] = []
+        for block, lanes in ((node.body, test), (node.otherwise, None)):
+            if not block.statements and not leaving:
+                continue
+            mask = self.both(before, lanes or self.invert(test))
+            self.store(mask, self.mask, bool)
+            self.branch_body(block, mask)
+            after.append(self.active())
+        if leaving:
+            before = self.operation("or", after[0], after[1], bool)
+        self.store(before, self.mask, bool)
+
+    def branch_body(self, block: tree.Block, mask: str) -> None:
+        if _cost(block) <= _CHEAP:
+            self.body(block)
+            return
+        inside, past = self.fresh("then"), self.fresh("past")
+        self.branch(self.any(mask), inside, past)
+        self.label(inside)
+        self.body(block)
+        self.jump(past)
+        self.label(past)
+
+    def for_statement(self, node: tree.For) -> None:
+        start, stop = self.value(node.start)[0], self.value(node.stop)[0]
+        if isinstance(node.start, tree.Literal):
+            # every lane counts alike: count once, so that what the counter indexes is uniform
+            counter = f"%{self.fresh(node.name)}"
+            self.entry_lines.append(f"  {counter} = alloca i32")
+            self.emit(f"store i32 {int(node.start.value)}, ptr {counter}")
+            self.counters[node.name] = counter
+
+            def step() -> None:
+                now = self.make(f"load i32, ptr {counter}")
+                then = self.make(f"add i32 {now}, {node.step}")
+                self.emit(f"store i32 {then}, ptr {counter}")
+        else:
+            place = self.variable(int, node.name)
+            self.places[node.name] = [place]
+            self.store(start, place, int)
+
+            def step() -> None:
+                self.store(self.integer("add", self.load(place, int), node.step), place, int)
+
+        here = tree.Local(int, node.name)
+        self.loop(lambda: self.compare("<", self.value(here)[0], stop, int), node.body, step)
+
+    def loop(self, test: Any, block: tree.Block, step: Any) -> None:
+        """Run a block while `test()` holds for any lane; `step()` ends each round."""
+        before = self.active()
+        header, inside, past = self.fresh("loop"), self.fresh("body"), self.fresh("done")
+        self.continued.append(self.variable(bool, "continued"))
+        self.store("zeroinitializer", self.continued[-1], bool)
+        self.jump(header)
+        self.label(header)
+        mask = self.both(self.active(), test())
+        self.store(mask, self.mask, bool)
+        self.branch(self.any(mask), inside, past)
+        self.label(inside)
+        self.body(block)
+        again = self.operation("or", self.active(), self.load(self.continued[-1], bool), bool)
+        self.store(again, self.mask, bool)
+        self.store("zeroinitializer", self.continued.pop(), bool)
+        step()
+        self.jump(header)
+        self.label(past)
+        if tree.contains(block, tree.Return):
+            before = self.both(before, self.invert(self.load(self.returned, bool)))
+        self.store(before, self.mask, bool)
+
+    def declare(self, name: str, t: Any) -> None:
+        self.places[name] = [self.variable(leaf, path) for path, leaf in leaves(t, name)]
+        self.home[name] = self.block
+
+    def assign(self, node: tree.Assign) -> None:
+        values = self.value(node.value)
+        if node.declares:
+            self.declare(node.name, node.value.type)
+        own_block = self.home[node.name] is self.block
+        mask = None if own_block else self.active()
+        for place, value, (_, leaf) in zip(
+            self.places[node.name], values, leaves(node.value.type), strict=True
+        ):
+            if mask is not None:
+                value = self.select(mask, value, self.load(place, leaf), leaf)
+            self.store(value, place, leaf)
+
+    # --- expressions ----------------------------------------------------------------------------
+
+    def value(self, node: tree.Expression) -> Leaves:
+        """The leaves of an expression."""
+        match node:
+            case tree.Literal(t, value):
+                return [self.out.constant(value, t)]
+            case tree.Local(t, name):
+                return self.local(name, t)
+            case tree.Unary(t, "not", operand):
+                return [self.invert(self.value(operand)[0])]
+            case tree.Unary(t, _, operand):
+                return [self.negate(v, _component(t)) for v in self.value(operand)]
+            case tree.Binary():
+                return self.binary(node)
+            case tree.Compare(_, symbol, left, right):
+                a, b = self.value(left)[0], self.value(right)[0]
+                return [self.compare(symbol, a, b, left.type)]
+            case tree.Logic(_, symbol, left, right):
+                a, b = self.value(left)[0], self.value(right)[0]
+                return [self.operation(symbol, a, b, bool)]
+            case tree.Select(t, test, then, otherwise):
+                mask, a, b = self.value(test)[0], self.value(then), self.value(otherwise)
+                kinds = [leaf for _, leaf in leaves(t)]
+                return [self.select(mask, *each) for each in zip(a, b, kinds, strict=True)]
+            case tree.Swizzle(_, operand, indices):
+                values = self.value(operand)
+                if operand.type is Mat3:
+                    return values[3 * indices[0] : 3 * indices[0] + 3]
+                return [values[index] for index in indices]
+            case tree.Member(_, operand, name):
+                return self.member(operand, name)
+            case tree.Construct(t, parts):
+                values = [v for part in parts for v in self.value(part)]
+                spread = t in VECTORS and len(values) == 1
+                return values * VECTORS[t][1] if spread else values
+            case tree.IntrinsicCall(t, name, arguments):
+                return _INTRINSICS[name](self, node)
+            case tree.Call():
+                return self.call(node)
+            case tree.Item(t, buffer, index):
+                return self.item(t, buffer, self.value(index)[0])
+        raise AssertionError(node)
+
+    def local(self, name: str, t: Any) -> Leaves:
+        if name in self.counters:
+            return [self.splat(self.make(f"load i32, ptr {self.counters[name]}"), int)]
+        kinds = [leaf for _, leaf in leaves(t)]
+        return [self.load(p, leaf) for p, leaf in zip(self.places[name], kinds, strict=True)]
+
+    def negate(self, value: str, t: type) -> str:
+        if t is float:
+            return self.make(f"fneg {self.out.names[float]} {value}")
+        return self.operation("sub", "zeroinitializer", value, int)
+
+    def member(self, operand: tree.Expression, name: str) -> Leaves:
+        first = 0
+        for field, t in fields_of(operand.type).items():
+            count = sum(1 for _ in leaves(t))
+            if field == name:
+                return self.value(operand)[first : first + count]
+            first += count
+        raise AssertionError(name)
+
+    def binary(self, node: tree.Binary) -> Leaves:
+        a, b = self.value(node.left), self.value(node.right)
+        if node.operator == "@":
+            return self.transform(a, b)
+        count = max(len(a), len(b))
+        a, b = a * (count // len(a)), b * (count // len(b))
+        t = _component(node.type)
+        return [self.scalar_binary(node.operator, p, q, t) for p, q in zip(a, b, strict=True)]
+
+    def scalar_binary(self, symbol: str, a: str, b: str, t: type) -> str:
+        if t is float:
+            return self.operation(_FLOAT_OPERATION[symbol], a, b, float)
+        if symbol in ("//", "%"):
+            return self.floor_division(a, b)[symbol == "%"]
+        return self.operation(_INT_OPERATION[symbol], a, b, int)
+
+    def floor_division(self, a: str, b: str) -> tuple[str, str]:
+        """Quotient and remainder as Python has them; both 0 when dividing by 0."""
+        zero = self.compare("==", b, "zeroinitializer", int)
+        minus_one = self.compare("==", b, self.out.constant(-1, int), int)
+        # lanes that the processor's division would trap on divide by 1
+        trap = self.operation("or", zero, minus_one, bool)
+        divisor = self.select(trap, self.out.constant(1, int), b, int)
+        quotient = self.integer("sdiv", a, divisor)
+        rest = self.integer("sub", a, self.integer("mul", quotient, divisor))
+        uneven = self.compare("!=", rest, "zeroinitializer", int)
+        signs = self.compare("<", self.integer("xor", rest, divisor), "zeroinitializer", int)
+        adjust = self.both(uneven, signs)
+        quotient = self.select(adjust, self.integer("sub", quotient, 1), quotient, int)
+        rest = self.select(adjust, self.integer("add", rest, divisor), rest, int)
+        quotient = self.select(minus_one, self.negate(a, int), quotient, int)
+        zeros = "zeroinitializer"
+        return self.select(zero, zeros, quotient, int), self.select(trap, zeros, rest, int)
+
+    def transform(self, m: Leaves, v: Leaves) -> Leaves:
+        """Matrix times vector, columns added from the first on."""
+        rows = []
+        for row in range(3):
+            terms = [self.operation("fmul", m[3 * c + row], v[c], float) for c in range(3)]
+            rows.append(self.sum(terms))
+        return rows
+
+    def sum(self, terms: Leaves) -> str:
+        total = terms[0]
+        for term in terms[1:]:
+            total = self.operation("fadd", total, term, float)
+        return total
+
+    def call(self, node: tree.Call) -> Leaves:
+        given = [f"{self.out.names[bool]} {self.active()}"]
+        for argument in node.arguments:
+            if is_handle(argument.type):
+                assert isinstance(argument, tree.Local)
+                given.append(f"ptr {self.handles[argument.name]}")
+                continue
+            values = self.value(argument)
+            types = self.out.vector(argument.type)
+            given.extend(f"{t} {v}" for t, v in zip(types, values, strict=True))
+        if self.prefix:
+            self.out.approximations.add(node.function.name)
+        return self.call_named(f"{self.prefix}{node.function.name}", node.function.result, given)
+
+    def call_named(self, name: str, t: Any, given: list[str]) -> Leaves:
+        result = self.out.result(t)
+        whole = self.make(f"call fastcc {result} @{name}({', '.join(given)})")
+        count = sum(1 for _ in leaves(t))
+        if count == 1:
+            return [whole]
+        return [self.make(f"extractvalue {result} {whole}, {index}") for index in range(count)]
+
+    # --- resources ------------------------------------------------------------------------------
+
+    def handle(self, node: tree.Expression) -> str:
+        assert isinstance(node, tree.Local)
+        return self.handles[node.name]
+
+    def header_word(self, handle: str, index: int) -> str:
+        """A 32-bit word of a resource's header, in every lane."""
+        place = self.make(f"getelementptr i32, ptr {handle}, i64 {index}")
+        return self.splat(self.make(f"load i32, ptr {place}, !invariant.load !0"), int)
+
+    def data(self, handle: str) -> str:
+        return self.make(f"load ptr, ptr {handle}, !invariant.load !0")
+
+    def level(self, handle: str, level: str) -> dict[str, str]:
+        """The size and place of a level, held to the levels there are."""
+        last = self.integer("sub", self.header_word(handle, 2), 1)
+        zero = "zeroinitializer"
+        low = self.select(self.compare("<", level, zero, int), zero, level, int)
+        index = self.integer("shl", self.held(low, last), 2)
+        index = self.integer("add", index, _HEADER_WORDS)
+        found = {}
+        for word, name in enumerate(("first", "width", "height", "stride")):
+            place = self.integer("add", index, word)
+            found[name] = self.assemble(self.gather(handle, place, "i32"), "i32")
+        return found
+
+    def wrapped(self, x: str, count: str) -> str:
+        """x modulo count for texel coordinates below 2²⁴, always within 0 … count − 1."""
+        whole, size = self.to_float(x), self.to_float(count)
+        turns = self.to_int(self.lane_function("floor", self.operation("fdiv", whole, size, float)))
+        rest = self.integer("sub", x, self.integer("mul", turns, count))
+        # the quotient may be rounded up to a whole number: put right what that moves
+        negative = self.compare("<", rest, "zeroinitializer", int)
+        rest = self.select(negative, self.integer("add", rest, count), rest, int)
+        beyond = self.compare(">=", rest, count, int)
+        rest = self.select(beyond, self.integer("sub", rest, count), rest, int)
+        return self.held(rest, self.integer("sub", count, 1))
+
+    def clamped(self, x: str, low: int, count: str) -> str:
+        """x held to low … count − 1."""
+        floor = self.out.constant(low, int)
+        x = self.select(self.compare("<", x, floor, int), floor, x, int)
+        last = self.integer("sub", count, 1)
+        return self.select(self.compare(">", x, last, int), last, x, int)
+
+    def item(self, record: Any, buffer: tree.Expression, index: str) -> Leaves:
+        handle = self.handle(buffer)
+        kinds = [leaf for _, leaf in leaves(record)]
+        index = self.held(index, self.integer("sub", self.header_word(handle, 2), 1))
+        first = self.integer("mul", index, len(kinds))
+        base = self.data(handle)
+        values = []
+        for offset, t in enumerate(kinds):
+            place = self.integer("add", first, offset)
+            if t is float:
+                values.append(self.assemble(self.gather(base, place, "float"), "float"))
+                continue
+            word = self.assemble(self.gather(base, place, "i32"), "i32")
+            values.append(word if t is int else self.compare("!=", word, "zeroinitializer", int))
+        return values
+
+
+# --- intrinsics -----------------------------------------------------------------------------------
+
+
+def _component(t: Any) -> type:
+    return t if t in SCALARS else VECTORS[t][0]  # type: ignore[no-any-return]
+
+
+def _spread(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Iterator[tuple[str, ...]]:
+    """The leaves of the arguments side by side, scalars repeated."""
+    columns = [p.value(a) for a in node.arguments]
+    count = len(columns[0])
+    return zip(*(c * (count // len(c)) for c in columns), strict=True)
+
+
+def _minimum(p: _FunctionPrinter, a: str, b: str, t: type = float) -> str:
+    return p.select(p.compare("<", b, a, t), b, a, t)
+
+
+def _maximum(p: _FunctionPrinter, a: str, b: str, t: type = float) -> str:
+    return p.select(p.compare(">", b, a, t), b, a, t)
+
+
+def _held(p: _FunctionPrinter, x: str, low: str, high: str) -> str:
+    return _minimum(p, _maximum(p, x, low), high)
+
+
+def _mixed(p: _FunctionPrinter, a: str, b: str, t: str) -> str:
+    rest = p.operation("fsub", p.out.constant(1.0, float), t, float)
+    return p.sum([p.operation("fmul", a, rest, float), p.operation("fmul", b, t, float)])
+
+
+def _fraction(p: _FunctionPrinter, x: str) -> str:
+    return p.operation("fsub", x, p.lane_function("floor", x), float)
+
+
+def _each(one: Any) -> Any:
+    """An intrinsic that works on each component alone."""
+    return lambda p, node: [one(p, *arguments) for arguments in _spread(p, node)]
+
+
+def _dot_product(p: _FunctionPrinter, a: Leaves, b: Leaves) -> str:
+    return p.sum([p.operation("fmul", x, y, float) for x, y in zip(a, b, strict=True)])
+
+
+def _dot(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    return [_dot_product(p, p.value(node.arguments[0]), p.value(node.arguments[1]))]
+
+
+def _length(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    v = p.value(node.arguments[0])
+    return [p.lane_function("sqrt", _dot_product(p, v, v))]
+
+
+def _normalize(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    v = p.value(node.arguments[0])
+    root = p.lane_function("sqrt", _dot_product(p, v, v))
+    inverse = p.operation("fdiv", p.out.constant(1.0, float), root, float)
+    return [p.operation("fmul", c, inverse, float) for c in v]
+
+
+def _cross(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    a, b = p.value(node.arguments[0]), p.value(node.arguments[1])
+
+    def one(i: int, j: int) -> str:
+        first = p.operation("fmul", a[i], b[j], float)
+        return p.operation("fsub", first, p.operation("fmul", a[j], b[i], float), float)
+
+    return [one(1, 2), one(2, 0), one(0, 1)]
+
+
+def _reflect(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    i, n = p.value(node.arguments[0]), p.value(node.arguments[1])
+    twice = p.operation("fmul", p.out.constant(2.0, float), _dot_product(p, i, n), float)
+    return [
+        p.operation("fsub", a, p.operation("fmul", b, twice, float), float)
+        for a, b in zip(i, n, strict=True)
+    ]
+
+
+def _transpose(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    m = p.value(node.arguments[0])
+    return [m[3 * column + row] for row in range(3) for column in range(3)]
+
+
+def _smoothstep(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    low, high, x = (p.value(a)[0] for a in node.arguments)
+    over = p.operation("fsub", x, low, float)
+    t = p.operation("fdiv", over, p.operation("fsub", high, low, float), float)
+    t = _held(p, t, p.out.constant(0.0, float), p.out.constant(1.0, float))
+    twice = p.operation("fmul", p.out.constant(2.0, float), t, float)
+    rest = p.operation("fsub", p.out.constant(3.0, float), twice, float)
+    return [p.operation("fmul", p.operation("fmul", t, t, float), rest, float)]
+
+
+def _saturate(p: _FunctionPrinter, x: str) -> str:
+    return _held(p, x, p.out.constant(0.0, float), p.out.constant(1.0, float))
+
+
+def _absolute(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    x = p.value(node.arguments[0])[0]
+    if node.type is float:
+        return [p.lane_function("fabs", x)]
+    negative = p.compare("<", x, "zeroinitializer", int)
+    return [p.select(negative, p.negate(x, int), x, int)]
+
+
+def _conversion(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    given = node.arguments[0].type
+    x = p.value(node.arguments[0])[0]
+    if given is bool:
+        x = p.make(f"zext {p.out.names[bool]} {x} to {p.out.names[int]}")
+        given = int
+    if given is node.type:
+        return [x]
+    return [p.to_float(x) if node.type is float else p.to_int(x)]
+
+
+def _smaller_or_larger(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    a, b = p.value(node.arguments[0])[0], p.value(node.arguments[1])[0]
+    choose = _minimum if node.name == "min" else _maximum
+    return [choose(p, a, b, node.type)]
+
+
+def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    given, wanted = p.out.names[node.arguments[0].type], p.out.names[node.type]
+    return [p.make(f"bitcast {given} {p.value(node.arguments[0])[0]} to {wanted}")]
+
+
+def _approximated(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    p.out.approximations.add(node.name)
+    values = [p.value(a)[0] for a in node.arguments]
+    floats = [f"{p.out.names[float]} {v}" for v in values]
+    return p.call_named(
+        f"{_MATH}{node.name}", float, [f"{p.out.names[bool]} {p.active()}", *floats]
+    )
+
+
+def _count(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    return [p.header_word(p.handle(node.arguments[0]), 2)]
+
+
+def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    level = p.level(p.handle(node.arguments[0]), p.value(node.arguments[1])[0])
+    return [level["width"], level["height"]]
+
+
+def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    """Two loads a lane, each of two neighbours: a level's rows are stored with their edge."""
+    handle = p.handle(node.arguments[0])
+    x, y = p.value(node.arguments[1])
+    level = p.level(handle, p.value(node.arguments[2])[0])
+    if p.out.edge == "wrap":
+        x, y = p.wrapped(x, level["width"]), p.wrapped(y, level["height"])
+    else:
+        x, y = p.clamped(x, -1, level["width"]), p.clamped(y, -1, level["height"])
+    index = p.integer("add", p.integer("mul", y, level["stride"]), x)
+    index = p.integer("add", index, level["first"])
+    below = p.integer("add", index, level["stride"])
+    base = p.data(handle)
+    found = []
+    for place in (index, below):
+        pairs = p.gather(base, place, "<2 x float>")
+        for side in (0, 1):
+            scalars = [p.make(f"extractelement <2 x float> {pair}, i32 {side}") for pair in pairs]
+            found.append(p.assemble(scalars, "float"))
+    return found
+
+
+def _texel(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    """One 64-bit load a lane, four 16-bit channels unpacked from it."""
+    handle = p.handle(node.arguments[0])
+    x, y = p.value(node.arguments[1])
+    level = p.level(handle, p.value(node.arguments[2])[0])
+    if p.out.edge == "wrap":
+        x, y = p.wrapped(x, level["width"]), p.wrapped(y, level["height"])
+    else:
+        x, y = p.clamped(x, 0, level["width"]), p.clamped(y, 0, level["height"])
+    index = p.integer("add", p.integer("mul", y, level["stride"]), x)
+    index = p.integer("add", index, level["first"])
+    pairs = p.gather(p.data(handle), index, "<2 x i32>")
+    channels = []
+    for half in (0, 1):
+        scalars = [p.make(f"extractelement <2 x i32> {pair}, i32 {half}") for pair in pairs]
+        word = p.assemble(scalars, "i32")
+        for bits in (p.integer("and", word, 0xFFFF), p.integer("lshr", word, 16)):
+            unit = p.out.constant(1 / 65535, float)
+            channels.append(p.operation("fmul", p.to_float(bits), unit, float))
+    return channels
+
+
+_INTRINSICS: dict[str, Any] = {
+    "sqrt": _each(lambda p, x: p.lane_function("sqrt", x)),
+    "floor": _each(lambda p, x: p.lane_function("floor", x)),
+    "fract": _each(_fraction),
+    "minimum": _each(_minimum),
+    "maximum": _each(_maximum),
+    "clamp": _each(_held),
+    "saturate": _each(_saturate),
+    "mix": _each(_mixed),
+    "copysign": _each(lambda p, x, sign: p.lane_function("copysign", x, sign)),
+    "smoothstep": _smoothstep,
+    "dot": _dot,
+    "length": _length,
+    "normalize": _normalize,
+    "cross": _cross,
+    "reflect": _reflect,
+    "transpose": _transpose,
+    "abs": _absolute,
+    "min": _smaller_or_larger,
+    "max": _smaller_or_larger,
+    "float": _conversion,
+    "int": _conversion,
+    "float_bits": _reinterpret,
+    "bits_float": _reinterpret,
+    "len": _count,
+    "levels": _count,
+    "size": _size,
+    "corners": _corners,
+    "texel": _texel,
+    **dict.fromkeys(APPROXIMATED, _approximated),
+}
+
+
+# --- costs and jumps --------------------------------------------------------------------------------
+
+
+def _may_leave(statement: tree.Statement) -> bool:
+    """Whether lanes may be gone after a statement that others come out of."""
+    if isinstance(statement, tree.If):
+        block = tree.Block([statement])
+        return tree.contains(block, tree.Return, tree.Break, tree.Continue)
+    return _contains_return(statement)
+
+
+def _contains_return(statement: tree.Statement) -> bool:
+    if isinstance(statement, tree.Return):
+        return False
+    return tree.contains(tree.Block([statement]), tree.Return)
+
+
+def _cost(block: tree.Block) -> int:
+    """Operations in a block; a call, a read or a loop makes it dear."""
+    total = 0
+    for statement in block.statements:
+        match statement:
+            case tree.Assign(value=value) | tree.Return(value=value):
+                total += _expression_cost(value)
+            case tree.If(test=test, body=body, otherwise=otherwise):
+                total += _expression_cost(test) + _cost(body) + _cost(otherwise)
+            case tree.For() | tree.While():
+                total += _CHEAP + 1
+    return total
+
+
+_FREE = {"float_bits", "bits_float", "transpose"}
+_DEAR = {*APPROXIMATED, "corners", "texel", "normalize"}
+
+
+def _expression_cost(node: tree.Expression) -> int:
+    match node:
+        case tree.Literal() | tree.Local():
+            return 0
+        case tree.Call() | tree.Item():
+            return _CHEAP + 1
+        case tree.Swizzle(operand=a) | tree.Member(operand=a):
+            return _expression_cost(a)
+        case tree.Construct(parts=parts):
+            return sum(map(_expression_cost, parts))
+        case tree.IntrinsicCall(name=name, arguments=arguments):
+            own = _CHEAP + 1 if name in _DEAR else 0 if name in _FREE else _width(node.type)
+            return own + sum(map(_expression_cost, arguments))
+        case tree.Unary(operand=a):
+            return 1 + _expression_cost(a)
+        case tree.Select(test=a, then=b, otherwise=c):
+            return _width(node.type) + sum(map(_expression_cost, (a, b, c)))
+        case tree.Binary(left=a, right=b):
+            dear = 8 if node.operator in ("//", "%") else 1
+            return dear * _width(node.type) + _expression_cost(a) + _expression_cost(b)
+        case tree.Compare(left=a, right=b) | tree.Logic(left=a, right=b):
+            return 1 + _expression_cost(a) + _expression_cost(b)
+    raise AssertionError(node)
+
+
+def _width(t: Any) -> int:
+    return sum(1 for _ in leaves(t))
+
+
+# --- the entry ---------------------------------------------------------------------------------------
+#
+# uniforms: the leaves of the entry's records, 32 bits each, in order.
+# resources: a pointer a handle, to a header: data pointer (8 bytes), then 32-bit words: how many
+# levels or items, nothing, and four words a level: first element, width, height, elements a row.
+# planes: a plane of 32-bit words for each leaf of the result, rows `row_stride` words apart.
+
+_HEADER_WORDS = 4
+
+
+class _EntryPrinter(_Printer):
+    """The loop over pixels around the entry shader."""
+
+    def __init__(self, out: _Output, entry: tree.Function) -> None:
+        super().__init__(out)
+        self.entry = entry
+
+    def text(self) -> str:
+        lanes = self.out.lanes
+        names = self.out.names
+        self.emit("%first = icmp slt i32 %first_row, %last_row")
+        given = self.arguments()
+        self.emit("br i1 %first, label %rows, label %leave")
+        self.label("rows")
+        self.emit("%y = phi i32 [%first_row, %start], [%next_y, %row_done]")
+        y = self.splat("%y", int)
+        row = self.make("zext i32 %y to i64")
+        stride = self.make("zext i32 %row_stride to i64")
+        row_start = self.make(f"mul i64 {row}, {stride}")
+        self.emit("br label %pixels")
+        self.label("pixels")
+        self.emit("%x = phi i32 [0, %rows], [%next_x, %pixels]")
+        counting = "<" + ", ".join(f"i32 {k}" for k in range(lanes)) + ">"
+        x = self.integer("add", self.splat("%x", int), counting)
+        mask = self.compare("<", x, self.splat("%width", int), int)
+        arguments = [f"{names[bool]} {mask}", f"{names[int]} {x}", f"{names[int]} {y}", *given]
+        result = self.out.result(self.entry.result)
+        whole = self.make(f"call fastcc {result} @{self.entry.name}({', '.join(arguments)})")
+        column = self.make("zext i32 %x to i64")
+        place = self.make(f"add i64 {row_start}, {column}")
+        self.store_planes(whole, result, place)
+        self.emit(f"%next_x = add i32 %x, {lanes}")
+        self.emit("%more = icmp slt i32 %next_x, %width")
+        self.emit("br i1 %more, label %pixels, label %row_done")
+        self.label("row_done")
+        self.emit("%next_y = add i32 %y, 1")
+        self.emit("%more_rows = icmp slt i32 %next_y, %last_row")
+        self.emit("br i1 %more_rows, label %rows, label %leave")
+        head = (
+            "define dllexport void @run(ptr noalias readonly %uniforms, "
+            "ptr noalias readonly %resources, ptr noalias %planes, i64 %plane_stride, "
+            "i32 %row_stride, i32 %width, i32 %first_row, i32 %last_row) nounwind {"
+        )
+        return "\n".join([head, "start:", *self.lines, "leave:", "  ret void", "}", ""])
+
+    def arguments(self) -> list[str]:
+        """The entry's records from the uniforms, and its handles; loaded once."""
+        given: list[str] = []
+        word = resource = 0
+        for t in list(self.entry.parameters.values())[1:]:
+            if is_handle(t):
+                slot = self.make(f"getelementptr ptr, ptr %resources, i64 {resource}")
+                given.append(f"ptr {self.make(f'load ptr, ptr {slot}')}")
+                resource += 1
+                continue
+            for _, leaf in leaves(t):
+                place = self.make(f"getelementptr i32, ptr %uniforms, i64 {word}")
+                kind = "float" if leaf is float else "i32"
+                value = self.make(f"load {kind}, ptr {place}")
+                if leaf is bool:
+                    value = self.make(f"icmp ne i32 {value}, 0")
+                given.append(f"{self.out.names[leaf]} {self.splat(value, leaf)}")
+                word += 1
+        return given
+
+    def store_planes(self, whole: str, result: str, place: str) -> None:
+        kinds = [leaf for _, leaf in leaves(self.entry.result)]
+        for index, t in enumerate(kinds):
+            value = whole
+            if len(kinds) > 1:
+                value = self.make(f"extractvalue {result} {whole}, {index}")
+            if t is bool:
+                value = self.make(f"zext {self.out.names[bool]} {value} to {self.out.names[int]}")
+            skip = self.make(f"mul i64 %plane_stride, {index}")
+            offset = self.make(f"add i64 {place}, {skip}")
+            target = self.make(f"getelementptr i32, ptr %planes, i64 {offset}")
+            kind = self.out.names[float if t is float else int]
+            self.emit(f"store {kind} {value}, ptr {target}, align 4")

@@ -1,0 +1,136 @@
+"""A program: an entry shader, what its slots are bound to, and how its maps behave at their edges.
+
+The entry's first parameter is the pixel, an `IVec2`; then come records (the uniforms) and resource
+handles; its result is a record, one plane of the picture for each of its leaves.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import marshal
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from types import CodeType
+from typing import Any
+
+from basrelief.lang import tree
+from basrelief.lang.frontend import analyse, bound_types
+from basrelief.lang.resources import Edge, buffer_record, is_handle
+from basrelief.lang.shader import Shader
+from basrelief.lang.types import SCALARS, ShaderError, TypeSlot, fields_of, is_record, leaves
+from basrelief.lang.values import IVec2
+
+
+@dataclass(frozen=True)
+class Program:
+    """What an engine compiles and runs. Equal contents have equal `key`s."""
+
+    entry: Shader[..., Any]
+    bindings: Mapping[Shader[..., Any], Shader[..., Any]] = field(default_factory=dict)
+    edge: Edge = "wrap"
+
+    def __post_init__(self) -> None:
+        given, result = self.entry.signature
+        if next(iter(given.values()), None) is not IVec2 or not is_record(result):
+            raise ShaderError(
+                f"{self.entry.location}: the entry {self.entry.name} takes a pixel: IVec2 first "
+                "and returns a record"
+            )
+
+    @functools.cached_property
+    def module(self) -> tree.Module:
+        """The typed tree; raises ShaderError where the source is outside the subset."""
+        return analyse(self.entry, self.bindings)
+
+    @functools.cached_property
+    def parameters(self) -> dict[str, Any]:
+        """The entry's parameters after the pixel, with type slots filled in."""
+        types = bound_types(self.bindings)
+        given = list(self.entry.signature[0].items())[1:]
+        return {name: types.get(t, t) for name, t in given}
+
+    @property
+    def uniforms(self) -> dict[str, Any]:
+        """The record parameters, by name."""
+        return {n: t for n, t in self.parameters.items() if not is_handle(t)}
+
+    @property
+    def planes(self) -> list[tuple[str, type]]:
+        """The leaves of the result: dotted name and type."""
+        return list(leaves(self.entry.signature[1]))
+
+    @functools.cached_property
+    def key(self) -> str:
+        """A digest of all that the program is made of: code, numbers, types, bindings."""
+        digest = hashlib.sha256()
+        for part in _Contents(self).parts():
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+        return digest.hexdigest()
+
+
+class _Contents:
+    """Walks the shaders, numbers and records that a program can reach, in a fixed order."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.seen: set[int] = set()
+        self.found: list[bytes] = [program.edge.encode()]
+
+    def parts(self) -> list[bytes]:
+        self.visit(self.program.entry)
+        return self.found
+
+    def visit(self, thing: Any) -> None:
+        if id(thing) in self.seen:
+            return
+        if isinstance(thing, Shader):
+            self.seen.add(id(thing))
+            self.shader(thing)
+        elif is_record(thing):
+            self.seen.add(id(thing))
+            self.record(thing)
+        elif buffer_record(thing) is not None:
+            self.visit(buffer_record(thing))
+        elif isinstance(thing, type) and issubclass(thing, TypeSlot):
+            self.found.append(thing.__name__.encode())
+        elif type(thing) in SCALARS:
+            self.found.append(repr(thing).encode())
+        else:
+            self.found.append(getattr(thing, "__name__", type(thing).__name__).encode())
+
+    def shader(self, shader: Shader[..., Any]) -> None:
+        parameters, result = shader.signature
+        self.found.append(shader.name.encode())
+        for name, t in [*parameters.items(), ("return", result)]:
+            self.found.append(name.encode())
+            self.visit(t)
+        if shader.is_slot:
+            bound = self.program.bindings.get(shader)
+            if bound is None:
+                raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
+            self.visit(bound)
+            return
+        code = shader.function.__code__
+        self.found.append(marshal.dumps(_without_places(code)))
+        for name in (*code.co_names, *code.co_freevars):
+            try:
+                value = shader.lookup(name)
+            except (KeyError, AttributeError):
+                continue  # a field, not a global; or an unknown name, which the front end reports
+            self.found.append(name.encode())
+            self.visit(value)
+
+    def record(self, record: type) -> None:
+        self.found.append(record.__name__.encode())
+        for f in fields(record):  # type: ignore[arg-type]
+            self.found.append(f.name.encode())
+            self.visit(fields_of(record)[f.name])
+            if f.default is not MISSING:
+                self.found.append(repr(f.default).encode())
+
+
+def _without_places(code: CodeType) -> CodeType:
+    """Code that says nothing of files and lines, so that moving a file changes no key."""
+    return code.replace(co_filename="", co_firstlineno=1, co_linetable=b"", co_qualname="")
