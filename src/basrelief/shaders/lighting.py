@@ -167,6 +167,7 @@ def phong(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
 def ggx(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
     """Metallic-roughness as in glTF 2.0, appendix B, with π · the reflectance function.
 
+    Masking and shadowing are correlated by height, where the appendix has them independent.
     Lights' radiance counts π-fold, so that a white diffuse surface facing a directional light of
     colour 1 comes out as 1 (less what the Fresnel term takes for the highlight): Lambert's term
     is the base colour itself. Takes no notice of `shading`: the material's maps say it all.

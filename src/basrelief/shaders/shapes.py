@@ -235,12 +235,13 @@ def ball(origin: Vec3, direction: Vec3) -> Interval:
     far = length(origin)
     outside = (far - 0.5) * (far + 0.5)
     root = sqrt(squared * room)
-    # the two terms have the same sign; 0 only where the ray touches the sphere at its origin
-    larger = towards + copysign(root, towards)
-    safe = copysign(max(abs(larger), SLOWEST), larger)
+    # the root whose terms have the same sign; its size is 0 only where the ray starts on the
+    # sphere and leaves at once
     if towards >= 0.0:
-        return Interval(outside / safe, larger / squared)
-    return Interval(larger / squared, outside / safe)
+        last = towards + root
+        return Interval(outside / max(last, SLOWEST), last / squared)
+    first = towards - root
+    return Interval(first / squared, outside / min(first, -SLOWEST))
 
 
 @shader
