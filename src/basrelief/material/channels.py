@@ -106,8 +106,9 @@ def stretched(pixels: Pixels) -> Pixels:
     values = pixels.astype(np.float64) / most(pixels)
     low, high = values.min(), values.max()
     if high <= low:
-        return np.clip(values, 0, 1).astype(np.float32)
-    return ((values - low) / (high - low)).astype(np.float32)
+        low, high = 0.0, 1.0
+    filled: Pixels = np.clip((values - low) / (high - low), 0, 1).astype(np.float32)
+    return filled
 
 
 def constant(pixels: Pixels) -> bool:

@@ -116,12 +116,24 @@ def _table() -> dict[str, Meaning]:
 
 _MEANINGS = _table()
 
-_UNREAL = dict(
-    d="color", bc="color", n="normal", h="height", r="roughness", m="metallic", e="emission"
-)
+_UNREAL = {
+    "d": "color",
+    "bc": "color",
+    "n": "normal",
+    "h": "height",
+    "r": "roughness",
+    "m": "metallic",
+    "e": "emission",
+}
 """Last letters of names that begin with T_, after Epic's naming guide."""
 
-_GREEN: Mapping[str, Green] = dict(gl="gl", ogl="gl", opengl="gl", dx="dx", directx="dx")
+_GREEN: Mapping[str, Green] = {
+    "gl": "gl",
+    "ogl": "gl",
+    "opengl": "gl",
+    "dx": "dx",
+    "directx": "dx",
+}
 _INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
 _LONGEST = 4
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.material import channels
@@ -204,6 +203,7 @@ class _Builder:
     def add_height(self, choice: Choice) -> None:
         picture = self.picture(choice)
         wanted = self.reading.height_channel
+        channel: str
         if wanted != "auto":
             channel, why = wanted, "asked for"
         elif choice.part.channel:

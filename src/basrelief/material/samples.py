@@ -77,10 +77,10 @@ def normals(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
 
 
 def occlusion(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
-    """How open each texel is, 0 to 1, (h, w): how far its surroundings rise above it, in four sizes.
+    """How open each texel is, 0 to 1, (h, w), of periodic heights (h, w) in 0…1.
 
-    Not a ray-traced occlusion but a picture of one: the mean height around a texel, less its own,
-    over the radius, is the slope under which the surroundings stand.
+    Not a ray-traced occlusion but a likeness of one, in four sizes: the mean height around a texel,
+    less its own, over the radius, is the slope under which the surroundings stand.
     """
     width = heights.shape[1]
     spectrum = np.fft.rfft2(heights)

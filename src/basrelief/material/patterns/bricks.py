@@ -11,8 +11,14 @@ ACROSS, DOWN = 3, 9  # bricks of 24 × 8 cm with their joints: close to the comm
 JOINT = 0.011
 ROUNDING = 0.006
 PALETTE = np.array(
-    [[0.60, 0.30, 0.22], [0.66, 0.36, 0.25], [0.53, 0.25, 0.20], [0.71, 0.44, 0.31]]
-    + [[0.47, 0.23, 0.20], [0.63, 0.33, 0.27]],
+    [
+        [0.60, 0.32, 0.25],
+        [0.64, 0.38, 0.29],
+        [0.53, 0.28, 0.23],
+        [0.69, 0.46, 0.35],
+        [0.47, 0.26, 0.23],
+        [0.62, 0.36, 0.30],
+    ],
     np.float32,
 )
 BURNT, PALE = (0.29, 0.20, 0.20), (0.78, 0.60, 0.45)
@@ -72,8 +78,10 @@ class _Wall:
         """A random number of each brick, at each texel."""
         return self.of_brick(self.random.uniform(low, high, self.count))
 
-    def of_brick(self, values: np.ndarray) -> np.ndarray:
-        return values.astype(np.float32)[self.row, self.column]
+    def of_brick(self, values: np.ndarray) -> Plane:
+        """Values by (row, column) of the brick, at each texel."""
+        spread: Plane = values.astype(np.float32)[self.row, self.column]
+        return spread
 
     def _place(self, canvas: Canvas, x: Plane, y: Plane, run: float, rise: float) -> None:
         turn = self.draw(-0.012, 0.012)

@@ -49,12 +49,15 @@ class Canvas:
     @cached_property
     def x(self) -> Plane:
         """Texel centres, (1, width), 0 to 1."""
-        return ((np.arange(self.width, dtype=np.float32) + np.float32(0.5)) / self.width)[None, :]
+        return self._middles(self.width)[None, :]
 
     @cached_property
     def y(self) -> Plane:
         """Texel centres, (height, 1), 0 to height/width."""
-        return ((np.arange(self.height, dtype=np.float32) + np.float32(0.5)) / self.width)[:, None]
+        return self._middles(self.height)[:, None]
+
+    def _middles(self, count: int) -> Plane:
+        return ((np.arange(count) + 0.5) / self.width).astype(np.float32)
 
     def rows(self, columns: int, *, even: bool = False) -> int:
         """How many rows of about square cells fit, when `columns` fit across."""
@@ -82,7 +85,8 @@ class Canvas:
             vertical = _spline(self.height, down)
             total += gain**octave * (vertical @ lattice @ _spline(self.width, across).T)
         weight = sum(gain ** (2 * octave) for octave in range(octaves))
-        return (total * (_TO_UNIT_DEVIATION / weight**0.5)).astype(np.float32)
+        unit: Plane = (total * (_TO_UNIT_DEVIATION / weight**0.5)).astype(np.float32)
+        return unit
 
 
 _TO_UNIT_DEVIATION = 3**0.5 / 0.4794

@@ -1,0 +1,109 @@
+"""River gravel: smooth pebbles of three sizes, heaped over each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade, smoothstep
+
+TILE, DEPTH = 0.4, 0.032
+SIZES = ((9, 0.54, 0.30), (16, 0.56, 0.16), (30, 0.60, 0.04))
+"""Pebbles across, their largest radius in grid squares, and how high they lie, largest first."""
+STONES = np.array(
+    [
+        [0.55, 0.53, 0.50],
+        [0.43, 0.43, 0.44],
+        [0.68, 0.63, 0.55],
+        [0.52, 0.42, 0.35],
+        [0.37, 0.38, 0.40],
+        [0.74, 0.71, 0.67],
+        [0.60, 0.48, 0.39],
+    ],
+    np.float32,
+)
+SAND = (0.33, 0.29, 0.24)
+
+
+def gravel(canvas: Canvas) -> Relief:
+    """40 cm of pebbles from 1 to 5 cm, 3 cm from the sand to the top of the highest."""
+    heap = _Heap(canvas)
+    for across, radius, rest in SIZES:
+        heap.strew(across, radius, rest)
+    grain = canvas.noise("grain", 128, octaves=2, gain=0.8)
+    dents = canvas.noise("dents", 24, octaves=4)
+    stone = heap.is_stone
+    height = heap.height + 0.006 * dents + 0.003 * grain + 0.012 * (1 - stone) * grain
+    color = mix(np.asarray(SAND, np.float32), heap.color, stone)
+    vein = smoothstep(0.10, 0.0, np.abs(canvas.noise("veins", 7, octaves=4) + heap.tone))
+    color = mix(color, (0.82, 0.80, 0.76), 0.55 * vein * stone)
+    color = shade(color, 1 + 0.05 * dents + 0.05 * grain)
+    color = shade(color, 0.62 + 0.38 * smoothstep(0.0, 0.35, heap.height))
+    roughness = mix(0.95, 0.48 + 0.05 * dents + 0.05 * heap.tone, stone)
+    return Relief(height, color, roughness, DEPTH, TILE)
+
+
+class _Heap:
+    """The highest pebble at each texel so far: its height, colour and tone (−1 to 1)."""
+
+    def __init__(self, canvas: Canvas) -> None:
+        self.canvas = canvas
+        shape = (canvas.height, canvas.width)
+        self.height = (0.03 * canvas.noise("sand", 12, octaves=4) + 0.05).astype(np.float32)
+        self.color = np.zeros((*shape, 3), np.float32)
+        self.tone = np.zeros(shape, np.float32)
+        self.is_stone = np.zeros(shape, np.float32)
+
+    def strew(self, across: int, radius: float, rest: float) -> None:
+        """Lay a pebble in each square of a grid, its place, shape, turn and tilt by chance."""
+        down = self.canvas.rows(across)
+        random = self.canvas.random(f"pebbles {across}")
+        for row in range(down):
+            for column in range(across):
+                square = np.array([column + row % 2 / 2, row])
+                middle = square + random.uniform(0.2, 0.8, 2)
+                self._lay(_Pebble(random, middle / (across, down), radius / across, rest))
+
+    def _lay(self, pebble: _Pebble) -> None:
+        height, width = self.height.shape
+        aspect = height / width
+        middle_x, middle_y = pebble.middle[0] * width, pebble.middle[1] * height
+        reach = pebble.long * width
+        columns = np.arange(int(middle_x - reach), int(middle_x + reach) + 2)
+        rows = np.arange(int(middle_y - reach), int(middle_y + reach) + 2)
+        x = ((columns + 0.5) / width - pebble.middle[0]).astype(np.float32)[None, :]
+        y = ((rows + 0.5) / width - pebble.middle[1] * aspect).astype(np.float32)[:, None]
+        there = np.ix_(rows % height, columns % width)
+        top = pebble.top(x, y)
+        over = top > self.height[there]
+        self.height[there] = np.where(over, top, self.height[there])
+        self.color[there] = np.where(over[:, :, None], pebble.color, self.color[there])
+        self.tone[there] = np.where(over, np.float32(pebble.tone), self.tone[there])
+        self.is_stone[there] = np.maximum(self.is_stone[there], over)
+
+
+class _Pebble:
+    """A flattened, tilted dome over an ellipse; lengths in widths of the picture."""
+
+    def __init__(
+        self, random: np.random.Generator, middle: np.ndarray, radius: float, rest: float
+    ) -> None:
+        self.middle = middle
+        self.long = radius * random.uniform(0.72, 1)
+        self.short = self.long * random.uniform(0.58, 0.95)
+        self.angle = random.uniform(0, np.pi)
+        self.rest = rest + random.uniform(-0.10, 0.10)
+        self.tilt = random.uniform(-0.12, 0.12, 2)
+        self.tone = random.uniform(-1, 1)
+        color = STONES[random.integers(0, len(STONES))] * random.uniform(0.75, 1.15)
+        self.color = color.astype(np.float32)
+
+    def top(self, x: Plane, y: Plane) -> Plane:
+        """Its upper side, at (x, y) from its middle, as a relief height; below 0 beside it."""
+        cos, sin = np.float32(np.cos(self.angle)), np.float32(np.sin(self.angle))
+        u = (cos * x + sin * y) / np.float32(self.long)
+        v = (cos * y - sin * x) / np.float32(self.short)
+        square = u * u + v * v
+        dome = np.sqrt(np.maximum(1 - square * (0.6 + 0.4 * square), 0))
+        lean = np.float32(self.tilt[0]) * u + np.float32(self.tilt[1]) * v
+        inside = np.float32(self.rest) + np.float32(6 * self.long) * dome + lean
+        return np.where(square < 1, inside, np.float32(-1))
