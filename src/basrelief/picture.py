@@ -96,6 +96,8 @@ class Picture:
         """All channels but the alpha, (height, width, channels)."""
         if "A" not in self.channels:
             return self.pixels
+        if self.channels[-1] == "A":
+            return self.pixels[:, :, :-1]
         return np.delete(self.pixels, self.channels.index("A"), axis=2)
 
 
@@ -141,9 +143,9 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
 def _open(path: Path) -> Any:
     import OpenImageIO
 
-    if not path.exists():
+    if not os.path.exists(path):  # unlike Path.exists, False for impossible names
         raise InputError(f"{path}: there is no such file; check the name")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder, not a picture; name a file in it")
     try:
         trouble = _png_trouble(path)
@@ -340,9 +342,9 @@ def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
 def _replace(path: Path, write: Callable[[Path], None]) -> None:
     """Let `write` make a file beside `path`, then move it there: the old file or the new, whole."""
     folder = path.parent
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise InputError(f"{path}: the folder {folder} does not exist; make it first")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; name a file")
     partial = folder / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
     try:

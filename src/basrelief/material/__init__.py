@@ -2,6 +2,17 @@
 
 from basrelief.material.load import load
 from basrelief.material.material import MAPS, Map, Material, Note
+from basrelief.material.report import describe, report
 from basrelief.material.samples import SAMPLES, sample
 
-__all__ = ["MAPS", "SAMPLES", "Map", "Material", "Note", "load", "sample"]
+__all__ = [
+    "MAPS",
+    "SAMPLES",
+    "Map",
+    "Material",
+    "Note",
+    "describe",
+    "load",
+    "report",
+    "sample",
+]

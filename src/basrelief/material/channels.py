@@ -33,7 +33,7 @@ def one_channel(picture: Picture, channel: str) -> Pixels:
         return np.ascontiguousarray(picture.alpha)
     color = picture.opaque
     if color.shape[2] == 1:
-        return color
+        return np.ascontiguousarray(color)
     if channel == "luminance":
         weights = np.array([0.2126, 0.7152, 0.0722], np.float32)  # ITU-R BT.709-6 (2015), 3.2
         bright = color[:, :, :3].astype(np.float32) @ weights[: color.shape[2]]
@@ -47,10 +47,18 @@ def one_channel(picture: Picture, channel: str) -> Pixels:
 
 def three_channels(picture: Picture) -> Pixels:
     """Colours, (height, width, 3); grey is repeated, the alpha left out."""
-    color = picture.opaque
+    color = _divided_by_alpha(picture) if picture.path.suffix.lower() == ".exr" else picture.opaque
     if color.shape[2] < 3:
         return np.repeat(color[:, :, :1], 3, axis=2)
     return np.ascontiguousarray(color[:, :, :3])
+
+
+def _divided_by_alpha(picture: Picture) -> Pixels:
+    """OpenEXR stores colours multiplied by their alpha; where that is 0 they stay as they are."""
+    if picture.alpha is None:
+        return picture.opaque
+    divided: Pixels = picture.opaque / np.where(picture.alpha > 0, picture.alpha, np.float32(1))
+    return divided
 
 
 def normals(picture: Picture, packing: NormalPacking) -> Pixels:
@@ -70,7 +78,7 @@ def normals(picture: Picture, packing: NormalPacking) -> Pixels:
     elif packing == "rg":
         x, y = picture.pixels[:, :, 0:1], picture.pixels[:, :, 1:2]
     else:
-        return _unsigned(three_channels(picture))
+        return _unsigned(np.ascontiguousarray(picture.opaque[:, :, :3]))
     return _with_z(_unsigned(np.concatenate([x, y], axis=2)))
 
 

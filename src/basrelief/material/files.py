@@ -14,6 +14,7 @@ What still ties is the user's to decide: InputError names the files and the way 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -48,15 +49,15 @@ def search(path: Path, green: Green | None, settled: frozenset[str]) -> Found:
     Maps in `settled` are given by the user and not chosen. Raises InputError when the path is
     missing, holds no picture, says of no picture which map it is, or leaves a true tie.
     """
-    if path.is_dir():
+    if os.path.isdir(path):
         return _search_folder(path, green, settled)
-    if path.exists():
+    if os.path.exists(path):
         return _search_set(path, green, settled)
     raise InputError(f"{path}: there is no such file or folder; check the name")
 
 
 def _search_folder(folder: Path, green: Green | None, settled: frozenset[str]) -> Found:
-    name = folder.resolve().name
+    name = folder.resolve().name or "material"
     notes: list[Note] = []
     pictures = _pictures(folder)
     if not pictures:
@@ -75,7 +76,7 @@ def _search_folder(folder: Path, green: Green | None, settled: frozenset[str]) -
             " name one: --base-color FILE, --height FILE"
         )
     notes += _left_out(names)
-    return Found(name, _choose(names, green, settled), tuple(notes))
+    return Found(name, _choose(names, green, settled, notes), tuple(notes))
 
 
 def _search_set(path: Path, green: Green | None, settled: frozenset[str]) -> Found:
@@ -91,13 +92,16 @@ def _search_set(path: Path, green: Green | None, settled: frozenset[str]) -> Fou
         why = "it was named, and nothing says that it is another map"
     else:
         why = "it was named, and its name says so"
-    mine = _choose({path: own}, green, settled)
-    rest = _choose(of_its_set, green, settled | mine.keys())
-    notes = [Note(f"{' and '.join(mine)} from {path.name}", why)]
-    if rest:
-        others = sorted({choice.path.name for choice in rest.values()})
-        notes.append(Note(f"added {', '.join(others)}", "they belong to it by their names"))
-    return Found(" ".join(own.prefix) or path.stem, {**mine, **rest}, tuple(notes))
+    notes = [Note(f"{path.name} taken for {' and '.join(_maps(own))}", why)]
+    mine = _choose({path: own}, green, settled, notes)
+    rest = _choose(of_its_set, green, settled | mine.keys(), notes)
+    others = sorted({choice.path for choice in rest.values()} - {path})
+    if others:
+        listed = ", ".join(each.name for each in others)
+        notes.append(Note(f"{listed} taken along", "the name is that of the same set"))
+    stems = [each.stem for each in (path, *others)]
+    shared = os.path.commonprefix(stems).strip(" _-.")  # noqa: RUF071, by characters is meant
+    return Found(shared or path.stem, {**mine, **rest}, tuple(notes))
 
 
 def _entries(folder: Path) -> list[Path]:
@@ -122,6 +126,10 @@ def _parts(name: Name) -> tuple[Part, ...]:
     return name.meaning.parts if name.meaning else ()
 
 
+def _maps(name: Name) -> list[str]:
+    return [part.map for part in _parts(name)]
+
+
 def _listed(paths: Iterable[Path]) -> str:
     names = sorted(path.name for path in paths)
     return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
@@ -129,7 +137,7 @@ def _listed(paths: Iterable[Path]) -> str:
 
 def _with_unnamed_color(names: dict[Path, Name], notes: list[Note]) -> dict[Path, Name]:
     """Take a picture whose name is the material's for the base colour, where no other says so."""
-    if any(part.map == "base_color" for name in names.values() for part in _parts(name)):
+    if any("base_color" in _maps(name) for name in names.values()):
         return names
     unnamed = [path for path, name in names.items() if name.meaning is None]
     prefixes = {name.prefix for name in names.values() if _parts(name)}
@@ -137,7 +145,9 @@ def _with_unnamed_color(names: dict[Path, Name], notes: list[Note]) -> dict[Path
     if len(candidates) != 1:
         return names
     path = candidates[0]
-    notes.append(Note(f"base_color from {path.name}", "the only picture whose name says no map"))
+    notes.append(
+        Note(f"{path.name} taken for base_color", "the one picture whose name says no map")
+    )
     color = Name(names[path].words, names[path].words, Meaning((Part("base_color"),)))
     return {**names, path: color}
 
@@ -154,9 +164,9 @@ def _left_out(names: dict[Path, Name]) -> list[Note]:
 
 
 def _choose(
-    names: dict[Path, Name], green: Green | None, settled: frozenset[str]
+    names: dict[Path, Name], green: Green | None, settled: frozenset[str], notes: list[Note]
 ) -> dict[str, Choice]:
-    """The preferred file for each map that is not settled."""
+    """The preferred file for each map that is not settled, with a note where several fit."""
     candidates: dict[str, list[Choice]] = {kind: [] for kind in MAPS}
     prefixes = {path: name.prefix for path, name in names.items()}
     for path, name in names.items():
@@ -164,29 +174,46 @@ def _choose(
         for part in meaning.parts if meaning else ():
             candidates[part.map].append(Choice(path, part, meaning))
     return {
-        kind: _best(kind, fitting, prefixes, green)
+        kind: _best(kind, fitting, prefixes, green, notes)
         for kind, fitting in candidates.items()
         if fitting and kind not in settled
     }
 
 
 def _best(
-    kind: str, fitting: list[Choice], prefixes: dict[Path, tuple[str, ...]], green: Green | None
+    kind: str,
+    fitting: list[Choice],
+    prefixes: dict[Path, tuple[str, ...]],
+    green: Green | None,
+    notes: list[Note],
 ) -> Choice:
     if len(fitting) == 1:
         return fitting[0]
-    ranked = sorted((_rank(choice, green), choice.path.name, choice) for choice in fitting)
-    best, second = ranked[0], ranked[1]
-    if best[0] == second[0]:
-        paths = [best[2].path, second[2].path]
+    ranks = {choice.path: _rank(choice, green) for choice in fitting}
+    best, second = sorted(fitting, key=lambda choice: (ranks[choice.path], choice.path.name))[:2]
+    one, other = best.path, second.path
+    if ranks[one] == ranks[other]:
         option = f"--{kind.replace('_', '-')} FILE"
-        if prefixes[paths[0]] != prefixes[paths[1]]:
+        if prefixes[one] != prefixes[other]:
             option = f"one picture of the set in place of the folder, or {option}"
         raise InputError(
-            f"{paths[0].parent}: {paths[0].name} and {paths[1].name} both fit the {kind} map;"
-            f" name {option}"
+            f"{one.parent}: {one.name} and {other.name} both fit the {kind} map; name {option}"
         )
-    return best[2]
+    pairs = zip(ranks[one], ranks[other], _reasons(green), strict=True)
+    why = next(reason for left, right, reason in pairs if left != right)
+    notes.append(Note(f"{one.name} before {other.name} for {kind}", why))
+    return best
+
+
+def _reasons(green: Green | None) -> tuple[str, ...]:
+    """Why a file is preferred, in words, in the order of `_rank`."""
+    return (
+        "it is the usual name, or a file of its own",
+        f"{'DX' if green == 'dx' else 'GL'} is preferred",
+        "it has more bits",
+        "its format loses nothing",
+        "it has more pixels",
+    )
 
 
 def _rank(choice: Choice, wanted: Green | None) -> tuple[int, ...]:

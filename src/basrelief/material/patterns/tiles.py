@@ -35,7 +35,7 @@ def tiles(canvas: Canvas) -> Relief:
     grout = shade(mix(GROUT, GROUT, floor.is_dot), 1 + 0.10 * fine + 0.05 * wear)
     glazed = smoothstep(0.0, 0.012, floor.inside)
     color = mix(grout, color, glazed)
-    roughness = mix(0.92, 0.20 + 0.06 * wear + 0.04 * floor.is_dot + 0.4 * floor.crack, glazed)
+    roughness = mix(0.92, 0.20 + 0.03 * wear + 0.04 * floor.is_dot + 0.4 * floor.crack, glazed)
     return Relief(height, color, roughness, DEPTH, TILE, metallic=floor.is_brass * glazed)
 
 

@@ -1,0 +1,71 @@
+"""A material told: as data for `info --json`, as lines of text for `info`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from basrelief.material.material import MAPS, Map, Material
+
+
+def describe(material: Material) -> dict[str, Any]:
+    """The material as plain data, ready for JSON.
+
+    `maps` has an entry for each map of `MAPS`, null where it is missing: `source`, `width`,
+    `height`, `channels`, `bits` (32: floats), `srgb`, and `range`, the least and the greatest
+    stored value. `depth` and `tile` are metres, `scale` their ratio. `decisions` are the notes.
+    """
+    maps = dict(material.maps())
+    return {
+        "name": material.name,
+        "maps": {kind: _describe_map(maps[kind]) if kind in maps else None for kind in MAPS},
+        "depth": material.depth,
+        "tile": material.tile,
+        "scale": material.scale,
+        "decisions": [{"what": note.what, "why": note.why} for note in material.notes],
+    }
+
+
+def _describe_map(each: Map) -> dict[str, Any]:
+    return {
+        "source": each.source,
+        "width": each.width,
+        "height": each.height,
+        "channels": each.channels,
+        "bits": each.bits,
+        "srgb": each.srgb,
+        "range": list(each.range()),
+    }
+
+
+def report(material: Material) -> str:
+    """The material as text: its maps as a table, its lengths, and each decision with its reason."""
+    rows = [
+        (
+            kind.replace("_", " "),
+            each.source,
+            f"{each.width}×{each.height}",
+            "float" if each.bits == 32 else f"{each.bits} bit",
+            "sRGB" if each.srgb else "linear",
+            "{:.3g} to {:.3g}".format(*each.range()),
+        )
+        for kind, each in material.maps()
+    ]
+    missing = [kind.replace("_", " ") for kind in MAPS if kind not in dict(material.maps())]
+    lines = [material.name, "", *_aligned(rows)]
+    if missing:
+        lines.append(f"  without {', '.join(missing)}")
+    if material.scale is not None:
+        lengths = f"depth {material.depth:g} m, tile {material.tile:g} m"
+        lines += ["", f"  {lengths}: scale {material.scale:.4g}"]
+    lines += ["", *(f"  {note}" for note in material.notes)]
+    return "\n".join(lines)
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  "
+        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
