@@ -60,7 +60,10 @@ class Texture(_Pyramid):
 
 
 class Buffer(Generic[_T]):
-    """A list of records of one type; a program has at most one buffer of each record type."""
+    """A list of records of one type; a program has at most one buffer of each record type.
+
+    An index that is outside it reads the last item.
+    """
 
     def __init__(self, items: Sequence[_T], record: type[_T] | None = None) -> None:
         if record is None:
@@ -74,7 +77,8 @@ class Buffer(Generic[_T]):
         return len(self.items)
 
     def __getitem__(self, index: int) -> _T:
-        return self.items[min(max(int(index), 0), len(self.items) - 1)]
+        last = len(self.items) - 1
+        return self.items[index if 0 <= index <= last else last]
 
 
 HANDLES: tuple[type, ...] = (HeightField, Texture)

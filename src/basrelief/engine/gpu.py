@@ -1,0 +1,294 @@
+"""The GPU engine: WGSL as a compute shader through WebGPU (wgpu): Vulkan, Metal or DX12.
+
+The only module that imports wgpu, and only when a GPU is asked for.
+"""
+
+from __future__ import annotations
+
+import functools
+import threading
+import weakref
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.engine.engine import Planes, Progress, check_resource
+from basrelief.errors import EngineError
+from basrelief.lang.layout import align_and_size, pack
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Buffer, HeightField, Texture
+from basrelief.lang.wgsl import GROUP, Binding, bindings, print_wgsl
+
+_LIMITS = (
+    "max-storage-buffer-binding-size",
+    "max-buffer-size",
+    "max-texture-dimension-2d",
+)
+
+
+def _request_adapter() -> Any:
+    try:
+        import wgpu
+    except ImportError:
+        raise EngineError(
+            "the GPU engine needs wgpu; install it with: pip install 'basrelief[gpu]'"
+        ) from None
+    try:
+        return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
+    except Exception as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise EngineError(
+            f"no GPU is to be had here ({reason}); use --engine cpu, or install a Vulkan driver"
+        ) from None
+
+
+@functools.cache
+def real_gpu() -> bool:
+    """Whether there is a GPU that is not a program on the CPU."""
+    try:
+        adapter = _request_adapter()
+    except EngineError:
+        return False
+    return adapter.info["adapter_type"] != "CPU"  # type: ignore[no-any-return]
+
+
+class GpuEngine:
+    """Runs programs on the adapter that WebGPU prefers. Raises EngineError where there is none."""
+
+    name = "gpu"
+
+    def __init__(self) -> None:
+        adapter = _request_adapter()
+        limits = {name: adapter.limits[name] for name in _LIMITS}
+        features = [f for f in ("timestamp-query",) if f in adapter.features]
+        self.adapter_info: dict[str, Any] = dict(adapter.info)
+        self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
+        self.limits = limits
+        self.device = f"{adapter.info['device']} ({adapter.info['backend_type']})"
+        self._pipelines: dict[str, _Pipeline] = {}
+        self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
+        self._lock = threading.RLock()
+
+    def compile(self, program: Program) -> None:
+        """Make the program ready; the driver keeps its own cache."""
+        self._ready(program)
+
+    def run(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+        progress: Progress | None = None,
+    ) -> Planes:
+        """Run a program over a picture of (width, height); see `Engine.run`."""
+        with self._lock:
+            return self._run(program, values, size, progress)
+
+    def _run(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+        progress: Progress | None,
+    ) -> Planes:
+        width, height = size
+        kinds = program.planes
+        found: Planes = {
+            name: np.empty((height, width), np.float32 if t is float else np.int32)
+            for name, t in kinds
+        }
+        rows = self.rows_at_once(len(kinds), width, height)
+        with self.prepare(program, values, (width, rows)) as job:
+            for first in range(0, height, rows):
+                last = min(first + rows, height)
+                job.dispatch(first, last)
+                words = job.read((last - first))
+                for plane, (name, _) in zip(words, kinds, strict=True):
+                    found[name][first:last] = plane.view(found[name].dtype)
+                if progress is not None:
+                    progress(last / height)
+        return found
+
+    def rows_at_once(self, planes: int, width: int, height: int) -> int:
+        """As many rows as fit the largest buffer that can be bound."""
+        room = min(self.limits["max-storage-buffer-binding-size"], 1 << 28)
+        return max(1, min(height, room // (4 * planes * width)))
+
+    def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
+        """Pipeline, buffers and bindings for running a program on pictures up to a size."""
+        return Job(self, self._ready(program), program, values, size)
+
+    def _ready(self, program: Program) -> _Pipeline:
+        with self._lock:
+            if program.key not in self._pipelines:
+                self._pipelines[program.key] = self._build(program)
+            return self._pipelines[program.key]
+
+    def _build(self, program: Program) -> _Pipeline:
+        code = print_wgsl(program.module, program.edge)
+        module = self.gpu.create_shader_module(code=code, label=program.entry.name)
+        needed = bindings(program.module)
+        layout = self.gpu.create_bind_group_layout(
+            entries=[_layout_entry(number, b) for number, b in enumerate(needed)]
+        )
+        pipeline = self.gpu.create_compute_pipeline(
+            layout=self.gpu.create_pipeline_layout(bind_group_layouts=[layout]),
+            compute={"module": module, "entry_point": "main"},
+        )
+        return _Pipeline(pipeline, layout, needed, code)
+
+    def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
+        """The resource on the GPU; uploaded once while it lives."""
+        if value not in self._uploaded:
+            if isinstance(value, Buffer):
+                self._uploaded[value] = self.buffer(_pack_list(value), "STORAGE")
+            else:
+                self._uploaded[value] = self._texture(value)
+        return self._uploaded[value]
+
+    def buffer(self, data: NDArray[Any], *usage: str) -> Any:
+        """A buffer on the GPU that holds data."""
+        import wgpu
+
+        flags = 0
+        for name in usage:
+            flags |= int(getattr(wgpu.BufferUsage, name))
+        return self.gpu.create_buffer_with_data(data=np.ascontiguousarray(data), usage=flags)
+
+    def _texture(self, value: HeightField | Texture) -> Any:
+        import wgpu
+
+        height, width = value.shape
+        limit = self.limits["max-texture-dimension-2d"]
+        if max(width, height) > limit:
+            raise EngineError(
+                f"a map of {width} × {height} is larger than this GPU takes ({limit}); "
+                "use --engine cpu, or a smaller map"
+            )
+        heights = isinstance(value, HeightField)
+        texture = self.gpu.create_texture(
+            size=(width, height, 1),
+            format="r32float" if heights else "rgba16uint",
+            mip_level_count=len(value.levels),
+            usage=wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST,
+        )
+        for number, level in enumerate(value.levels):
+            rows, columns = level.shape[:2]
+            self.gpu.queue.write_texture(
+                {"texture": texture, "mip_level": number},
+                level,
+                {"bytes_per_row": columns * (4 if heights else 8), "rows_per_image": rows},
+                (columns, rows, 1),
+            )
+        return texture.create_view()
+
+
+@dataclass(frozen=True)
+class _Pipeline:
+    pipeline: Any
+    layout: Any
+    bindings: list[Binding]
+    code: str
+
+
+class Job:
+    """A program with its values in place, to be dispatched once or many times."""
+
+    def __init__(
+        self,
+        engine: GpuEngine,
+        pipeline: _Pipeline,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+    ) -> None:
+        import wgpu
+
+        self.engine, self.pipeline, self.size = engine, pipeline, size
+        self.plane_count = len(program.planes)
+        gpu = engine.gpu
+        self._run = gpu.create_buffer(
+            size=16, usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+        )
+        self.planes = gpu.create_buffer(
+            size=4 * self.plane_count * size[0] * size[1],
+            usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC,
+        )
+        self._owned = [self._run, self.planes]
+        entries = [
+            {"binding": number, "resource": self._bound(b, program, values)}
+            for number, b in enumerate(pipeline.bindings)
+        ]
+        self.group = gpu.create_bind_group(layout=pipeline.layout, entries=entries)
+
+    def _bound(self, binding: Binding, program: Program, values: Mapping[str, Any]) -> Any:
+        name = binding.name
+        if binding.kind in ("run", "planes"):
+            buffer = self._run if binding.kind == "run" else self.planes
+            return {"buffer": buffer, "offset": 0, "size": buffer.size}
+        if name not in values:
+            raise EngineError(f"the program {program.entry.name} needs a value for {name}")
+        if binding.kind == "uniform":
+            buffer = self.engine.buffer(pack(values[name], binding.type), "UNIFORM")
+            self._owned.append(buffer)
+            return {"buffer": buffer, "offset": 0, "size": buffer.size}
+        check_resource(program, name, values[name])
+        resident = self.engine.resident(values[name])
+        if binding.kind == "map":
+            return resident
+        return {"buffer": resident, "offset": 0, "size": resident.size}
+
+    def dispatch(self, first: int, last: int, timestamps: Any = None) -> None:
+        """Compute rows first … last − 1; `timestamps` are WebGPU's timestamp writes."""
+        width = self.size[0]
+        words = np.array([width, first, last, width * self.size[1]], np.uint32)
+        gpu = self.engine.gpu
+        gpu.queue.write_buffer(self._run, 0, words)
+        encoder = gpu.create_command_encoder()
+        compute = encoder.begin_compute_pass(
+            **({"timestamp_writes": timestamps} if timestamps else {})
+        )
+        compute.set_pipeline(self.pipeline.pipeline)
+        compute.set_bind_group(0, self.group)
+        compute.dispatch_workgroups(-(-width // GROUP[0]), -(-(last - first) // GROUP[1]))
+        compute.end()
+        gpu.queue.submit([encoder.finish()])
+
+    def read(self, rows: int) -> NDArray[np.int32]:
+        """The planes of the last dispatch, (planes, rows, width), as 32-bit words."""
+        width, stride = self.size[0], self.size[0] * self.size[1]
+        raw = np.frombuffer(self.engine.gpu.queue.read_buffer(self.planes), np.int32)
+        whole = raw.reshape(self.plane_count, stride)
+        return whole[:, : rows * width].reshape(self.plane_count, rows, width)
+
+    def __enter__(self) -> Job:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for buffer in self._owned:
+            buffer.destroy()
+
+
+def _layout_entry(number: int, binding: Binding) -> dict[str, Any]:
+    import wgpu
+
+    entry: dict[str, Any] = {"binding": number, "visibility": wgpu.ShaderStage.COMPUTE}
+    kinds = {"run": "uniform", "uniform": "uniform", "planes": "storage"}
+    if binding.kind == "map":
+        sample = "unfilterable-float" if binding.type is HeightField else "uint"
+        entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
+    else:
+        entry["buffer"] = {"type": kinds.get(binding.kind, "read-only-storage")}
+    return entry
+
+
+def _pack_list(buffer: Buffer[Any]) -> NDArray[np.int32]:
+    """A buffer's count, padded to its items' alignment, and its items; at least one of zeros."""
+    align, size = align_and_size(buffer.record)
+    items = [pack(item, buffer.record) for item in buffer.items]
+    head = np.zeros(align // 4, np.int32)
+    head[0] = len(buffer)
+    return np.concatenate([head, *(items or [np.zeros(size // 4, np.int32)])])

@@ -1,0 +1,71 @@
+"""Where the fields of a record lie in memory that a GPU reads: WGSL's host-shareable layout.
+
+The rules of the uniform address space are kept everywhere, so that one layout serves both: a
+record within a record starts at a multiple of 16 bytes (W3C, WebGPU Shading Language, 2024, §14.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.lang.types import ShaderError, fields_of, is_record, leaf_values, leaves
+from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+
+_ALIGN_AND_SIZE: dict[Any, tuple[int, int]] = {
+    float: (4, 4),
+    int: (4, 4),
+    Vec2: (8, 8),
+    IVec2: (8, 8),
+    Vec3: (16, 12),
+    Vec4: (16, 16),
+    Mat3: (16, 48),
+}
+
+
+def _up(offset: int, align: int) -> int:
+    return -(-offset // align) * align
+
+
+def align_and_size(t: Any) -> tuple[int, int]:
+    """Alignment and size of a type in bytes; raises ShaderError for a bool, which has neither."""
+    if is_record(t):
+        align, end = 16, 0
+        for _, offset, field_type in offsets(t):
+            end = offset + align_and_size(field_type)[1]
+        return align, _up(end, align)
+    if t not in _ALIGN_AND_SIZE:
+        raise ShaderError(f"a record that a GPU reads holds no {t.__name__}; use an int, 0 or 1")
+    return _ALIGN_AND_SIZE[t]
+
+
+def offsets(record: type) -> Iterator[tuple[str, int, Any]]:
+    """Each field of a record: name, offset in bytes, type."""
+    offset = 0
+    for name, t in fields_of(record).items():
+        align, size = align_and_size(t)
+        offset = _up(offset, align)
+        yield name, offset, t
+        offset += size
+
+
+def words(t: Any, start: int = 0) -> Iterator[int]:
+    """The offset of each leaf of a type in 32-bit words, in the order of `leaves`."""
+    if is_record(t):
+        for _, offset, field_type in offsets(t):
+            yield from words(field_type, start + offset // 4)
+    elif t is Mat3:
+        yield from (start + 4 * column + row for column in range(3) for row in range(3))
+    else:
+        yield from range(start, start + sum(1 for _ in leaves(t)))
+
+
+def pack(value: Any, t: Any) -> NDArray[np.int32]:
+    """A value of type t as the 32-bit words that a GPU reads."""
+    packed = np.zeros(align_and_size(t)[1] // 4, np.int32)
+    for word, leaf in zip(words(t), leaf_values(value, t), strict=True):
+        packed[word] = leaf.view(np.int32) if isinstance(leaf, np.float32) else leaf
+    return packed

@@ -1,0 +1,543 @@
+"""The typed tree printed as WGSL, to be read as well as run: names, docstrings, comments kept.
+
+Maps are textures read texel by texel: heights `texture_2d<f32>`, the others `texture_2d<u32>` of
+16-bit fractions; the shaders interpolate, so that every engine filters alike. Records are uniform
+buffers, a `Buffer` is a storage buffer with its count in front. `engine/gpu.py` binds them in the
+order of `bindings`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from basrelief.lang import tree
+from basrelief.lang.layout import align_and_size
+from basrelief.lang.resources import Edge, HeightField, Texture, buffer_record, is_handle
+from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record, leaves
+from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+
+GROUP = (8, 8)
+"""Pixels of a workgroup: 8 × 4 for each 32 threads was among the best shapes measured."""
+
+_TYPES: dict[Any, str] = {
+    float: "f32",
+    int: "i32",
+    bool: "bool",
+    Vec2: "vec2f",
+    Vec3: "vec3f",
+    Vec4: "vec4f",
+    IVec2: "vec2i",
+    Mat3: "mat3x3f",
+    HeightField: "texture_2d<f32>",
+    Texture: "texture_2d<u32>",
+}
+
+
+@dataclass(frozen=True)
+class Binding:
+    """One binding of group 0: its number is its place in the list."""
+
+    kind: Literal["run", "planes", "uniform", "buffer", "map"]
+    name: str
+    type: Any = None
+
+
+def bindings(module: tree.Module) -> list[Binding]:
+    """What the printed program binds, in order."""
+    found = [Binding("run", "run"), Binding("planes", "planes")]
+    for name, t in list(module.entry.parameters.items())[1:]:
+        kind: Literal["uniform", "buffer", "map"] = "uniform"
+        if is_handle(t):
+            kind = "map" if buffer_record(t) is None else "buffer"
+        found.append(Binding(kind, name, t))
+    return found
+
+
+def print_functions(module: tree.Module, edge: Edge) -> str:
+    """The functions of a program and what they need, without its entry."""
+    return _Module(module, edge).functions_text()
+
+
+def print_wgsl(module: tree.Module, edge: Edge) -> str:
+    """The whole program as a compute shader, entry point `main`, one invocation a pixel."""
+    return _Module(module, edge).text()
+
+
+class _Module:
+    """Names and helpers that the functions of a module share."""
+
+    def __init__(self, module: tree.Module, edge: Edge) -> None:
+        self.module = module
+        self.edge: Edge = edge
+        self.helpers: set[str] = set()
+        self.records: dict[Any, None] = {}
+        self.taken = {f.name for f in module.functions}
+        for function in module.functions:
+            for t in [*function.parameters.values(), function.result, *function.locals.values()]:
+                self.note_record(t)
+        self.taken |= {t.__name__ for t in self.records}
+        self.shared: set[Any] = set()
+        """Records that lie in memory; theirs is the layout of `layout.py`."""
+        for t in list(module.entry.parameters.values())[1:]:
+            self.note_shared(buffer_record(t) or t)
+        self.buffers = {
+            buffer_record(t): f"{name}_list"
+            for name, t in module.entry.parameters.items()
+            if buffer_record(t) is not None
+        }
+
+    def note_record(self, t: Any) -> None:
+        t = buffer_record(t) or t
+        if is_record(t) and t not in self.records:
+            for field in fields_of(t).values():
+                self.note_record(field)
+            self.records[t] = None
+
+    def note_shared(self, t: Any) -> None:
+        if is_record(t):
+            self.shared.add(t)
+            for field in fields_of(t).values():
+                self.note_shared(field)
+
+    def name(self, name: str) -> str:
+        """A name as WGSL lets it be."""
+        return f"{name}_" if name in _RESERVED else name
+
+    def local(self, name: str) -> str:
+        """A local's name, clear of functions and records too."""
+        return f"{name}_" if name in self.taken or name in _RESERVED else name
+
+    def type(self, t: Any) -> str:
+        return _TYPES[t] if t in _TYPES else self.name(t.__name__)
+
+    def functions_text(self) -> str:
+        functions = [_FunctionPrinter(self, f).text() for f in self.module.functions]
+        return "\n".join([*self.record_texts(), *self.helper_texts(), *functions])
+
+    def text(self) -> str:
+        body = self.functions_text()
+        return "\n".join([_RUN, *self.binding_texts(), body, self.entry_text()])
+
+    def record_texts(self) -> Iterator[str]:
+        for record in self.records:
+            lines = [f"struct {self.name(record.__name__)} {{"]
+            for name, t in fields_of(record).items():
+                first = record in self.shared and name == next(iter(fields_of(record)))
+                align = "@align(16) " if first or is_record(t) else ""
+                lines.append(f"  {align}{self.name(name)}: {self.type(t)},")
+            yield "\n".join([*lines, "}", ""])
+
+    def helper_texts(self) -> Iterator[str]:
+        wanted = set(self.helpers)
+        if wanted & {"corners", "texel"}:
+            wanted.add(f"edge_{self.edge}")
+        for name, text in _HELPERS.items():
+            if name in wanted:
+                yield text.replace("EDGE", f"edge_{self.edge}")
+
+    def binding_texts(self) -> Iterator[str]:
+        for number, binding in enumerate(bindings(self.module)):
+            where = f"@group(0) @binding({number}) var"
+            match binding.kind:
+                case "run":
+                    yield f"{where}<uniform> run: Run;"
+                case "planes":
+                    yield f"{where}<storage, read_write> planes: array<u32>;"
+                case "uniform":
+                    yield f"{where}<uniform> {binding.name}_uniform: {self.type(binding.type)};"
+                case "map":
+                    yield f"{where} {binding.name}_map: {self.type(binding.type)};"
+                case "buffer":
+                    record = buffer_record(binding.type)
+                    assert record is not None
+                    item = self.type(record)
+                    yield (
+                        f"struct {item}List {{\n  count: i32,\n"
+                        f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
+                        f"{where}<storage, read> {self.buffers[record]}: {item}List;"
+                    )
+
+    def entry_text(self) -> str:
+        entry = self.module.entry
+        given = ["vec2i(at)"]
+        for binding in bindings(self.module)[2:]:
+            if binding.kind != "buffer":
+                given.append(f"{binding.name}_{binding.kind}")
+        lines = [f"  let result = {self.name(entry.name)}({', '.join(given)});"]
+        for index, (path, t) in enumerate(leaves(entry.result)):
+            value = ".".join(["result", *map(self.name, path.split("."))])
+            word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
+            lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
+        return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace(
+            "BODY", "\n".join(lines)
+        )
+
+
+class _FunctionPrinter:
+    """One function."""
+
+    def __init__(self, module: _Module, function: tree.Function) -> None:
+        self.module = module
+        self.function = function
+        self.lines: list[str] = []
+        self.indent = 1
+
+    def text(self) -> str:
+        m, f = self.module, self.function
+        parameters = [
+            f"{m.local(name)}: {m.type(t)}"
+            for name, t in f.parameters.items()
+            if buffer_record(t) is None
+        ]
+        self.block(f.body)
+        doc = [f"// {line}".rstrip() for line in f.doc.splitlines()]
+        head = f"fn {m.name(f.name)}({', '.join(parameters)}) -> {m.type(f.result)} {{"
+        return "\n".join([*doc, head, *self.lines, "}", ""])
+
+    def emit(self, line: str) -> None:
+        self.lines.append("  " * self.indent + line)
+
+    # --- statements -----------------------------------------------------------------------------
+
+    def block(self, block: tree.Block) -> None:
+        for name, t in block.hoisted.items():
+            self.emit(f"var {self.module.local(name)}: {self.module.type(t)};")
+        for statement in block.statements:
+            for comment in statement.comments:
+                self.emit(f"// {comment}")
+            self.statement(statement)
+
+    def inner(self, block: tree.Block) -> None:
+        self.indent += 1
+        self.block(block)
+        self.indent -= 1
+
+    def statement(self, statement: tree.Statement) -> None:
+        match statement:
+            case tree.Assign(name, value, declares):
+                word = "let " if name in self.function.constants else "var "
+                self.emit(
+                    f"{word if declares else ''}{self.module.local(name)} = {self.value(value)};"
+                )
+            case tree.If():
+                self.if_statement(statement, "")
+            case tree.For():
+                self.for_statement(statement)
+            case tree.While(test, body):
+                self.emit(f"while ({self.value(test)}) {{")
+                self.inner(body)
+                self.emit("}")
+            case tree.Return(value):
+                self.emit(f"return {self.value(value)};")
+            case tree.Break():
+                self.emit("break;")
+            case tree.Continue():
+                self.emit("continue;")
+
+    def if_statement(self, node: tree.If, before: str) -> None:
+        self.emit(f"{before}if ({self.value(node.test)}) {{")
+        self.inner(node.body)
+        rest = node.otherwise.statements
+        if len(rest) == 1 and isinstance(rest[0], tree.If) and not rest[0].comments:
+            if not node.otherwise.hoisted:
+                self.if_statement(rest[0], "} else ")
+                return
+        if rest:
+            self.emit("} else {")
+            self.inner(node.otherwise)
+        self.emit("}")
+
+    def for_statement(self, node: tree.For) -> None:
+        name = self.module.local(node.name)
+        stop = self.value(node.stop)
+        if not isinstance(node.stop, tree.Literal):
+            # Python reads the bound once
+            self.emit(f"let {node.name}_end = {stop};")
+            stop = f"{node.name}_end"
+        start = self.value(node.start)
+        step = f"{name}++" if node.step == 1 else f"{name} += {node.step}"
+        self.emit(f"for (var {name} = {start}; {name} < {stop}; {step}) {{")
+        self.inner(node.body)
+        self.emit("}")
+
+    # --- expressions ----------------------------------------------------------------------------
+
+    def value(self, node: tree.Expression) -> str:
+        """An expression, parenthesised within only where it must be."""
+        match node:
+            case tree.Literal(t, value):
+                return _literal(t, value)
+            case tree.Local(_, name):
+                return self.module.local(name)
+            case tree.Unary(_, operator, operand):
+                return f"{'!' if operator == 'not' else '-'}{self.operand(operand, 8)}"
+            case tree.Binary(_, operator, left, right) if operator in ("//", "%"):
+                name = "floor_divide" if operator == "//" else "floor_modulo"
+                self.module.helpers |= {name, "floor_divide"}
+                return f"{name}({self.value(left)}, {self.value(right)})"
+            case tree.Binary(_, operator, left, right) | tree.Compare(_, operator, left, right):
+                return self.infix(operator, left, right)
+            case tree.Logic(_, operator, left, right):
+                return self.infix("&&" if operator == "and" else "||", left, right)
+            case tree.Select(_, test, then, otherwise):
+                parts = (self.value(otherwise), self.value(then), self.value(test))
+                return f"select({', '.join(parts)})"
+            case tree.Swizzle(_, operand, indices) if operand.type is Mat3:
+                return f"{self.operand(operand, 9)}[{indices[0]}]"
+            case tree.Swizzle(_, operand, indices):
+                return f"{self.operand(operand, 9)}.{''.join('xyzw'[i] for i in indices)}"
+            case tree.Member(_, operand, name):
+                return f"{self.operand(operand, 9)}.{self.module.name(name)}"
+            case tree.Construct(t, parts):
+                return f"{self.module.type(t)}({', '.join(map(self.value, parts))})"
+            case tree.IntrinsicCall():
+                return self.intrinsic(node)
+            case tree.Call(_, function, arguments):
+                given = [self.value(a) for a in arguments if buffer_record(a.type) is None]
+                return f"{self.module.name(function.name)}({', '.join(given)})"
+            case tree.Item(_, buffer, index):
+                items = self.module.buffers[buffer_record(buffer.type)]
+                return f"{items}.items[{self.value(index)}]"
+        raise AssertionError(node)
+
+    def operand(self, node: tree.Expression, level: int) -> str:
+        """An operand, in parentheses where it binds less tightly than `level`."""
+        text = self.value(node)
+        return f"({text})" if _binding_strength(node, text) < level else text
+
+    def infix(self, operator: str, left: tree.Expression, right: tree.Expression) -> str:
+        symbol = "*" if operator == "@" else operator
+        level = _STRENGTH[symbol]
+        if symbol in ("<<", ">>"):
+            assert isinstance(right, tree.Literal)
+            return f"{self.operand(left, 8)} {symbol} {right.value}u"
+        if symbol in ("&", "|", "^"):
+            return f"{self.operand(left, 8)} {symbol} {self.operand(right, 8)}"
+        a = self.operand(left, level + (symbol in _COMPARISONS))
+        b = self.operand(right, level + 1)
+        # WGSL wants && and || apart
+        if symbol in ("&&", "||"):
+            a = a if _same_logic(left, symbol) else self.operand(left, 3)
+            b = self.operand(right, 3)
+        return f"{a} {symbol} {b}"
+
+    def intrinsic(self, node: tree.IntrinsicCall) -> str:
+        name, arguments = node.name, node.arguments
+        if name == "len":
+            return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
+        given = [self.value(a) for a in arguments]
+        if name in _SPREAD and node.type in VECTORS:
+            # these take arguments of one type only
+            whole = self.module.type(node.type)
+            given = [
+                f"{whole}({text})" if a.type in SCALARS else text
+                for text, a in zip(given, arguments, strict=True)
+            ]
+        if name == "levels":
+            return f"i32(textureNumLevels({given[0]}))"
+        if name == "size":
+            level = f"clamp({given[1]}, 0, i32(textureNumLevels({given[0]})) - 1)"
+            return f"vec2i(textureDimensions({given[0]}, {level}))"
+        if name in _HELPERS:
+            self.module.helpers.add(name)
+        return f"{_CALLED.get(name, name)}({', '.join(given)})"
+
+
+def _same_logic(node: tree.Expression, symbol: str) -> bool:
+    wanted = "and" if symbol == "&&" else "or"
+    return not isinstance(node, tree.Logic) or node.operator == wanted
+
+
+_STRENGTH = {
+    "||": 1, "&&": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "==": 3, "!=": 3, "&": 0, "|": 0, "^": 0,
+    "<<": 0, ">>": 0, "+": 5, "-": 5, "*": 6, "/": 6,
+}  # fmt: skip
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+
+
+def _binding_strength(node: tree.Expression, text: str) -> int:
+    match node:
+        case tree.Binary(operator=operator) if operator in ("//", "%"):
+            return 9
+        case tree.Binary(operator=operator) | tree.Compare(operator=operator):
+            return _STRENGTH["*" if operator == "@" else operator]
+        case tree.Logic(operator=operator):
+            return _STRENGTH["&&" if operator == "and" else "||"]
+        case tree.Unary():
+            return 7
+    return 7 if text.startswith("-") else 9
+
+
+def _literal(t: type, value: Any) -> str:
+    if t is bool:
+        return "true" if value else "false"
+    if t is int:
+        return str(value) if value > -(2**31) else "(-2147483647 - 1)"
+    held = np.float32(value)
+    if not math.isfinite(held):
+        raise ShaderError(f"the number {value} is beyond float32; WGSL has no infinity")
+    text = str(held)
+    return text if re.search(r"[.e]", text) else f"{text}.0"
+
+
+# --- what WGSL lacks -------------------------------------------------------------------------------
+
+_CALLED = {
+    "float": "f32",
+    "int": "i32",
+    "minimum": "min",
+    "maximum": "max",
+    "float_bits": "bitcast<i32>",
+    "bits_float": "bitcast<f32>",
+    "copysign": "copy_sign",
+    "pow": "power",
+    "atan2": "angle_of",
+    "log": "log_held",
+    "log2": "log2_held",
+    "acos": "acos_held",
+    "asin": "asin_held",
+}
+_SPREAD = {"clamp", "minimum", "maximum"}
+
+_HELPERS = {
+    "floor_divide": """\
+fn floor_divide(a: i32, b: i32) -> i32 {
+  if (b == 0) { return 0; }
+  if (b == -1) { return -a; }
+  let quotient = a / b;
+  let rest = a - quotient * b;
+  return select(quotient, quotient - 1, rest != 0 && ((rest ^ b) < 0));
+}
+""",
+    "floor_modulo": """\
+fn floor_modulo(a: i32, b: i32) -> i32 {
+  return select(a - floor_divide(a, b) * b, 0, b == 0);
+}
+""",
+    "copysign": """\
+fn copy_sign(x: f32, sign: f32) -> f32 {
+  return select(abs(x), -abs(x), bitcast<i32>(sign) < 0);
+}
+""",
+    "pow": """\
+fn power(x: f32, y: f32) -> f32 {
+  return select(select(0.0, 1.0, y == 0.0), pow(max(x, 1.17549435e-38), y), x > 0.0);
+}
+""",
+    "atan2": """\
+fn angle_of(y: f32, x: f32) -> f32 {
+  return select(0.0, atan2(y, select(x, 1.0, x == 0.0 && y == 0.0)), x != 0.0 || y != 0.0);
+}
+""",
+    "log": """\
+fn log_held(x: f32) -> f32 {
+  return log(max(x, 1.17549435e-38));
+}
+""",
+    "log2": """\
+fn log2_held(x: f32) -> f32 {
+  return log2(max(x, 1.17549435e-38));
+}
+""",
+    "acos": """\
+fn acos_held(x: f32) -> f32 {
+  return acos(clamp(x, -1.0, 1.0));
+}
+""",
+    "asin": """\
+fn asin_held(x: f32) -> f32 {
+  return asin(clamp(x, -1.0, 1.0));
+}
+""",
+    "edge_wrap": """\
+// A texel's coordinates within a map that repeats. Not `%`, which is undefined below zero.
+fn edge_wrap(cell: vec2i, size: vec2i) -> vec2i {
+  let turns = vec2i(floor(vec2f(cell) / vec2f(size)));
+  var rest = cell - turns * size;
+  rest = select(rest, rest + size, rest < vec2i(0));
+  return select(rest, rest - size, rest >= size);
+}
+""",
+    "edge_clamp": """\
+// A texel's coordinates within a map whose border goes on.
+fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
+  return clamp(cell, vec2i(0), size - 1);
+}
+""",
+    "corners": """\
+// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1).
+fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
+  let k = clamp(level, 0, i32(textureNumLevels(field)) - 1);
+  let size = vec2i(textureDimensions(field, k));
+  let a = EDGE(cell, size);
+  let b = EDGE(cell + 1, size);
+  return vec4f(
+    textureLoad(field, a, k).x,
+    textureLoad(field, vec2i(b.x, a.y), k).x,
+    textureLoad(field, vec2i(a.x, b.y), k).x,
+    textureLoad(field, b, k).x,
+  );
+}
+""",
+    "texel": """\
+// The four channels of one texel, 16-bit fractions of one.
+fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
+  let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
+  let size = vec2i(textureDimensions(map, k));
+  return vec4f(textureLoad(map, EDGE(cell, size), k)) * (1.0 / 65535.0);
+}
+""",
+}
+
+_RUN = """\
+// Which rows of the picture this dispatch computes, and where their words go.
+struct Run {
+  width: u32,
+  first_row: u32,
+  last_row: u32,
+  plane_stride: u32,
+}
+"""
+
+_ENTRY = """\
+@compute @workgroup_size(GROUP)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  let at = vec2u(id.x, id.y + run.first_row);
+  if (at.x >= run.width || at.y >= run.last_row) {
+    return;
+  }
+  let place = id.y * run.width + id.x;
+BODY
+}
+"""
+
+# Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
+_RESERVED = frozenset(
+    """
+    alias break case const const_assert continue continuing default diagnostic discard else enable
+    false fn for if let loop override requires return struct switch true var while
+    NULL Self abstract active alignas alignof as asm asm_fragment async attribute auto await become
+    cast catch class co_await co_return co_yield coherent column_major common compile
+    compile_fragment concept const_cast consteval constexpr constinit crate debugger decltype
+    delete demote demote_to_helper do dynamic_cast enum explicit export extends extern external
+    fallthrough filter final finally friend from fxgroup get goto groupshared highp impl
+    implements import inline instanceof interface layout lowp macro macro_rules match mediump meta
+    mod module move mut mutable namespace new nil noexcept noinline nointerpolation non_coherent
+    noncoherent noperspective null nullptr of operator package packoffset partition pass patch
+    pixelfragment precise precision premerge priv protected pub public readonly ref regardless
+    register reinterpret_cast require resource restrict self set shared sizeof smooth snorm
+    static static_assert static_cast std subroutine super target template this thread_local throw
+    trait try type typedef typeid typename typeof union unless unorm unsafe unsized use using
+    varying virtual volatile wgsl where with writeonly yield
+    abs acos asin atan atan2 bitcast bool ceil clamp corners cos cross dot exp exp2 f16 f32 floor
+    fract i32 length log log2 main max min mix normalize planes pow reflect run saturate select
+    sin size_ smoothstep sqrt tan texel transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u
+    mat3x3f array atomic ptr sampler texture_2d result place Run
+    """.split()
+)
