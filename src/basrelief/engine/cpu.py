@@ -18,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine import cache
-from basrelief.engine.engine import Planes, Progress, check_resource, pack_buffer, pack_uniforms
-from basrelief.errors import EngineError
+from basrelief.engine.engine import Planes, Progress, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture, is_handle
 
 _ROWS = 8
 """Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
 
-_FORMAT = 1
+_FORMAT = 2
 """Raised whenever printer or layouts change in a way that the program's own key cannot see."""
 
 
@@ -56,9 +55,11 @@ class CpuEngine:
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
         compiled = self._ready(program)
-        residents = [self._resident(program, name, values) for name in compiled.handles]
+        handles = [n for n in compiled.parameters if is_handle(program.parameters[n])]
+        records = [n for n in compiled.parameters if n not in handles]
+        residents = [self._resident(value_of(program, name, values)) for name in handles]
         pointers = (ctypes.c_void_p * max(1, len(residents)))(*(r.address for r in residents))
-        uniforms = pack_uniforms(program, values)
+        uniforms = pack_uniforms(program, records, values)
         width, height = size
         stride = -(-width // self.lanes) * self.lanes
         planes = np.zeros((len(program.planes), height, stride), np.int32)
@@ -86,11 +87,7 @@ class CpuEngine:
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
-    def _resident(self, program: Program, name: str, values: Mapping[str, Any]) -> _Resident:
-        if name not in values:
-            raise EngineError(f"the program {program.entry.name} needs a value for {name}")
-        value = values[name]
-        check_resource(program, name, value)
+    def _resident(self, value: Any) -> _Resident:
         with self._lock:
             if value not in self._uploaded:
                 self._uploaded[value] = _resident(value)
@@ -106,11 +103,11 @@ class CpuEngine:
         key = self._cache_key(program)
         stored = cache.read(key)
         if stored is None:
-            handles = [n for n, t in program.module.entry.parameters.items() if is_handle(t)]
-            stored = {"handles": handles}, _object_code(program, self.lanes)
+            parameters = list(program.module.entry.parameters)[1:]
+            stored = {"parameters": parameters}, _object_code(program, self.lanes)
             cache.write(key, *stored)
         header, code = stored
-        return _link(code, header["handles"])
+        return _link(code, header["parameters"])
 
     def _cache_key(self, program: Program) -> str:
         import llvmlite
@@ -130,7 +127,7 @@ class _Compiled:
     """Machine code in memory; `keep` holds what must live as long as it."""
 
     run: Any
-    handles: list[str]
+    parameters: list[str]
     keep: Any
 
 
@@ -194,7 +191,7 @@ def _object_code(program: Program, lanes: int) -> bytes:
     return machine.emit_object(module)  # type: ignore[no-any-return]
 
 
-def _link(code: bytes, handles: list[str]) -> _Compiled:
+def _link(code: bytes, parameters: list[str]) -> _Compiled:
     import llvmlite.binding as llvm
 
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine())
@@ -202,7 +199,7 @@ def _link(code: bytes, handles: list[str]) -> _Compiled:
     engine.finalize_object()
     pointer, wide, word = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32
     kind = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, wide, word, word, word, word)
-    return _Compiled(kind(engine.get_function_address("run")), handles, engine)
+    return _Compiled(kind(engine.get_function_address("run")), parameters, engine)
 
 
 # --- resources in memory: see the end of `lang/llvm.py` -----------------------------------------------

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine.engine import Planes, Progress, check_resource
+from basrelief.engine.engine import Planes, Progress, value_of
 from basrelief.errors import EngineError
 from basrelief.lang.layout import align_and_size, pack
 from basrelief.lang.program import Program
@@ -229,14 +229,12 @@ class Job:
         if binding.kind in ("run", "planes"):
             buffer = self._run if binding.kind == "run" else self.planes
             return {"buffer": buffer, "offset": 0, "size": buffer.size}
-        if name not in values:
-            raise EngineError(f"the program {program.entry.name} needs a value for {name}")
+        value = value_of(program, name, values)
         if binding.kind == "uniform":
-            buffer = self.engine.buffer(pack(values[name], binding.type), "UNIFORM")
+            buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM")
             self._owned.append(buffer)
             return {"buffer": buffer, "offset": 0, "size": buffer.size}
-        check_resource(program, name, values[name])
-        resident = self.engine.resident(values[name])
+        resident = self.engine.resident(value)
         if binding.kind == "map":
             return resident
         return {"buffer": resident, "offset": 0, "size": resident.size}

@@ -87,7 +87,8 @@ class _Program:
                 f"{shader.location}: {shader.name} calls itself; write a loop with a bound"
             )
         self.under_way.append(shader)
-        function = _FunctionAnalysis(self, shader).run()
+        entry = len(self.under_way) == 1
+        function = _FunctionAnalysis(self, shader).run(entry)
         self.under_way.pop()
         number = 2
         while function.name in self.names:
@@ -166,7 +167,7 @@ class _FunctionAnalysis:
                 "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
             )
 
-    def run(self) -> tree.Function:
+    def run(self, entry: bool) -> tree.Function:
         returns = self.block_into(self.scope, self.source.tree.body)
         if not returns:
             raise self.source.error(
@@ -174,10 +175,12 @@ class _FunctionAnalysis:
                 f"{self.shader.name} can end without a result; end every path with `return`",
             )
         self.place_declarations()
+        # what a shader never reads is not passed to it: a program without a height map has no
+        # trace of one; the pixel stays, since the engine's loop passes it
         kept = {
             name: t
-            for name, t in self.parameters.items()
-            if not is_handle(t) or name in self.used_parameters
+            for index, (name, t) in enumerate(self.parameters.items())
+            if name in self.used_parameters or (entry and index == 0)
         }
         once = {name for name, found in self.assignments.items() if len(found) == 1}
         declared = {n for n in once if self.assignments[n][0][1].declares}
@@ -520,7 +523,7 @@ class _FunctionAnalysis:
             if name not in given:
                 raise self.source.error(node, f"{target.name} also takes {name}")
             if inner not in function.parameters:
-                continue  # a resource that the callee never reads
+                continue  # the callee never reads it
             argument = self.expression(given[name])
             self.expect(given[name], argument.type, function.parameters[inner], name)
             arguments.append(argument)

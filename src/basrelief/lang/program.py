@@ -16,7 +16,7 @@ from typing import Any
 
 from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
-from basrelief.lang.resources import Edge, buffer_record, is_handle
+from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.shader import Shader
 from basrelief.lang.types import SCALARS, ShaderError, TypeSlot, fields_of, is_record, leaves
 from basrelief.lang.values import IVec2
@@ -49,11 +49,6 @@ class Program:
         types = bound_types(self.bindings)
         given = list(self.entry.signature[0].items())[1:]
         return {name: types.get(t, t) for name, t in given}
-
-    @property
-    def uniforms(self) -> dict[str, Any]:
-        """The record parameters, by name."""
-        return {n: t for n, t in self.parameters.items() if not is_handle(t)}
 
     @property
     def planes(self) -> list[tuple[str, type]]:
