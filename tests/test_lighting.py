@@ -176,6 +176,12 @@ def test_phong_seen_from_above_raises_the_cosine_to_the_shininess(shininess, hig
     np.testing.assert_allclose(a(lit), highlight, rtol=1e-5)
 
 
+def test_phong_has_no_highlight_on_the_side_of_the_light():
+    slanted = tilted(80)
+    lit = phong(point_seen(view=slanted), Shading(diffuse=0.0), coming(slanted))
+    assert a(lit).tolist() == [0, 0, 0]
+
+
 def test_the_shininess_is_that_of_the_article_by_default():
     assert Shading().shininess == 10
     assert a(Shading().specular).tolist() == [1, 1, 1]
