@@ -92,7 +92,7 @@ def plane(ray: ShapeRay) -> SurfacePoint:
     met = ray.origin + ray.direction * distance
     if max(abs(met.x), abs(met.y)) > 0.5:
         return nothing()
-    return flat(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), Vec3(0.0, 1.0, 0.0))
+    return unit_square(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), Vec3(0.0, 1.0, 0.0))
 
 
 @shader
@@ -120,7 +120,7 @@ def box(ray: ShapeRay) -> SurfacePoint:
         normal = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
         position = Vec3(met.x, 0.5 * normal.y, met.z)
         up = Vec3(0.0, 0.0, -normal.y)
-    return flat(distance, position, normal, up)
+    return unit_square(distance, position, normal, up)
 
 
 @shader
@@ -161,7 +161,7 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
     met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
     if caps.enter >= side.enter:
         cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
-        return flat(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
+        return unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
     normal = normalize(Vec3(met.x, 0.0, met.z))
     return SurfacePoint(
         found=True,
@@ -192,7 +192,7 @@ def nothing() -> SurfacePoint:
 
 
 @shader
-def flat(distance: float, position: Vec3, normal: Vec3, up: Vec3) -> SurfacePoint:
+def unit_square(distance: float, position: Vec3, normal: Vec3, up: Vec3) -> SurfacePoint:
     """A point on a unit square centred on an axis, its picture's top towards `up`."""
     right = cross(up, normal)
     return SurfacePoint(
