@@ -130,8 +130,12 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
     path = Path(path)
     source = _open(path)
     spec = source.spec()
-    pixels = source.read_image({8: "uint8", 16: "uint16"}.get(_bits(spec), "float"))
-    trouble = source.geterror()
+    try:
+        pixels = source.read_image({8: "uint8", 16: "uint16"}.get(_bits(spec), "float"))
+    except MemoryError as error:
+        size = f"{spec.width}×{spec.height}×{spec.nchannels}"
+        raise InputError(f"{path}: {size} does not fit in memory; scale it down") from error
+    trouble = _complaint(source)
     source.close()
     if pixels is None or trouble:
         raise InputError(_damaged(path, trouble))
@@ -157,7 +161,7 @@ def _open(path: Path) -> Any:
     as_stored.attribute("oiio:UnassociatedAlpha", 1)
     source = OpenImageIO.ImageInput.open(str(path), as_stored)
     if source is None:
-        why = _first_line(OpenImageIO.geterror())
+        why = _first_line(_complaint(OpenImageIO))
         raise InputError(f"{path}: is not a picture that can be read ({why}); replace the file")
     spec = source.spec()
     if min(spec.width, spec.height, spec.nchannels) < 1 or spec.deep:
@@ -171,7 +175,10 @@ def _bits(spec: Any) -> int:
 
 def _channel_names(spec: Any) -> tuple[str, ...]:
     """Names as stored, with "A" for the alpha, also where a two-channel file calls it otherwise."""
-    names = [str(name) for name in spec.channelnames]
+    try:
+        names = [str(name) for name in spec.channelnames]
+    except UnicodeDecodeError:
+        names = [f"channel {number}" for number in range(spec.nchannels)]
     if spec.alpha_channel >= 0:
         names[spec.alpha_channel] = "A"
     return tuple(names)
@@ -207,6 +214,14 @@ def _png_trouble(path: Path) -> str | None:
 
 def _damaged(path: Path, why: str) -> str:
     return f"{path}: the picture is damaged or cut off ({_first_line(why)}); get the file again"
+
+
+def _complaint(source: Any) -> str:
+    """Fetch, and so clear, what OpenImageIO holds against a file; it may quote the file's bytes."""
+    try:
+        return str(source.geterror())
+    except UnicodeDecodeError:
+        return "its header makes no sense"
 
 
 def _first_line(text: str) -> str:
@@ -331,10 +346,10 @@ def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
         spec.attribute("jpeg:subsampling", "4:4:4")
     target = OpenImageIO.ImageOutput.create(str(path))
     if target is None:
-        raise OSError(_first_line(OpenImageIO.geterror()))
+        raise OSError(_first_line(_complaint(OpenImageIO)))
     done = target.open(str(path), spec) and target.write_image(np.ascontiguousarray(pixels))
     closed = target.close()
-    trouble = target.geterror() or OpenImageIO.geterror()
+    trouble = _complaint(target) or _complaint(OpenImageIO)
     if not (done and closed):
         raise OSError(_first_line(trouble))
 

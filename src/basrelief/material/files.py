@@ -171,6 +171,8 @@ def _choose(
     prefixes = {path: name.prefix for path, name in names.items()}
     for path, name in names.items():
         meaning = _bump_by_its_looks(path, name.meaning)
+        if meaning != name.meaning:
+            notes.append(Note(f"{path.name} taken for normal", "a bump map, but a coloured one"))
         for part in meaning.parts if meaning else ():
             candidates[part.map].append(Choice(path, part, meaning))
     return {
