@@ -107,7 +107,8 @@ def load(
     if path is not None and os.fspath(path).startswith(SAMPLE):
         material = sample(os.fspath(path).removeprefix(SAMPLE))
         builder = _Builder(reading, material.name, list(material.notes), dict(material.maps()))
-        depth, tile = depth or material.depth, tile or material.tile
+        depth = material.depth if depth is None else depth
+        tile = material.tile if tile is None else tile
         return builder.build(_named(named), depth, tile)
     found = _find(path, reading, named)
     builder = _Builder(reading, found.name, list(found.notes))

@@ -165,6 +165,13 @@ class Material:
         return self.depth / self.tile
 
     @property
+    def proportion(self) -> float:
+        """Width ÷ height of the maps in texels; 1 where there is none but single texels."""
+        shaped = [each for _, each in self.maps() if not each.flat]
+        largest = max(shaped, key=lambda each: each.width * each.height, default=None)
+        return 1.0 if largest is None else largest.width / largest.height
+
+    @property
     def height_range(self) -> tuple[float, float] | None:
         """The lowest and the highest height in use, within 0 to 1."""
         return None if self.height is None else self.height.range()

@@ -88,6 +88,8 @@ def occlusion(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32
     along_x = np.fft.rfftfreq(width)[None, :] ** 2
     closed = np.zeros_like(heights, dtype=np.float64)
     for radius in (1 / 256, 1 / 128, 1 / 64, 1 / 32):
+        if radius * width < 0.75:  # finer than a texel: the blur would ring
+            continue
         blur = np.exp(-2 * (np.pi * radius * width) ** 2 * (along_x + along_y))
         mean = np.fft.irfft2(spectrum * blur, s=heights.shape)
         closed += np.maximum(mean - heights, 0) * scale / radius

@@ -113,9 +113,12 @@ def smoothstep(low: float, high: float, values: Any) -> Plane:
 
 
 def mix(one: Any, other: Any, share: Any) -> NDArray[np.float32]:
-    """`one` where `share` is 0, `other` where it is 1; planes are shared over the colours."""
+    """`one` where `share` is 0, `other` where it is 1: numbers, planes, or colours.
+
+    A colour is three numbers, or three for each texel.
+    """
     one, other, share = (np.asarray(each, np.float32) for each in (one, other, share))
-    if share.ndim == 2 and (one.shape[-1:] == (3,) or other.shape[-1:] == (3,)):
+    if share.ndim == 2 and {one.ndim, other.ndim} & {1, 3}:
         share = share[:, :, None]
     mixed: NDArray[np.float32] = one + (other - one) * share
     return mixed
