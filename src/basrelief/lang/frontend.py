@@ -108,7 +108,7 @@ def bound_types(bindings: Bindings) -> dict[type, Any]:
         pairs = [*zip(wanted.values(), given.values(), strict=False), (wanted_result, given_result)]
         fits = len(wanted) == len(given)
         for w, g in pairs:
-            if isinstance(w, type) and issubclass(w, TypeSlot):
+            if isinstance(w, type) and issubclass(w, TypeSlot) and g is not w:
                 fits = fits and found.setdefault(w, g) is g
             else:
                 fits = fits and w == g

@@ -1,0 +1,192 @@
+"""From a material's maps to what programs read: pyramids of heights and of 16-bit channels.
+
+Colours become linear before they are averaged; levels are area averages of the one before, exact
+for odd sizes too. A map is turned into a pyramid once while it lives.
+"""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.lang.resources import Edge, HeightField, Texture
+from basrelief.material.material import Map, Material
+from basrelief.picture import srgb_decode
+
+_UNIT = 65535
+_made: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
+
+
+def height_field(material: Material, edge: Edge) -> HeightField | None:
+    """The material's heights, None where it has none."""
+    height = material.height
+    if height is None:
+        return None
+
+    def make() -> HeightField:
+        levels = [np.ascontiguousarray(height.linear()[:, :, 0])]
+        while max(levels[-1].shape) > 1:
+            levels.append(halved(levels[-1]))
+        return HeightField(levels, edge)
+
+    return _once(height, ("heights", edge), make)  # type: ignore[no-any-return]
+
+
+def base_color(material: Material, edge: Edge) -> Texture | None:
+    """Linear colour with opacity, None where the material has neither."""
+    color, opacity = material.base_color, material.opacity
+    if color is None:
+        return None
+
+    def make() -> Texture:
+        pixels = _fractions(color)
+        alpha = None if opacity is None else _resized(_fractions(opacity), pixels.shape[:2])
+        return _texture([pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2], alpha], edge)
+
+    return _once(material, ("base color", edge), make)  # type: ignore[no-any-return]
+
+
+def normal(material: Material, edge: Edge, scale: float) -> Texture | None:
+    """Tangent-space normals; from the heights, at a relief's scale, where there is no map."""
+    if material.normal is not None:
+        held = material.normal
+        return _once(  # type: ignore[no-any-return]
+            held, ("normal", edge), lambda: _texture([*_fractions(held).transpose(2, 0, 1)], edge)
+        )
+    if material.height is None or scale <= 0.0:
+        return None
+    height = material.height
+    return _once(  # type: ignore[no-any-return]
+        height,
+        ("normal", edge, scale),
+        lambda: _texture(_normals_of(height.linear()[:, :, 0], scale, edge), edge),
+    )
+
+
+def response(material: Material, edge: Edge) -> Texture | None:
+    """Occlusion, roughness and metallic in one texture, None where the material has none."""
+    maps = (material.occlusion, material.roughness, material.metallic)
+    if all(m is None for m in maps):
+        return None
+
+    def make() -> Texture:
+        shape = max((m.pixels.shape[:2] for m in maps if m is not None), key=lambda s: s[0] * s[1])
+        channels = []
+        for one, missing in zip(maps, (1.0, 0.8, 0.0), strict=True):
+            if one is None:
+                channels.append(np.full(shape, round(missing * _UNIT), np.uint16))
+            else:
+                channels.append(_resized(_fractions(one), shape))
+        return _texture(channels, edge)
+
+    return _once(material, ("response", edge), make)  # type: ignore[no-any-return]
+
+
+def emission(material: Material, edge: Edge) -> tuple[Texture, float] | None:
+    """Emission as fractions of its largest value, and that value; None where there is none."""
+    light = material.emission
+    if light is None:
+        return None
+
+    def make() -> tuple[Texture, float]:
+        if light.pixels.dtype != np.float32:
+            return _texture([*_fractions(light).transpose(2, 0, 1)], edge), 1.0
+        most = max(float(light.pixels.max()), 1e-9)
+        share = Map(np.clip(light.pixels / most, 0.0, 1.0), light.srgb, light.source)
+        return _texture([*_fractions(share).transpose(2, 0, 1)], edge), most
+
+    return _once(light, ("emission", edge), make)  # type: ignore[no-any-return]
+
+
+def _once(owner: Any, key: Any, make: Any) -> Any:
+    held = _made.setdefault(owner, {})
+    if key not in held:
+        held[key] = make()
+    return held[key]
+
+
+# --- pixels ----------------------------------------------------------------------------------------
+
+
+def _fractions(one: Map) -> NDArray[np.uint16]:
+    """A map's pixels as linear 16-bit fractions of one."""
+    pixels = one.pixels
+    if pixels.dtype == np.float32:
+        linear = np.clip(one.linear(), 0.0, 1.0)
+        return np.rint(linear * np.float32(_UNIT)).astype(np.uint16)
+    # integers by a table: no float copy of a large map
+    count = 256 if pixels.dtype == np.uint8 else 65536
+    codes = np.linspace(0.0, 1.0, count)
+    table = srgb_decode(codes) if one.srgb else codes
+    return np.rint(table * _UNIT).astype(np.uint16)[pixels]  # type: ignore[no-any-return]
+
+
+def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
+    """One channel at another size, bilinear and seamless at the edges."""
+    one = pixels[:, :, 0]
+    for axis, wanted in enumerate(shape):
+        have = one.shape[axis]
+        if have == wanted:
+            continue
+        place = (np.arange(wanted) + 0.5) * have / wanted - 0.5
+        first = np.floor(place).astype(int)
+        share = (place - first).reshape((-1, 1) if axis == 0 else (1, -1))
+        a, b = (np.take(one, (first + k) % have, axis) for k in (0, 1))
+        one = np.rint(a * (1.0 - share) + b * share).astype(np.uint16)
+    return one
+
+
+def _texture(channels: list[Any], edge: Edge) -> Texture:
+    """A pyramid of four channels; a missing last one is all ones."""
+    height, width = channels[0].shape
+    first = np.full((height, width, 4), _UNIT, np.uint16)
+    for index, channel in enumerate(channels):
+        if channel is not None:
+            first[:, :, index] = channel
+    levels = [first]
+    while max(levels[-1].shape[:2]) > 1:
+        levels.append(np.rint(halved(levels[-1])).astype(np.uint16))
+    return Texture(levels, edge)
+
+
+def halved(level: NDArray[Any]) -> NDArray[np.float32]:
+    """The next level of a pyramid: each side ⌊n ÷ 2⌋, at least 1, each texel an area average."""
+    return _halved_along(_halved_along(level, 0), 1)
+
+
+def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
+    n = level.shape[axis]
+    if n == 1:
+        return level.astype(np.float32, copy=False)
+    m = n // 2
+    parts = [
+        level[tuple(slice(k, k + 2 * m - 1, 2) if a == axis else slice(None) for a in (0, 1))]
+        for k in range(2 if n % 2 == 0 else 3)
+    ]
+    if n % 2 == 0:
+        return (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
+    # an odd side: each new texel covers two old ones and a share of a third
+    step = np.arange(m, dtype=np.float32)
+    shape = [1] * level.ndim
+    shape[axis] = m
+    weights = [(m - step) / n, np.full(m, m / n, np.float32), (step + 1) / n]
+    total = np.zeros(parts[0].shape, np.float32)
+    for part, weight in zip(parts, weights, strict=True):
+        total += part * weight.reshape(shape).astype(np.float32)
+    return total
+
+
+def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:
+    """Encoded normals of a height field of square texels, green up."""
+    rows, columns = heights.shape
+    mode = "wrap" if edge == "wrap" else "edge"
+    padded = np.pad(heights, 1, mode=mode)  # type: ignore[call-overload]
+    per_texel = np.float32(scale * columns / 2.0)
+    right = (padded[1:-1, 2:] - padded[1:-1, :-2]) * per_texel
+    down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) * per_texel
+    length = np.sqrt(right * right + down * down + 1.0)
+    made = (-right / length, down / length, 1.0 / length)
+    return [np.rint((n * 0.5 + 0.5) * _UNIT).astype(np.uint16) for n in made]

@@ -1,0 +1,308 @@
+"""Scene → program and resources → engine → Frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.engine import Engine, Planes, choose_engine
+from basrelief.errors import InputError
+from basrelief.lang import Buffer, Vec2, Vec3
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Edge
+from basrelief.material import Material, load, pyramids
+from basrelief.picture import encode_png, write_picture
+from basrelief.scene import Object, Scene
+from basrelief.shaders import lighting, pixel, projection, shapes
+from basrelief.shaders.lighting import Light
+from basrelief.shaders.pixel import View
+from basrelief.shaders.surfaces import standard
+from basrelief.shaders.surfaces.standard import Finish
+from basrelief.shaders.techniques import Nothing, displace, flat
+
+__all__ = ["Frame", "Image", "program_of", "render"]
+
+Progress = Callable[[float], None]
+_LARGEST = 1 << 15
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A picture: `pixels` (height, width, 4) float32, linear Rec. 709, alpha last."""
+
+    pixels: NDArray[np.float32]
+
+    def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
+        """Write the picture, whole or not at all; the suffix says the format.
+
+        PNG (8 bits a channel, or 16), JPEG and WebP in sRGB; EXR and HDR linear. Raises InputError
+        for another suffix or a folder that cannot be written. Returns the path.
+        """
+        write_picture(path, self._for_file(Path(path)), bits=bits, quality=quality)
+        return Path(path)
+
+    def _for_file(self, path: Path) -> NDArray[np.float32]:
+        opaque = bool((self.pixels[:, :, 3] >= 1.0).all())
+        return self.pixels[:, :, :3] if opaque else self.pixels
+
+    def _repr_png_(self) -> bytes:
+        return encode_png(self._for_file(Path()))
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What was drawn, pixel by pixel; arrays are (height, width, …), row 0 at the top.
+
+    `color` (…, 4) float32 linear with coverage, over the background; `depth` float32, the distance
+    from the camera along the ray in world units, infinite where nothing is; `uv` (…, 2) float32,
+    the displaced texture coordinates; `hit` bool; `reads` int32, how many heights were read. All
+    but the colour are those of the first sample, in the middle of the pixel. `engine` says on what.
+    """
+
+    color: NDArray[np.float32]
+    depth: NDArray[np.float32]
+    uv: NDArray[np.float32]
+    hit: NDArray[np.bool_]
+    reads: NDArray[np.int32]
+    engine: str
+
+    @property
+    def image(self) -> Image:
+        """The picture."""
+        return Image(self.color)
+
+    def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
+        """Write the picture; see `Image.save`."""
+        return self.image.save(path, bits=bits, quality=quality)
+
+    def _repr_png_(self) -> bytes:
+        return self.image._repr_png_()
+
+
+def render(
+    what: Scene | Object | Material | str | Path,
+    *,
+    size: tuple[int, int] = (1280, 720),
+    samples: int = 4,
+    engine: str | Engine = "auto",
+    progress: Progress | None = None,
+    **options: Any,
+) -> Frame:
+    """Draw a scene, an object, a material, or what is in a folder.
+
+    `size` is (width, height) in pixels; `samples` how many places of each pixel are averaged;
+    `engine` "auto", "cpu", "gpu" or an engine. Further options are those of `Object` (`technique`,
+    `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what` does not fix them.
+    Raises InputError for values that make no picture, EngineError for an engine that cannot run.
+    """
+    scene = _scene_of(what, options)
+    width, height = size
+    if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
+        raise InputError(f"a picture of {width} × {height}: give 1 to {_LARGEST} pixels a side")
+    if not 1 <= samples <= 1024:
+        raise InputError(f"{samples} samples a pixel: give 1 to 1024")
+    scene.check_camera()
+    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    return _Drawing(scene, (width, height), samples, runner, progress).frame()
+
+
+def _scene_of(what: Any, options: dict[str, Any]) -> Scene:
+    if isinstance(what, str | Path):
+        what = load(what)
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    if isinstance(what, Material):
+        what = Object(what, **_known(options, Object))
+        options = {}
+    if isinstance(what, Object):
+        what = Scene((what,), **of_scene)
+        of_scene = {}
+    if not isinstance(what, Scene):
+        raise InputError(f"cannot draw a {type(what).__name__}: give a folder, material or scene")
+    left = [*options, *of_scene]
+    if left:
+        raise InputError(f"{', '.join(left)}: already said by the {type(what).__name__}")
+    return what
+
+
+def _known(options: dict[str, Any], kind: Any) -> dict[str, Any]:
+    names = set(kind.__dataclass_fields__) - {"material"}
+    unknown = [name for name in options if name not in names]
+    if unknown:
+        raise InputError(f"no option {unknown[0]!r}; there are {', '.join(sorted(names))}")
+    return options
+
+
+# --- programs and their values ------------------------------------------------------------------------
+
+
+def program_of(thing: Object, shading_model: str = "ggx") -> Program:
+    """The program that draws an object: only what it needs is in it."""
+    maps = _maps(thing)
+    bindings: dict[Any, Any] = {
+        shapes.shape: getattr(shapes, thing.shape),
+        pixel.inside: pixel.within_tile if thing.edge == "clip" else pixel.anywhere,
+        pixel.displaced: pixel.with_relief if thing.has_relief else pixel.without_relief,
+        displace: thing.drawn_with if thing.has_relief else flat,
+        projection.projection: getattr(projection, thing.relief_projection),
+        lighting.reflectance: getattr(lighting, shading_model),
+    }
+    for slot, name in (
+        (standard.base_color_of, "base_color"),
+        (standard.normal_of, "normal"),
+        (standard.response_of, "response"),
+        (standard.emission_of, "emission"),
+    ):
+        kind = "mapped" if maps[name] is not None else "plain"
+        bindings[slot] = getattr(standard, f"{kind}_{name}")
+    return Program(pixel.pixel, bindings, _map_edge(thing))
+
+
+def _map_edge(thing: Object) -> Edge:
+    return "wrap" if thing.edge == "wrap" else "clamp"
+
+
+def _maps(thing: Object) -> dict[str, Any]:
+    """The material's maps as programs read them, None for those that are missing."""
+    material, edge = thing.material, _map_edge(thing)
+    glow = pyramids.emission(material, edge)
+    return {
+        "field": pyramids.height_field(material, edge) if thing.has_relief else None,
+        "base_color": pyramids.base_color(material, edge),
+        "normal": pyramids.normal(material, edge, thing.relief_scale),
+        "response": pyramids.response(material, edge),
+        "emission": glow and glow[0],
+    }
+
+
+def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
+    """The values of an object's program, all but the place of the sample."""
+    found = {name: value for name, value in _maps(thing).items() if value is not None}
+    return {
+        **found,
+        "view": View(scene.camera.camera(size), Vec2(0.5, 0.5)),
+        "placement": thing.placement(),
+        "depth": thing.depth(),
+        "settings": thing.settings if thing.has_relief else Nothing(),
+        "finish": _finish(thing),
+        "shading": scene.shading,
+        "lights": Buffer(scene.lights, Light),
+    }
+
+
+def _finish(thing: Object) -> Finish:
+    """The finish, with an emission map's own brightness in it."""
+    glow = pyramids.emission(thing.material, _map_edge(thing))
+    if glow is None or glow[1] == 1.0:
+        return thing.finish
+    f = thing.finish
+    brighter = Vec3(*f.emission) * glow[1]
+    return Finish(f.base_color, f.normal_strength, f.roughness, f.metallic, f.occlusion, brighter)
+
+
+# --- drawing --------------------------------------------------------------------------------------------
+
+
+def sample_places(count: int) -> list[tuple[float, float]]:
+    """Places within a pixel, 0 to 1, evenly spread for any count; the first is the middle.
+
+    M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+    """
+    return [
+        ((0.5 + k * 0.7548776662466927) % 1.0, (0.5 + k * 0.5698402909980532) % 1.0)
+        for k in range(count)
+    ]
+
+
+class _Drawing:
+    """One picture under way: every sample of every object, laid over one another."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        size: tuple[int, int],
+        samples: int,
+        engine: Engine,
+        progress: Progress | None,
+    ) -> None:
+        self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
+        self.places = sample_places(samples)
+        self.done = 0
+
+    def frame(self) -> Frame:
+        """All samples averaged; everything but the colour from the first."""
+        things = [
+            (program_of(o, self.scene.shading_model), values_of(o, self.scene, self.size))
+            for o in self.scene.objects
+        ]
+        first: Frame | None = None
+        for place in self.places:
+            one = self.sample(things, place)
+            if first is None:
+                first = one
+            else:
+                np.add(first.color, one.color, out=first.color)
+        assert first is not None
+        np.multiply(first.color, np.float32(1.0 / len(self.places)), out=first.color)
+        self.straighten(first.color)
+        return first
+
+    def sample(self, things: list[Any], place: tuple[float, float]) -> Frame:
+        """One sample of the whole scene: the nearest object at each pixel, over the background.
+
+        Colour is multiplied by coverage, so that samples can be added up.
+        """
+        width, height = self.size
+        color = np.zeros((height, width, 4), np.float32)
+        if self.scene.background is not None:
+            color[:] = (*self.scene.background, 1.0)
+        frame = Frame(
+            color,
+            np.full((height, width), np.inf, np.float32),
+            np.zeros((height, width, 2), np.float32),
+            np.zeros((height, width), np.bool_),
+            np.zeros((height, width), np.int32),
+            f"{self.engine.name}: {self.engine.device}",
+        )
+        for program, values in things:
+            view = View(values["view"].camera, Vec2(*place))
+            planes = self.engine.run(program, {**values, "view": view}, self.size, self.report())
+            _lay_over(frame, planes)
+        return frame
+
+    def report(self) -> Progress | None:
+        """Progress of one run as a share of all of them."""
+        if self.progress is None:
+            return None
+        told, runs = self.progress, len(self.places) * len(self.scene.objects)
+        before, self.done = self.done, self.done + 1
+        return lambda share: told((before + share) / runs)
+
+    def straighten(self, color: NDArray[np.float32]) -> None:
+        """Colour divided by coverage again, where the background is transparent."""
+        if self.scene.background is None:
+            coverage = np.maximum(color[:, :, 3:], np.float32(1e-6))
+            np.divide(color[:, :, :3], coverage, out=color[:, :, :3])
+
+
+def _lay_over(frame: Frame, planes: Planes) -> None:
+    """Put an object's planes where they are nearer than what is there."""
+    np.add(frame.reads, planes["reads"], out=frame.reads)
+    nearer = (planes["hit"] != 0) & (planes["depth"] < frame.depth)
+    coverage = np.where(nearer, planes["color.w"], np.float32(0.0))
+    rest = np.float32(1.0) - coverage
+    for channel, name in enumerate(("color.x", "color.y", "color.z")):
+        plane = frame.color[:, :, channel]
+        np.multiply(plane, rest, out=plane)
+        plane += planes[name] * coverage
+    alpha = frame.color[:, :, 3]
+    np.multiply(alpha, rest, out=alpha)
+    alpha += coverage
+    np.copyto(frame.depth, planes["depth"], where=nearer)
+    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=nearer)
+    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=nearer)
+    np.logical_or(frame.hit, nearer, out=frame.hit)

@@ -1,0 +1,428 @@
+"""Scenes: what is drawn, from where, in what light. Frozen values; nothing here draws.
+
+    Scene(objects=(Object(material, shape="sphere", technique="relief"),), camera=Orbit(azimuth=30))
+
+Angles are in degrees, colours linear Rec. 709, the world is right-handed with y up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.cameras import look, orbit
+from basrelief.errors import InputError
+from basrelief.lang import Mat3, Vec2, Vec3
+from basrelief.lang.types import is_record
+from basrelief.material import Material
+from basrelief.shaders.camera import Camera
+from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Light, Shading
+from basrelief.shaders.pixel import Depth, Placement
+from basrelief.shaders.surfaces.standard import Finish
+from basrelief.shaders.techniques import TECHNIQUES, Technique, flat, relief
+
+__all__ = [
+    "SHAPES", "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot",
+    "turned",
+]  # fmt: skip
+
+SHAPES = ("plane", "box", "sphere", "cylinder")
+DEFAULT_SCALE = 0.05
+"""The depth of a relief whose material does not say: 5 % of a tile's width."""
+
+_TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylinder": (3.0, 1.0)}
+"""Tiles around and along each shape so that a square tile stays about square."""
+
+Transform = NDArray[np.float64]
+"""An affine map from object to world space, (4, 4), acting on columns."""
+
+
+# --- cameras ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A camera on a sphere around its target; see `basrelief.cameras.orbit`.
+
+    With `orthographic_height` it is orthographic, and `field_of_view` (vertical) does not matter.
+    """
+
+    azimuth: float = 30.0
+    elevation: float = 35.0
+    distance: float = 1.8
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    field_of_view: float = 30.0
+    orthographic_height: float | None = None
+
+    def camera(self, size: tuple[int, int]) -> Camera:
+        """The shaders' camera for a picture of (width, height)."""
+        lens = _lens(self.field_of_view, self.orthographic_height)
+        return orbit(self.target, self.distance, self.azimuth, self.elevation, size=size, **lens)
+
+
+@dataclass(frozen=True)
+class LookAt:
+    """A camera that stands somewhere and looks at something; see `basrelief.cameras.look`."""
+
+    position: tuple[float, float, float]
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    field_of_view: float = 30.0
+    orthographic_height: float | None = None
+
+    def camera(self, size: tuple[int, int]) -> Camera:
+        """The shaders' camera for a picture of (width, height)."""
+        lens = _lens(self.field_of_view, self.orthographic_height)
+        return look(self.position, self.target, self.up, size=size, **lens)
+
+
+def _lens(field_of_view: float, orthographic_height: float | None) -> dict[str, float]:
+    if orthographic_height is not None:
+        return {"orthographic_height": orthographic_height}
+    return {"field_of_view": field_of_view}
+
+
+# --- lights ----------------------------------------------------------------------------------------
+
+_Color = Sequence[float]
+_WHITE = (1.0, 1.0, 1.0)
+
+
+def directional(
+    azimuth: float = -40.0, elevation: float = 40.0, color: _Color = _WHITE, intensity: float = 1.0
+) -> Light:
+    """A light from far away, from the direction of an orbit's azimuth and elevation."""
+    around, above = math.radians(azimuth), math.radians(elevation)
+    towards = np.array(
+        [math.cos(above) * math.sin(around), math.sin(above), math.cos(above) * math.cos(around)]
+    )
+    return _light(DIRECTIONAL, direction=-towards, color=color, intensity=intensity)
+
+
+def point(
+    position: Sequence[float], color: _Color = _WHITE, intensity: float = 1.0, falloff: float = 2.0
+) -> Light:
+    """A lamp at a position in world units; `intensity` is what arrives at distance 1.
+
+    `falloff` is the power of the distance: 2 for the inverse square, 1 as in wikibooks.
+    """
+    return _light(POINT, position=position, color=color, intensity=intensity, falloff=falloff)
+
+
+def spot(
+    position: Sequence[float],
+    target: Sequence[float] = (0.0, 0.0, 0.0),
+    color: _Color = _WHITE,
+    intensity: float = 1.0,
+    falloff: float = 2.0,
+    angle: float = 40.0,
+    softness: float = 0.25,
+) -> Light:
+    """A lamp with a cone: `angle` is its whole width in degrees, `softness` the share of it (0 to
+    1) over which it fades."""
+    if not 0.0 < angle < 180.0 or not 0.0 <= softness <= 1.0:
+        raise InputError(f"a spot of angle {angle}, softness {softness}: give 0–180 and 0–1")
+    direction = np.subtract(target, position)
+    half = math.radians(angle) / 2.0
+    return _light(
+        SPOT,
+        position=position,
+        direction=direction,
+        color=color,
+        intensity=intensity,
+        falloff=falloff,
+        cos_inner=math.cos(half * (1.0 - softness)),
+        cos_outer=math.cos(half),
+    )
+
+
+def _light(
+    kind: int,
+    *,
+    position: Sequence[float] = (0.0, 0.0, 0.0),
+    direction: Any = (0.0, -1.0, 0.0),
+    color: _Color,
+    intensity: float,
+    falloff: float = 2.0,
+    cos_inner: float = 1.0,
+    cos_outer: float = 0.0,
+) -> Light:
+    way = np.asarray(direction, np.float64)
+    length = float(np.linalg.norm(way))
+    numbers = [*way, *position, *color, intensity, falloff]
+    if not np.isfinite(numbers).all() or length == 0.0:
+        raise InputError("a light needs finite numbers, and a direction of some length")
+    return Light(
+        kind,
+        Vec3(*position),
+        Vec3(*(way / length)),
+        Vec3(*(c * intensity for c in color)),
+        falloff,
+        cos_inner,
+        cos_outer,
+    )
+
+
+# --- transforms ------------------------------------------------------------------------------------
+
+
+def turned(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
+    """A rotation about an axis of the world, counterclockwise seen against the axis."""
+    a, b = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    made = np.eye(4)
+    made[a, a] = made[b, b] = c
+    made[a, b], made[b, a] = -s, s
+    return made
+
+
+def placed(
+    position: Sequence[float] = (0.0, 0.0, 0.0), scale: float | Sequence[float] = 1.0
+) -> Transform:
+    """A scaling, one factor or one for each axis, and then a move."""
+    made = np.diag([*np.broadcast_to(scale, 3), 1.0]).astype(np.float64)
+    made[:3, 3] = position
+    return made
+
+
+LYING = turned("x", -90.0)
+"""Lays a plane flat: it faces up, the picture's top away from a camera at azimuth 0."""
+
+
+# --- objects ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Object:
+    """A shape with a material, and how its relief is drawn.
+
+    `technique` is a name or a technique; `settings` its record, or a mapping of the fields to
+    change. `scale`, `level` and `projection` default to the material's, the technique's and the
+    technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
+    `tiling` counts the tiles along u and v. Raises InputError for values out of range.
+    """
+
+    material: Material
+    shape: str = "plane"
+    technique: str | Technique[..., Any] = relief
+    settings: Any = field(default_factory=dict)
+    scale: float | None = None
+    level: float | None = None
+    projection: Literal["full", "biased", "limited"] | None = None
+    bias: float = 0.42
+    edge: Literal["wrap", "clamp", "clip"] = "wrap"
+    tiling: tuple[float, float] | None = None
+    shift: tuple[float, float] = (0.0, 0.0)
+    finish: Finish = field(default_factory=Finish)
+    transform: Transform | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.technique, str):
+            object.__setattr__(self, "technique", technique_named(self.technique))
+        one_of("shape", self.shape, SHAPES)
+        one_of("projection", self.projection, (None, "full", "biased", "limited"))
+        one_of("edge", self.edge, ("wrap", "clamp", "clip"))
+        within("scale", self.relief_scale, 0.0, 10.0)
+        within("level", self.relief_level, 0.0, 1.0)
+        within("bias", self.bias, 0.0, 100.0)
+        within("normal strength", float(self.finish.normal_strength), 0.0, 100.0)
+        if 0.0 in self.tiles or not np.isfinite([*self.tiles, *self.shift]).all():
+            raise InputError(f"tiling {self.tiles}: give finite numbers other than 0")
+        object.__setattr__(self, "settings", self._settings())
+        if not np.isfinite(self.to_world).all() or abs(np.linalg.det(self.to_world)) < 1e-12:
+            raise InputError("an object's transform must be finite, and not flatten it to nothing")
+
+    def _settings(self) -> Any:
+        record = self.drawn_with.settings
+        if isinstance(self.settings, Mapping):
+            return checked_record(record, self.settings, self.drawn_with.name)
+        if not isinstance(self.settings, record):
+            raise InputError(f"{self.drawn_with.name} takes settings of type {record.__name__}")
+        values = {f.name: getattr(self.settings, f.name) for f in fields(record)}
+        return checked_record(record, values, self.drawn_with.name)
+
+    @property
+    def drawn_with(self) -> Technique[..., Any]:
+        """The technique that is asked for."""
+        assert isinstance(self.technique, Technique)
+        return self.technique
+
+    @property
+    def has_relief(self) -> bool:
+        """Whether anything is displaced: there are heights, and a technique that reads them."""
+        return self.material.height is not None and self.drawn_with is not flat
+
+    @property
+    def relief_scale(self) -> float:
+        """The depth of the relief as a fraction of a tile's width."""
+        return _first(self.scale, self.material.scale, DEFAULT_SCALE)
+
+    @property
+    def relief_level(self) -> float:
+        """The height that lies on the polygon."""
+        return _first(self.level, self.drawn_with.level)
+
+    @property
+    def relief_projection(self) -> str:
+        """The name of the projection in use."""
+        return self.projection or self.drawn_with.projection
+
+    @property
+    def tiles(self) -> tuple[float, float]:
+        """Tiles along u and v; more along v where a tile is wider than high."""
+        if self.tiling is not None:
+            return self.tiling
+        u, v = _TILING[self.shape]
+        return (u, v) if self.shape in ("plane", "box") else (u, v * self.material.proportion)
+
+    @property
+    def to_world(self) -> Transform:
+        """The transform in use.
+
+        Without one a plane lies flat, with the proportions of the maps; other shapes stand.
+        """
+        if self.transform is not None:
+            return np.asarray(self.transform, np.float64)
+        if self.shape != "plane":
+            return np.eye(4)
+        proportion = self.material.proportion
+        return LYING @ placed(scale=(min(proportion, 1.0), min(1.0 / proportion, 1.0), 1.0))
+
+    def placement(self) -> Placement:
+        """The shaders' record of where the object is."""
+        matrix = self.to_world
+        inverse = np.linalg.inv(matrix[:3, :3])
+        return Placement(
+            Vec3(*matrix[:3, 3]),
+            _columns(inverse),
+            _columns(matrix[:3, :3]),
+            Vec2(*self.tiles),
+            Vec2(*self.shift),
+        )
+
+    def depth(self) -> Depth:
+        """The shaders' record of how deep the relief is."""
+        return Depth(self.relief_scale, self.relief_level, self.bias)
+
+
+def _columns(matrix: NDArray[np.float64]) -> Mat3:
+    return Mat3(*(Vec3(*matrix[:, column]) for column in range(3)))
+
+
+def _first(*values: float | None) -> float:
+    return next(float(value) for value in values if value is not None)
+
+
+def technique_named(name: str) -> Technique[..., Any]:
+    """A technique of the library by its name; raises InputError where there is none."""
+    if name not in TECHNIQUES:
+        raise InputError(
+            f"no technique is called {name!r}; use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
+        )
+    return TECHNIQUES[name]
+
+
+# --- scenes ----------------------------------------------------------------------------------------
+
+
+def _default_lights() -> tuple[Light, ...]:
+    return (
+        directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.6),
+        directional(120.0, 25.0, (0.8, 0.9, 1.0), 0.6),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Objects, a camera, lights; `shading_model` is "ggx" (metallic-roughness) or "phong".
+
+    `background` is a linear colour, or None for transparent.
+    """
+
+    objects: tuple[Object, ...]
+    camera: Orbit | LookAt = field(default_factory=Orbit)
+    lights: tuple[Light, ...] = field(default_factory=_default_lights)
+    shading: Shading = field(default_factory=Shading)
+    shading_model: Literal["ggx", "phong"] = "ggx"
+    background: tuple[float, float, float] | None = (0.05, 0.055, 0.065)
+
+    def __post_init__(self) -> None:
+        one_of("shading_model", self.shading_model, ("ggx", "phong"))
+        object.__setattr__(self, "objects", tuple(self.objects))
+        object.__setattr__(self, "lights", tuple(self.lights))
+
+    def with_camera(self, camera: Orbit | LookAt) -> Scene:
+        """The same scene from elsewhere."""
+        return replace(self, camera=camera)
+
+    def check_camera(self) -> None:
+        """Raise InputError where the camera stands inside an object, or behind a lone plane."""
+        eye = np.array([*self.camera.camera((1, 1)).position, 1.0], np.float64)
+        for thing in self.objects:
+            x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
+            advice = "move it away, for example --camera distance=3"
+            if _inside(thing, x, y, z):
+                raise InputError(f"the camera is inside the {thing.shape}; {advice}")
+            if thing.shape == "plane" and z <= 0.0 and len(self.objects) == 1:
+                raise InputError(f"the camera is behind the plane, which has no back; {advice}")
+
+
+def _inside(thing: Object, x: float, y: float, z: float) -> bool:
+    match thing.shape:
+        case "plane":
+            raised = (1.0 - thing.relief_level) * thing.relief_scale * thing.has_relief
+            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= raised
+        case "box":
+            return max(abs(x), abs(y), abs(z)) <= 0.5
+        case "sphere":
+            return math.hypot(x, y, z) <= 0.5
+    return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
+
+
+# --- checking values ----------------------------------------------------------------------------------
+
+
+def one_of(what: str, value: Any, allowed: Sequence[Any]) -> None:
+    """Raise InputError unless the value is one of those allowed."""
+    if value not in allowed:
+        names = ", ".join(str(a) for a in allowed if a is not None)
+        raise InputError(f"{what} is one of {names}, not {value!r}")
+
+
+def within(what: str, value: float, low: float | None, high: float | None) -> None:
+    """Raise InputError unless the value is a finite number in the range, ends included."""
+    below = low is not None and value < low
+    above = high is not None and value > high
+    if not math.isfinite(value) or below or above:
+        ends = f"from {low:g}" if high is None else f"from {low or 0:g} to {high:g}"
+        raise InputError(f"{what} is {value:g}: give a number {ends}")
+
+
+def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
+    """A record of settings with some fields changed; raises InputError for what does not fit."""
+    assert is_record(record)
+    known = {f.name: f for f in fields(record)}
+    for name, value in values.items():
+        if name not in known:
+            names = ", ".join(known) or "nothing"
+            raise InputError(f"{owner} has no setting {name!r}; it has {names}")
+        low, high = (known[name].metadata.get(end) for end in ("low", "high"))
+        for number in np.atleast_1d(np.asarray(list(value) if isinstance(value, Vec3) else value)):
+            if not np.issubdtype(np.asarray(number).dtype, np.number):
+                raise InputError(f"{name} is a number, not {value!r}")
+            within(name, float(number), low, high)
+    given = {
+        name: Vec3(*np.broadcast_to(np.asarray(list(np.atleast_1d(value))), 3))
+        if isinstance(known[name].default, Vec3) and not isinstance(value, Vec3)
+        else value
+        for name, value in values.items()
+    }
+    for name, value in given.items():
+        if isinstance(known[name].default, int) and float(value) != int(value):
+            raise InputError(f"{name} is a whole number, not {value:g}")
+    return record(**given)

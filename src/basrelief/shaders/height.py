@@ -1,0 +1,19 @@
+"""Reading the height field: the bilinear surface through its texel centres."""
+
+from __future__ import annotations
+
+from basrelief.lang import HeightField, IVec2, Vec2, corners, floor, mix, shader, size
+
+
+@shader
+def height_at(field: HeightField, uv: Vec2, mip: int) -> float:
+    """The height, 0 to 1, at texture coordinates; texel centres lie at (i + ½) ÷ N."""
+    extent = size(field, mip)
+    x = uv.x * float(extent.x) - 0.5
+    y = uv.y * float(extent.y) - 0.5
+    left = floor(x)
+    top = floor(y)
+    four = corners(field, IVec2(int(left), int(top)), mip)
+    upper = mix(four.x, four.y, x - left)
+    lower = mix(four.z, four.w, x - left)
+    return mix(upper, lower, y - top)

@@ -1,0 +1,255 @@
+"""One pixel, whole: from the primary ray to the colour that it brings back."""
+
+from __future__ import annotations
+
+from basrelief.lang import (
+    Buffer,
+    HeightField,
+    IVec2,
+    Mat3,
+    Texture,
+    Vec2,
+    Vec3,
+    Vec4,
+    dot,
+    normalize,
+    shader,
+    slot,
+    struct,
+    transpose,
+)
+from basrelief.lang import length as length_of
+from basrelief.shaders.camera import Camera, CameraRay, primary_ray
+from basrelief.shaders.gradients import Footprint, along, transferred
+from basrelief.shaders.lighting import (
+    Light,
+    Shading,
+    ShadingPoint,
+    ambient_light,
+    arriving,
+    reflectance,
+)
+from basrelief.shaders.projection import SHALLOWEST, projection
+from basrelief.shaders.ray import Hit, Ray
+from basrelief.shaders.shapes import ShapeRay, SurfacePoint, shape
+from basrelief.shaders.surfaces.standard import Finish, Spot, Surface, standard_surface
+from basrelief.shaders.tangent import Frame, frame_of, from_tangent, to_tangent, to_texture
+from basrelief.shaders.techniques.technique import Settings, displace
+
+
+@struct
+class View:
+    """The camera, and where within each pixel this picture samples: (½, ½) is the middle."""
+
+    camera: Camera
+    sample: Vec2
+
+
+@struct
+class Placement:
+    """Where the object is, and how its texture lies on it.
+
+    A world point p is `to_object @ (p − origin)` in object space; `to_world` is the inverse. The
+    shape's own texture coordinates are multiplied by `tiling`, then `shift` is added.
+    """
+
+    origin: Vec3
+    to_object: Mat3
+    to_world: Mat3
+    tiling: Vec2
+    shift: Vec2
+
+
+@struct
+class Depth:
+    """How deep the relief is: `scale` is the whole range as a fraction of a tile's width.
+
+    `level` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
+    """
+
+    scale: float
+    level: float
+    bias: float
+
+
+@struct
+class Pixel:
+    """What a pixel knows: linear colour with coverage, distance along the ray in world units
+    (0 where nothing is hit), displaced texture coordinates, whether anything is hit, reads."""
+
+    color: Vec4
+    depth: float
+    uv: Vec2
+    hit: bool
+    reads: int
+
+
+@struct
+class Meeting:
+    """Where the view ray meets the object: the polygon's point, its frame, the view, the pixel."""
+
+    point: SurfacePoint
+    frame: Frame
+    view: Vec3
+    falling: float
+    footprint: Footprint
+
+
+@struct
+class Displaced:
+    """Where the ray ends: texture coordinates, how far beyond the polygon, heights read."""
+
+    uv: Vec2
+    further: float
+    reads: int
+
+
+@shader
+def pixel(
+    at: IVec2,
+    view: View,
+    placement: Placement,
+    depth: Depth,
+    settings: Settings,
+    finish: Finish,
+    shading: Shading,
+    field: HeightField,
+    base_color: Texture,
+    normal: Texture,
+    response: Texture,
+    emission: Texture,
+    lights: Buffer[Light],
+) -> Pixel:
+    """Find the object, displace the texture, read its maps there, and light it."""
+    ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
+    met = meet(ray, placement)
+    if not met.point.found:
+        return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
+    moved = displaced(field, met, depth, settings)
+    if not inside(moved.uv):
+        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
+    distance = met.point.distance + moved.further
+    spot = Spot(moved.uv, met.footprint)
+    surface = standard_surface(spot, finish, base_color, normal, response, emission)
+    point = shading_point(ray, placement, met, surface, distance)
+    color = ambient_light(point, shading) + point.emission
+    for k in range(len(lights)):
+        # every light falls on the displaced point, read from the displaced maps
+        color = color + reflectance(point, shading, arriving(lights[k], point.position))
+    return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, moved.reads)
+
+
+# --- the steps --------------------------------------------------------------------------------------
+
+
+@shader
+def meet(ray: CameraRay, placement: Placement) -> Meeting:
+    """Meet the object in its own space, where the relief is set: scaling an object scales it too."""
+    origin = placement.to_object @ (ray.origin - placement.origin)
+    direction = placement.to_object @ ray.direction
+    met = shape(ShapeRay(origin, direction))
+    along_u = met.along_u / placement.tiling.x
+    along_v = met.along_v / placement.tiling.y
+    frame = frame_of(met.normal, along_u, along_v)
+    unit = normalize(direction)
+    right = transferred(
+        met.distance,
+        direction,
+        met.normal,
+        placement.to_object @ ray.origin_dx,
+        placement.to_object @ ray.direction_dx,
+    )
+    down = transferred(
+        met.distance,
+        direction,
+        met.normal,
+        placement.to_object @ ray.origin_dy,
+        placement.to_object @ ray.direction_dy,
+    )
+    tiled = met.uv * placement.tiling + placement.shift
+    point = SurfacePoint(met.found, met.distance, met.position, met.normal, along_u, along_v, tiled)
+    return Meeting(
+        point=point,
+        frame=frame,
+        view=to_tangent(frame, -unit),
+        falling=length_of(direction),
+        footprint=Footprint(along(right, along_u, along_v), along(down, along_u, along_v)),
+    )
+
+
+@slot
+def displaced(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
+    """Where the ray ends: on the relief, or on the polygon itself."""
+    raise NotImplementedError
+
+
+@shader
+def with_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
+    """As the technique says; with no depth not one height is read."""
+    if depth.scale <= 0.0:
+        return Displaced(met.point.uv, 0.0, 0)
+    hit = displace(field, relief_ray(met, depth), settings)
+    return Displaced(hit.uv, beyond(met, depth, hit), hit.reads)
+
+
+@shader
+def without_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
+    """On the polygon: a material without heights, or the technique `flat`."""
+    return Displaced(met.point.uv, 0.0, 0)
+
+
+@shader
+def relief_ray(met: Meeting, depth: Depth) -> Ray:
+    """The ray that a technique follows: the chosen projection, in texture coordinates."""
+    move = projection(met.view, depth.bias) * -depth.scale
+    fall = to_texture(move, met.frame.aspect)
+    return Ray(met.point.uv, fall, depth.level, met.view.z, 0)
+
+
+@shader
+def beyond(met: Meeting, depth: Depth, hit: Hit) -> float:
+    """How much further than the polygon the true ray goes to reach the hit's height.
+
+    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
+    """
+    below = (depth.level - hit.height) * depth.scale * met.frame.width
+    return below / (max(met.view.z, SHALLOWEST) * met.falling)
+
+
+@shader
+def shading_point(
+    ray: CameraRay, placement: Placement, met: Meeting, surface: Surface, distance: float
+) -> ShadingPoint:
+    """The displaced point in world space, its normal bent by the normal map."""
+    bent = from_tangent(met.frame, surface.normal)
+    return ShadingPoint(
+        position=ray.origin + ray.direction * distance,
+        normal=normalize(transpose(placement.to_object) @ bent),
+        view=-ray.direction,
+        base_color=surface.base_color,
+        roughness=surface.roughness,
+        metallic=surface.metallic,
+        occlusion=surface.occlusion,
+        emission=surface.emission,
+    )
+
+
+# --- the edge of the texture ------------------------------------------------------------------------
+
+
+@slot
+def inside(uv: Vec2) -> bool:
+    """Whether there is anything at displaced texture coordinates."""
+    raise NotImplementedError
+
+
+@shader
+def anywhere(uv: Vec2) -> bool:
+    """The texture goes on for ever."""
+    return True
+
+
+@shader
+def within_tile(uv: Vec2) -> bool:
+    """Only the one tile exists: what is displaced beyond it is not drawn."""
+    return min(uv.x, uv.y) >= 0.0 and max(uv.x, uv.y) <= 1.0

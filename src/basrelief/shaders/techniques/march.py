@@ -1,0 +1,148 @@
+"""The marches: read along the ray, layer by layer, until the surface is above it.
+
+A march of N steps reads at ray heights 1, 1 − 1/N, … 1/N. Features thinner than a step can be
+missed; where nothing is met the last position is the result.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import HeightField, Vec2, length, mix, saturate, setting, shader, size, struct
+from basrelief.shaders.height import height_at
+from basrelief.shaders.ray import Hit, Ray, at
+from basrelief.shaders.techniques.technique import technique
+
+MOST_READS = 4096
+"""However the number of steps comes about, no ray takes more."""
+
+
+@struct
+class Steps:
+    """Settings of a march with a fixed number of steps."""
+
+    steps: int = setting(10, "layers that the range of heights is cut into", low=1, high=4096)
+
+
+@struct
+class March:
+    """Settings of a march whose steps follow the angle, or the texels passed over."""
+
+    min_steps: int = setting(8, "steps when looking straight down", low=1, high=4096)
+    max_steps: int = setting(32, "steps when looking along the surface", low=1, high=4096)
+    steps_per_texel: float = setting(
+        0.0, "steps for each texel passed over, instead of by angle; 0: by angle", low=0.0, high=8.0
+    )
+
+
+@struct
+class Relief:
+    """Settings of a march followed by a binary search."""
+
+    min_steps: int = setting(8, "steps when looking straight down", low=1, high=4096)
+    max_steps: int = setting(32, "steps when looking along the surface", low=1, high=4096)
+    search_steps: int = setting(5, "halvings of the last step", low=0, high=24)
+
+
+@struct
+class Layers:
+    """Where a march stopped: the last layer, the surface there, and both one layer before."""
+
+    height: float
+    surface: float
+    height_before: float
+    surface_before: float
+    step: float
+    reads: int
+
+
+@technique()
+def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
+    """March to the first layer that is below the surface, and stay there: visible layers.
+
+    Cost: up to `steps` reads. M. McGuire and M. McGuire, Steep Parallax Mapping, 2005.
+    """
+    end = march(field, ray, settings.steps)
+    return Hit(at(ray, end.height), end.height, end.height <= end.surface, end.reads)
+
+
+@technique()
+def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
+    """March to the first layer below the surface, then cut the last step with the surface chord.
+
+    Cost: up to the number of steps in reads. Z. Brawley and N. Tatarchuk, Parallax Occlusion
+    Mapping: Self-Shadowing, Perspective-Correct Bump Mapping Using Reverse Height Map Tracing,
+    2004.
+    """
+    end = march(field, ray, step_count(field, ray, settings))
+    found = end.height <= end.surface
+    height = chord(end) if found else end.height
+    return Hit(at(ray, height), height, found, end.reads)
+
+
+@technique()
+def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
+    """March to the first layer below the surface, then halve the last step again and again.
+
+    Cost: the march's reads and one for each halving. F. Policarpo, M. M. Oliveira and J. L. D.
+    Comba, Real-Time Relief Mapping on Arbitrary Polygonal Surfaces, 2005.
+    """
+    steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
+    end = march(field, ray, steps)
+    height = end.height
+    below = height <= end.surface
+    half = end.step
+    for _ in range(settings.search_steps):
+        half = half * 0.5
+        height = height + (half if below else -half)
+        below = height <= height_at(field, at(ray, height), ray.mip)
+    found = end.height <= end.surface
+    return Hit(at(ray, height), height, found, end.reads + settings.search_steps)
+
+
+# --- what the marches share -----------------------------------------------------------------------
+
+
+@shader
+def march(field: HeightField, ray: Ray, steps: int) -> Layers:
+    """Go down layer by layer, to the first that is not above the surface, or to the last."""
+    count = min(max(steps, 1), MOST_READS)
+    step = 1.0 / float(count)
+    height = 1.0
+    surface = height_at(field, at(ray, height), ray.mip)
+    height_before = height
+    surface_before = surface
+    k = 1
+    while k < count and height > surface:
+        height_before = height
+        surface_before = surface
+        height = 1.0 - float(k) * step
+        surface = height_at(field, at(ray, height), ray.mip)
+        k = k + 1
+    return Layers(height, surface, height_before, surface_before, step, k)
+
+
+@shader
+def chord(end: Layers) -> float:
+    """The height at which the ray cuts the straight line between the last two surface points."""
+    before = end.height_before - end.surface_before
+    after = end.surface - end.height
+    share = saturate(before / max(before + after, 1e-9))
+    return mix(end.height_before, end.height, share)
+
+
+@shader
+def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
+    """More steps the flatter the view: from the most along the surface to the least head-on.
+
+    N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
+    """
+    return int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
+
+
+@shader
+def step_count(field: HeightField, ray: Ray, settings: March) -> int:
+    """The number of steps by angle, or by the texels that the whole ray passes over."""
+    if settings.steps_per_texel > 0.0:
+        extent = size(field, ray.mip)
+        travel = length(ray.fall * Vec2(float(extent.x), float(extent.y)))
+        return int(travel * settings.steps_per_texel)
+    return steps_by_angle(ray, settings.min_steps, settings.max_steps)

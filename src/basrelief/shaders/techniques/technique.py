@@ -1,0 +1,63 @@
+"""What a technique is: one function, `(field, ray, settings) -> Hit`, and the slot it is bound to.
+
+Mark your own with `@technique` in a file of its own and name it with `--technique FILE.py:NAME`:
+
+    @technique()
+    def top_half(field: HeightField, ray: Ray, settings: Halving) -> Hit: ...
+
+`settings` is a record (`@struct`) whose fields users turn; a technique without any takes `Nothing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, ParamSpec, TypeVar
+
+from basrelief.lang import HeightField, Shader, TypeSlot, slot, struct
+from basrelief.shaders.ray import Hit, Ray
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Projection = Literal["full", "biased", "limited"]
+
+
+class Settings(TypeSlot):
+    """The settings record of whichever technique is bound."""
+
+
+@struct
+class Nothing:
+    """The settings of a technique that has none."""
+
+
+@slot
+def displace(field: HeightField, ray: Ray, settings: Settings) -> Hit:
+    """Find where the view ray ends in the height field."""
+    raise NotImplementedError
+
+
+class Technique(Shader[P, R]):
+    """A technique with what it prefers where nothing else is said."""
+
+    level: float = 1.0
+    """The height that lies on the polygon."""
+    projection: Projection = "full"
+
+    @property
+    def settings(self) -> Any:
+        """The record of its settings."""
+        parameters, _ = self.signature
+        return list(parameters.values())[-1]
+
+
+def technique(
+    *, level: float = 1.0, projection: Projection = "full"
+) -> Callable[[Callable[P, R]], Technique[P, R]]:
+    """Mark a shader as a technique; `level` and `projection` are its defaults."""
+
+    def mark(function: Callable[P, R]) -> Technique[P, R]:
+        made: Technique[P, R] = Technique(function)
+        made.level, made.projection = level, projection
+        return made
+
+    return mark
