@@ -1,1 +1,60 @@
-"""basrelief: parallax mapping, written once in Python."""
+"""basrelief: parallax mapping, every technique from one texture read up, written once in Python.
+
+    import basrelief
+    basrelief.render("materials/rock", technique="relief").save("rock.png")
+
+Names are imported when first used, so that `import basrelief` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from basrelief._version import __version__
+from basrelief.errors import BasreliefError, EngineError, InputError
+
+if TYPE_CHECKING:
+    from basrelief.engine import choose_engine
+    from basrelief.lang import setting, shader, struct
+    from basrelief.material import Map, Material, load, sample
+    from basrelief.render import Frame, Image, render
+    from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
+    from basrelief.scene import turned as turned
+    from basrelief.shaders.lighting import Light, Shading
+    from basrelief.shaders.surfaces.standard import Finish
+    from basrelief.shaders.techniques import TECHNIQUES, Hit, Ray, technique
+
+_HOMES = {
+    "basrelief.engine": ("choose_engine",),
+    "basrelief.lang": ("setting", "shader", "struct"),
+    "basrelief.material": ("Map", "Material", "load", "sample"),
+    "basrelief.render": ("Frame", "Image", "render"),
+    "basrelief.scene": (
+        "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
+    ),
+    "basrelief.shaders.lighting": ("Light", "Shading"),
+    "basrelief.shaders.surfaces.standard": ("Finish",),
+    "basrelief.shaders.techniques": ("TECHNIQUES", "Hit", "Ray", "technique"),
+}  # fmt: skip
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image", "InputError",
+    "Light", "LookAt", "Map", "Material", "Object", "Orbit", "Ray", "Scene", "Shading",
+    "__version__", "choose_engine", "directional", "load", "placed", "point", "render", "sample",
+    "setting", "shader", "spot", "struct", "technique", "turned",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'basrelief' has no attribute {name!r}")
+    # the function `render` stands for itself, not for the module of that name
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -272,14 +272,9 @@ def write_picture(
     Raises InputError for an unknown suffix, impossible bits, or a place that cannot be written.
     """
     path = Path(path)
-    kind = _format_for(path)
+    kind, bits = _checked(path, bits)
     if linear.ndim != 3 or linear.shape[2] not in (3, 4) or linear.size == 0:
         raise InputError(f"{path}: a picture has 3 or 4 channels and a size, not {linear.shape}")
-    if bits is None:
-        bits = kind.bits[0]
-    if bits not in kind.bits:
-        known = " or ".join(str(each) for each in sorted(kind.bits))
-        raise InputError(f"{path}: {path.suffix} holds {known} bits a channel, not {bits}")
     if not 1 <= quality <= 100:
         raise InputError(f"{path}: quality is 1 to 100, not {quality}")
     linear = linear[:, :, : kind.most_channels]
@@ -289,6 +284,12 @@ def write_picture(
         pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR's alpha is multiplied in, by its definition
     _replace(path, lambda partial: _write(partial, pixels, stored, quality))
     return path
+
+
+def check_target(path: str | os.PathLike[str], bits: int | None = None) -> None:
+    """Raise InputError where `write_picture` would refuse a path: before the work, not after."""
+    _checked(Path(path), bits)
+    _check_place(Path(path))
 
 
 def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
@@ -323,6 +324,16 @@ def _format_for(path: Path) -> _Format:
     return kind
 
 
+def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
+    """What the suffix's format can hold, and the bits to write."""
+    kind = _format_for(path)
+    chosen = kind.bits[0] if bits is None else bits
+    if chosen not in kind.bits:
+        known = " or ".join(str(each) for each in sorted(kind.bits))
+        raise InputError(f"{path}: {path.suffix} holds {known} bits a channel, not {bits}")
+    return kind, chosen
+
+
 def _encode(linear: NDArray[np.floating], bits: int) -> Pixels:
     """Light to integer codes: colours through the sRGB curve, the alpha straight; NaN is black."""
     most = 2**bits - 1
@@ -354,14 +365,20 @@ def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
         raise OSError(_first_line(trouble))
 
 
-def _replace(path: Path, write: Callable[[Path], None]) -> None:
-    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole."""
+def _check_place(path: Path) -> None:
     folder = path.parent
     if not os.path.isdir(folder):
         raise InputError(f"{path}: the folder {folder} does not exist; make it first")
     if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; name a file")
-    partial = folder / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{path}: the folder {folder} cannot be written; choose another place")
+
+
+def _replace(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole."""
+    _check_place(path)
+    partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
     try:
         write(partial)
         os.replace(partial, path)

@@ -184,7 +184,7 @@ def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, A
     found = {name: value for name, value in _maps(thing).items() if value is not None}
     return {
         **found,
-        "view": View(scene.camera.camera(size), Vec2(0.5, 0.5)),
+        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "placement": thing.placement(),
         "depth": thing.depth(),
         "settings": thing.settings if thing.has_relief else Nothing(),

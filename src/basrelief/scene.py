@@ -25,6 +25,7 @@ from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Light, Shading
 from basrelief.shaders.pixel import Depth, Placement
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES, Technique, flat, relief
+from basrelief.shaders.techniques.own import technique_from_file
 
 __all__ = [
     "SHAPES", "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot",
@@ -38,6 +39,9 @@ DEFAULT_SCALE = 0.05
 _TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylinder": (3.0, 1.0)}
 """Tiles around and along each shape so that a square tile stays about square."""
 
+_FRAMING = {"plane": 1.8, "box": 2.9, "sphere": 2.1, "cylinder": 2.5}
+"""How far away a camera of 30 degrees sees each shape whole, with a little room around."""
+
 Transform = NDArray[np.float64]
 """An affine map from object to world space, (4, 4), acting on columns."""
 
@@ -50,11 +54,12 @@ class Orbit:
     """A camera on a sphere around its target; see `basrelief.cameras.orbit`.
 
     With `orthographic_height` it is orthographic, and `field_of_view` (vertical) does not matter.
+    Without a `distance` it stands as far as shows the scene's first object whole.
     """
 
     azimuth: float = 30.0
     elevation: float = 35.0
-    distance: float = 1.8
+    distance: float | None = None
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
     field_of_view: float = 30.0
     orthographic_height: float | None = None
@@ -62,7 +67,8 @@ class Orbit:
     def camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
-        return orbit(self.target, self.distance, self.azimuth, self.elevation, size=size, **lens)
+        distance = 2.0 if self.distance is None else self.distance
+        return orbit(self.target, distance, self.azimuth, self.elevation, size=size, **lens)
 
 
 @dataclass(frozen=True)
@@ -201,7 +207,8 @@ LYING = turned("x", -90.0)
 class Object:
     """A shape with a material, and how its relief is drawn.
 
-    `technique` is a name or a technique; `settings` its record, or a mapping of the fields to
+    `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
+    heights, and asking for one where there are none is an error. `settings` is its record, or a mapping of the fields to
     change. `scale`, `level` and `projection` default to the material's, the technique's and the
     technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
     `tiling` counts the tiles along u and v. Raises InputError for values out of range.
@@ -209,7 +216,7 @@ class Object:
 
     material: Material
     shape: str = "plane"
-    technique: str | Technique[..., Any] = relief
+    technique: str | Technique[..., Any] | None = None
     settings: Any = field(default_factory=dict)
     scale: float | None = None
     level: float | None = None
@@ -222,8 +229,16 @@ class Object:
     transform: Transform | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.technique, str):
+        if self.technique is None:
+            chosen = flat if self.material.height is None else relief
+            object.__setattr__(self, "technique", chosen)
+        elif isinstance(self.technique, str):
             object.__setattr__(self, "technique", technique_named(self.technique))
+        if self.material.height is None and self.drawn_with is not flat:
+            raise InputError(
+                f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
+                "add one, or draw it with the technique flat"
+            )
         one_of("shape", self.shape, SHAPES)
         one_of("projection", self.projection, (None, "full", "biased", "limited"))
         one_of("edge", self.edge, ("wrap", "clamp", "clip"))
@@ -293,6 +308,11 @@ class Object:
         proportion = self.material.proportion
         return LYING @ placed(scale=(min(proportion, 1.0), min(1.0 / proportion, 1.0), 1.0))
 
+    @property
+    def framing_distance(self) -> float:
+        """How far an orbiting camera stands by default, in world units."""
+        return _FRAMING[self.shape] * float(np.linalg.norm(self.to_world[:3, :3], 2))
+
     def placement(self) -> Placement:
         """The shaders' record of where the object is."""
         matrix = self.to_world
@@ -319,7 +339,12 @@ def _first(*values: float | None) -> float:
 
 
 def technique_named(name: str) -> Technique[..., Any]:
-    """A technique of the library by its name; raises InputError where there is none."""
+    """A technique of the library by its name, or one of a user's own as FILE.py:NAME.
+
+    Raises InputError where there is none.
+    """
+    if ".py:" in name:
+        return technique_from_file(*name.rsplit(":", 1))
     if name not in TECHNIQUES:
         raise InputError(
             f"no technique is called {name!r}; use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
@@ -356,13 +381,20 @@ class Scene:
         object.__setattr__(self, "objects", tuple(self.objects))
         object.__setattr__(self, "lights", tuple(self.lights))
 
+    def shader_camera(self, size: tuple[int, int]) -> Camera:
+        """The shaders' camera for a picture of (width, height), framing the first object."""
+        camera = self.camera
+        if isinstance(camera, Orbit) and camera.distance is None and self.objects:
+            camera = replace(camera, distance=self.objects[0].framing_distance)
+        return camera.camera(size)
+
     def with_camera(self, camera: Orbit | LookAt) -> Scene:
         """The same scene from elsewhere."""
         return replace(self, camera=camera)
 
     def check_camera(self) -> None:
         """Raise InputError where the camera stands inside an object, or behind a lone plane."""
-        eye = np.array([*self.camera.camera((1, 1)).position, 1.0], np.float64)
+        eye = np.array([*self.shader_camera((1, 1)).position, 1.0], np.float64)
         for thing in self.objects:
             x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
             advice = "move it away, for example --camera distance=3"

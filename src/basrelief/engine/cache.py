@@ -44,7 +44,10 @@ def read(key: str) -> tuple[dict[str, Any], bytes] | None:
             path.unlink()
         return None
     head, _, content = rest.partition(b"\n")
-    return json.loads(head), content
+    try:
+        return json.loads(head), content
+    except ValueError:
+        return None
 
 
 def write(key: str, header: dict[str, Any], content: bytes) -> None:

@@ -71,7 +71,8 @@ class CpuEngine:
                 height * stride, stride, width, first, last,
             )  # fmt: skip
 
-        self._spread(rows, range(0, height, _ROWS), progress)
+        if width:
+            self._spread(rows, range(0, height, _ROWS), progress)
         found: Planes = {}
         for plane, (name, t) in zip(planes, program.planes, strict=True):
             found[name] = (plane.view(np.float32) if t is float else plane)[:, :width]
@@ -199,7 +200,7 @@ def _link(code: bytes, parameters: list[str]) -> _Compiled:
     engine.finalize_object()
     pointer, wide, word = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32
     kind = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, wide, word, word, word, word)
-    return _Compiled(kind(engine.get_function_address("run")), parameters, engine)
+    return _Compiled(kind(engine.get_function_address("run.rows")), parameters, engine)
 
 
 # --- resources in memory: see the end of `lang/llvm.py` -----------------------------------------------
@@ -217,7 +218,8 @@ class _Resident:
 
 def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
     if isinstance(value, Buffer):
-        return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), 0])
+        last = max(0, len(value) - 1)
+        return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
     bordered = isinstance(value, HeightField)
     parts, words, first = [], [len(value.levels), 0], 0
     for level in value.levels:

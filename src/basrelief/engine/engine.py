@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from basrelief.errors import EngineError
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, buffer_record
-from basrelief.lang.types import leaf_values, type_name
+from basrelief.lang.types import leaf_values, leaves, type_name
 
 Planes = dict[str, NDArray[Any]]
 """The leaves of a program's result by dotted name: arrays (H, W), float32, or int32 for ints and
@@ -81,5 +81,5 @@ def _words(value: Any, t: Any) -> list[np.int32]:
 def pack_buffer(buffer: Buffer[Any]) -> Words:
     """A buffer's records one after another, (items, leaves), 32 bits each; one of zeros if empty."""
     if not len(buffer):
-        return np.zeros((1, 64), np.int32)
+        return np.zeros((1, sum(1 for _ in leaves(buffer.record))), np.int32)
     return np.array([_words(item, buffer.record) for item in buffer.items], np.int32)

@@ -2,8 +2,8 @@
 
 Python and the CPU run these very functions, so they agree to the last bit; a GPU uses its own.
 Errors against the exact result, in units in the last place, over the stated domain, are measured
-in `tests/test_approximations.py`. Polynomials after S. L. Moshier, Cephes Mathematical Library,
-single precision, 1992.
+in `tests/lang/test_approximations.py`. Polynomials after S. L. Moshier, Cephes Mathematical
+Library, single precision, 1992.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ QUARTER_PI = 0.785398163397448
 
 
 @shader
-def power_of_two(n: int) -> float:
-    """2ⁿ for −252 ≤ n ≤ 254, in two factors so that the ends of the range come out right."""
+def times_power_of_two(x: float, n: int) -> float:
+    """x · 2ⁿ for −252 ≤ n ≤ 254, by one half after the other: where 2ⁿ itself is beyond the range
+    x · 2ⁿ may be within."""
     half = n >> 1
-    return bits_float((half + 127) << 23) * bits_float((n - half + 127) << 23)
+    return x * bits_float((half + 127) << 23) * bits_float((n - half + 127) << 23)
 
 
 @shader
@@ -36,7 +37,7 @@ def exp(x: float) -> float:
     p = p * r + 4.1665795894e-2
     p = p * r + 1.6666665459e-1
     p = p * r + 5.0000001201e-1
-    return (p * r * r + r + 1.0) * power_of_two(int(n))
+    return times_power_of_two(p * r * r + r + 1.0, int(n))
 
 
 @shader
@@ -51,7 +52,7 @@ def exp2(x: float) -> float:
     p = p * r + 4.1665795894e-2
     p = p * r + 1.6666665459e-1
     p = p * r + 5.0000001201e-1
-    return (p * r * r + r + 1.0) * power_of_two(int(n))
+    return times_power_of_two(p * r * r + r + 1.0, int(n))
 
 
 @shader

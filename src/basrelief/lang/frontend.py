@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -29,6 +30,9 @@ _BINARY = {
 _COMPARE = {
     ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
 }  # fmt: skip
+
+
+LARGEST_FLOAT = 3.4028235e38
 
 
 def analyse(entry: Shader[..., Any], bindings: Bindings | None = None) -> tree.Module:
@@ -148,6 +152,7 @@ class _FunctionAnalysis:
         annotated, result = shader.signature
         self.parameters = {name: program.type_of(t) for name, t in annotated.items()}
         self.result = program.type_of(result)
+        self.check_form()
         for name, t in [*self.parameters.items(), ("return", self.result)]:
             self.check_type(t, name)
         self.locals: dict[str, Any] = {}
@@ -159,8 +164,32 @@ class _FunctionAnalysis:
         self.scope = _Scope(None)
         self.loops = 0
 
+    def check_form(self) -> None:
+        code = self.shader.function.__code__
+        if not len(self.parameters) == code.co_argcount == len(self.source.tree.args.args):
+            raise ShaderError(
+                f"{self.shader.location}: {self.shader.name}: parameters with * or / are outside "
+                "the subset; name each one"
+            )
+        for name in (self.shader.name, *code.co_varnames):
+            self.check_name(name)
+
+    def check_name(self, name: str) -> None:
+        if not name.isascii():
+            raise ShaderError(
+                f"{self.shader.location}: {self.shader.name}: the name {name} is beyond ASCII, "
+                "which shading languages do not take; write another"
+            )
+
     def check_type(self, t: Any, name: str) -> None:
         known = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t)
+        if is_record(t):
+            for field, inner in fields_of(t).items():
+                self.check_name(field)
+                self.check_type(self.program.type_of(inner), "return")
+        if buffer_record(t) is not None:
+            known = is_record(buffer_record(t))
+            self.check_type(buffer_record(t), "return")
         if not known and not (is_handle(t) and name != "return"):
             raise ShaderError(
                 f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
@@ -297,6 +326,8 @@ class _FunctionAnalysis:
         assert isinstance(node.target, ast.Name)
         assert isinstance(node.iter, ast.Call)
         name = node.target.id
+        if not 1 <= len(node.iter.args) <= 3:
+            raise self.source.error(node, "range takes stop, or start and stop, or a step too")
         bounds = [self.expression(a) for a in node.iter.args]
         for bound, text in zip(bounds, node.iter.args, strict=True):
             self.expect(text, bound.type, int, "a bound of range")
@@ -305,7 +336,8 @@ class _FunctionAnalysis:
         step = bounds[2] if len(bounds) > 2 else tree.Literal(int, 1)
         if not isinstance(step, tree.Literal) or step.value <= 0:
             raise self.source.error(node, "the step of a range is a positive number written out")
-        if name in self.parameters or name in self.locals:
+        counting = name in self.loop_names and name != "_"
+        if counting or name in self.parameters or name in self.locals:
             raise self.source.error(node, f"{name} is a variable already; count with a new name")
         self.loop_names.add(name)
         inner = self.loop_body(node, name)
@@ -369,6 +401,8 @@ class _FunctionAnalysis:
                 return self.comparison(node)
             case ast.IfExp(test, then, otherwise):
                 a, b = self.expression(then), self.expression(otherwise)
+                if is_handle(a.type):
+                    raise self.source.error(node, "a resource is not chosen; choose what is read")
                 self.expect(otherwise, b.type, a.type, "the other choice")
                 return tree.Select(a.type, self.condition(test), a, b)
             case ast.Attribute(operand, name):
@@ -388,6 +422,8 @@ class _FunctionAnalysis:
     def literal(self, node: ast.AST, value: Any) -> tree.Expression:
         if type(value) is int and not -(2**31) <= value < 2**31:
             raise self.source.error(node, "an int has 32 bits; this number has more")
+        if type(value) is float and LARGEST_FLOAT < abs(value) < math.inf:
+            raise self.source.error(node, "a float has 32 bits, at most 3.4028235e38")
         if type(value) not in SCALARS:
             raise self.source.error(node, "numbers and bools only; the subset has no text")
         return tree.Literal(type(value), value)
@@ -413,6 +449,12 @@ class _FunctionAnalysis:
         )
 
     def lookup(self, node: ast.AST, name: str) -> Any:
+        """What a global or enclosing name stands for; a name that the shader sets is not one."""
+        if name in self.shader.function.__code__.co_varnames:
+            raise self.source.error(
+                node,
+                f"{name} is set in this shader and has no value here; use one name for one thing",
+            )
         try:
             return self.shader.lookup(name)
         except KeyError:
@@ -609,10 +651,12 @@ def _binary_hint(symbol: str, left: tree.Expression, right: tree.Expression) -> 
 
 
 def _ends(node: ast.While) -> bool:
-    """Whether a while loop counts: `k < n` in its condition, `k = k + 1` always done in its body."""
+    """Whether a while loop counts: `k < n` in its condition, `k = k + 1` always done in its body,
+    n never set there."""
     tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
     if isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or):
         return False
+    names = [n.id for n in ast.walk(node) if isinstance(n, ast.Name) and not _loaded(n)]
     counters = {
         t.left.id
         for t in tests
@@ -620,11 +664,11 @@ def _ends(node: ast.While) -> bool:
         and isinstance(t.left, ast.Name)
         and len(t.ops) == 1
         and isinstance(t.ops[0], ast.Lt | ast.LtE)
+        and not any(isinstance(n, ast.Name) and n.id in names for n in ast.walk(t.comparators[0]))
     }
     if any(isinstance(n, ast.Continue) for n in ast.walk(node)):
         return False
     counted = [s for s in node.body if _counts_up(s) in counters]
-    names = [n.id for n in ast.walk(node) if isinstance(n, ast.Name) and not _loaded(n)]
     return any(names.count(_counts_up(s) or "") == 1 for s in counted)
 
 

@@ -9,7 +9,7 @@ High-Performance CPU Programming, 2012.
 No fast-math and no contraction: every lane computes what the same shader computes in plain Python,
 to the last bit, whatever the number of lanes.
 
-The compiled entry is `void run(uniforms, resources, planes, plane_stride, row_stride, width,
+The compiled entry is `void run.rows(uniforms, resources, planes, plane_stride, row_stride, width,
 first_row, last_row)`; `engine/cpu.py` lays out what it reads, as this module's end says.
 """
 
@@ -235,8 +235,9 @@ class _FunctionPrinter(_Printer):
 
     def text(self) -> str:
         function, out = self.function, self.out
-        parameters = [f"{out.names[bool]} %active"]
-        self.store("%active", self.mask, bool)
+        # names with a dot are none of Python's, so no parameter or shader is called so
+        parameters = [f"{out.names[bool]} %active.lanes"]
+        self.store("%active.lanes", self.mask, bool)
         self.store("zeroinitializer", self.returned, bool)
         for name, t in function.parameters.items():
             if is_handle(t):
@@ -385,7 +386,7 @@ class _FunctionPrinter(_Printer):
 
             def step() -> None:
                 now = self.make(f"load i32, ptr {counter}")
-                then = self.make(f"add i32 {now}, {node.step}")
+                then = self.counted(now, node.step, "i32", "i32")
                 self.emit(f"store i32 {then}, ptr {counter}")
         else:
             place = self.variable(int, node.name)
@@ -393,10 +394,21 @@ class _FunctionPrinter(_Printer):
             self.store(start, place, int)
 
             def step() -> None:
-                self.store(self.integer("add", self.load(place, int), node.step), place, int)
+                now, kind = self.load(place, int), self.out.names[int]
+                self.store(self.counted(now, node.step, kind, f"v{self.out.lanes}i32"), place, int)
 
         here = tree.Local(int, node.name)
         self.loop(lambda: self.compare("<", self.value(here)[0], stop, int), node.body, step)
+        self.counters.pop(node.name, None)
+
+    def counted(self, now: str, step: int, kind: str, suffix: str) -> str:
+        """A counter's next value; steps that may pass the largest int stop there."""
+        added = str(step) if kind == "i32" else self.out.constant(step, int)
+        if step == 1:
+            return self.make(f"add {kind} {now}, {added}")
+        name = f"llvm.sadd.sat.{suffix}"
+        self.out.declarations.add(f"declare {kind} @{name}({kind}, {kind})")
+        return self.make(f"call {kind} @{name}({kind} {now}, {kind} {added})")
 
     def loop(self, test: Any, block: tree.Block, step: Any) -> None:
         """Run a block while `test()` holds for any lane; `step()` ends each round."""
@@ -621,7 +633,7 @@ class _FunctionPrinter(_Printer):
     def item(self, record: Any, buffer: tree.Expression, index: str) -> Leaves:
         handle = self.handle(buffer)
         kinds = [leaf for _, leaf in leaves(record)]
-        index = self.held(index, self.integer("sub", self.header_word(handle, 2), 1))
+        index = self.held(index, self.header_word(handle, 3))
         first = self.integer("mul", index, len(kinds))
         base = self.data(handle)
         values = []
@@ -926,7 +938,8 @@ def _width(t: Any) -> int:
 #
 # uniforms: the leaves of the entry's records, 32 bits each, in order.
 # resources: a pointer a handle, to a header: data pointer (8 bytes), then 32-bit words: how many
-# levels or items, nothing, and four words a level: first element, width, height, elements a row.
+# levels or items, the last item's index (0 for none), and four words a level: first element,
+# width, height, elements a row.
 # planes: a plane of 32-bit words for each leaf of the result, rows `row_stride` words apart.
 
 _HEADER_WORDS = 4
@@ -971,7 +984,7 @@ class _EntryPrinter(_Printer):
         self.emit("%more_rows = icmp slt i32 %next_y, %last_row")
         self.emit("br i1 %more_rows, label %rows, label %leave")
         head = (
-            "define dllexport void @run(ptr noalias readonly %uniforms, "
+            "define dllexport void @run.rows(ptr noalias readonly %uniforms, "
             "ptr noalias readonly %resources, ptr noalias %planes, i64 %plane_stride, "
             "i32 %row_stride, i32 %width, i32 %first_row, i32 %last_row) nounwind {"
         )

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import marshal
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from types import CodeType
@@ -70,7 +69,7 @@ class _Contents:
 
     def __init__(self, program: Program) -> None:
         self.program = program
-        self.seen: set[int] = set()
+        self.seen: dict[Any, int] = {}
         self.found: list[bytes] = [program.edge.encode()]
 
     def parts(self) -> list[bytes]:
@@ -78,14 +77,15 @@ class _Contents:
         return self.found
 
     def visit(self, thing: Any) -> None:
-        if id(thing) in self.seen:
-            return
-        if isinstance(thing, Shader):
-            self.seen.add(id(thing))
-            self.shader(thing)
-        elif is_record(thing):
-            self.seen.add(id(thing))
-            self.record(thing)
+        if isinstance(thing, Shader) or is_record(thing):
+            if thing in self.seen:
+                self.found.append(f"the same as {self.seen[thing]}".encode())
+                return
+            self.seen[thing] = len(self.seen)
+            if isinstance(thing, Shader):
+                self.shader(thing)
+            else:
+                self.record(thing)
         elif buffer_record(thing) is not None:
             self.visit(buffer_record(thing))
         elif isinstance(thing, type) and issubclass(thing, TypeSlot):
@@ -108,7 +108,7 @@ class _Contents:
             self.visit(bound)
             return
         code = shader.function.__code__
-        self.found.append(marshal.dumps(_without_places(code)))
+        self.found.append(_code_text(code).encode())
         for name in (*code.co_names, *code.co_freevars):
             try:
                 value = shader.lookup(name)
@@ -126,6 +126,10 @@ class _Contents:
                 self.found.append(repr(f.default).encode())
 
 
-def _without_places(code: CodeType) -> CodeType:
-    """Code that says nothing of files and lines, so that moving a file changes no key."""
-    return code.replace(co_filename="", co_firstlineno=1, co_linetable=b"", co_qualname="")
+def _code_text(code: CodeType) -> str:
+    """What code does, without files and lines, so that moving a file changes no key.
+
+    Not `marshal`, whose bytes depend on how often objects are referred to in this process.
+    """
+    parts = (code.co_code, code.co_consts, code.co_names, code.co_varnames, code.co_freevars)
+    return repr(parts)

@@ -6,11 +6,14 @@ through `len(buffer)` and `buffer[index]`. Engines take the arrays as they are.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from basrelief.lang.types import from_leaves
 
 Edge = Literal["wrap", "clamp"]
 _T = TypeVar("_T")
@@ -62,7 +65,7 @@ class Texture(_Pyramid):
 class Buffer(Generic[_T]):
     """A list of records of one type; a program has at most one buffer of each record type.
 
-    An index that is outside it reads the last item.
+    An index that is outside it reads the last item; an empty one reads as zeros.
     """
 
     def __init__(self, items: Sequence[_T], record: type[_T] | None = None) -> None:
@@ -78,6 +81,8 @@ class Buffer(Generic[_T]):
 
     def __getitem__(self, index: int) -> _T:
         last = len(self.items) - 1
+        if last < 0:
+            return from_leaves(itertools.repeat(0), self.record)  # type: ignore[no-any-return]
         return self.items[index if 0 <= index <= last else last]
 
 

@@ -139,7 +139,9 @@ class Source:
         self.first = first
         self.indent = indent
         tree = ast.parse(textwrap.dedent(text)).body[0]
-        assert isinstance(tree, ast.FunctionDef)
+        if not isinstance(tree, ast.FunctionDef):
+            what = lines[0].strip()
+            raise ShaderError(f"{self.file}:{first}: `{what}`: a shader is a plain `def`")
         self.tree = tree
         ast.increment_lineno(tree, first - 1)
 
@@ -202,6 +204,8 @@ class _Rewriting(ast.NodeTransformer):
         return ast.copy_location(ast.Name(name, ast.Load()), node)
 
     def _number(self, value: Any, node: ast.AST) -> ast.AST:
+        if isinstance(value, int) and not -(2**31) <= value < 2**31:
+            raise self.shader.source.error(node, "an int has 32 bits; this number has more")
         wide = np.float32(value) if isinstance(value, float) else np.int32(value)
         return self._capture(f"_number_{len(self.captured)}", wide, node)
 

@@ -53,7 +53,12 @@ class _Vector:
         if indices is None:
             raise AttributeError(f"{type(self).__name__} has no component {name!r}")
         parts = [self._components[index] for index in indices]
-        return parts[0] if len(parts) == 1 else _OF_SIZE[self.component, len(parts)](*parts)
+        if len(parts) == 1:
+            return parts[0]
+        made = _OF_SIZE.get((self.component, len(parts)))
+        if made is None:
+            raise AttributeError(f"there is no vector of {len(parts)} ints for {name!r}")
+        return made(*parts)
 
     def __iter__(self) -> Iterator[Any]:
         return iter(self._components)

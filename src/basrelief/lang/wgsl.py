@@ -110,7 +110,8 @@ class _Module:
         return f"{name}_" if name in _RESERVED else name
 
     def local(self, name: str) -> str:
-        """A local's name, clear of functions and records too."""
+        """A local's name, clear of functions and records too; `_` counts rounds that no one reads."""
+        name = "round" if name == "_" else name
         return f"{name}_" if name in self.taken or name in _RESERVED else name
 
     def type(self, t: Any) -> str:
@@ -258,8 +259,8 @@ class _FunctionPrinter:
         stop = self.value(node.stop)
         if not isinstance(node.stop, tree.Literal):
             # Python reads the bound once
-            self.emit(f"let {node.name}_end = {stop};")
-            stop = f"{node.name}_end"
+            self.emit(f"let {name}_end = {stop};")
+            stop = f"{name}_end"
         start = self.value(node.start)
         step = f"{name}++" if node.step == 1 else f"{name} += {node.step}"
         self.emit(f"for (var {name} = {start}; {name} < {stop}; {step}) {{")
@@ -536,7 +537,7 @@ _RESERVED = frozenset(
     trait try type typedef typeid typename typeof union unless unorm unsafe unsized use using
     varying virtual volatile wgsl where with writeonly yield
     abs acos asin atan atan2 bitcast bool ceil clamp corners cos cross dot exp exp2 f16 f32 floor
-    fract i32 length log log2 main max min mix normalize planes pow reflect run saturate select
+    fract i32 length log log2 main max min mix normalize planes pow reflect round run saturate select
     sin size_ smoothstep sqrt tan texel transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u
     mat3x3f array atomic ptr sampler texture_2d result place Run
     """.split()

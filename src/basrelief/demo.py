@@ -1,0 +1,48 @@
+"""The pictures of `basrelief demo`: every technique on bricks, every shape with another sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from basrelief.engine import choose_engine
+from basrelief.errors import InputError
+from basrelief.material import Material, sample
+from basrelief.render import program_of, render
+from basrelief.scene import Object, Orbit, Scene
+from basrelief.shaders.techniques import TECHNIQUES
+
+_SIZE = (640, 360)
+_SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
+
+
+def pictures(folder: Path, engine: str) -> Iterator[Path]:
+    """Draw the pictures into a folder, naming each when it is done."""
+    runner = choose_engine(engine)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another") from None
+    # compiling and drawing the samples are independent: both at once
+    with ThreadPoolExecutor() as pool:
+        materials = dict(
+            zip(
+                ("bricks", "cobbles", "tiles", "gravel", "terrain"),
+                pool.map(sample, ("bricks", "cobbles", "tiles", "gravel", "terrain")),
+                strict=True,
+            )
+        )
+        scenes = dict(_scenes(materials))
+        programs = [program_of(scene.objects[0]) for scene in scenes.values()]
+        list(pool.map(runner.compile, programs))
+    for name, scene in scenes.items():
+        yield render(scene, size=_SIZE, samples=4, engine=runner).save(folder / f"{name}.png")
+
+
+def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:
+    for name in TECHNIQUES:
+        thing = Object(materials["bricks"], technique=name, scale=0.08)
+        yield f"bricks-{name}", Scene((thing,), camera=Orbit(30.0, 28.0))
+    for sample_name, shape in _SHAPES:
+        yield f"{sample_name}-{shape}", Scene((Object(materials[sample_name], shape=shape),))
