@@ -152,6 +152,11 @@ def test_a_name_says_which_map(name: str, case: type) -> None:
     assert told == NAMES[name]
 
 
+@pytest.mark.parametrize("name", ["wood_2048_color", "wood_2K-PNG_color", "wood_512x256_color"])
+def test_sizes_and_formats_are_no_part_of_the_material(name: str) -> None:
+    assert read_name(name).prefix == ("wood",)
+
+
 def test_shared_words_name_the_material() -> None:
     names = read_names(["rusty_metal", "rusty_metal_normal", "rusty_metal_metal"])
     assert names["rusty_metal"].meaning is None
