@@ -1,0 +1,55 @@
+"""Random programs: plain Python and the CPU agree on what they compute, whatever the lanes.
+
+With the variable RANDOM_PROGRAMS set to `first:count`, those seeds are tried instead of the few
+that stand here.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from comparing import FLOATS, INTS, assert_python_is_cpu, write_module
+from random_programs import Writer
+
+from basrelief.lang import Buffer
+
+WIDTHS = (1, 3, 7, 13)
+
+
+def seeds() -> range:
+    first, _, count = os.environ.get("RANDOM_PROGRAMS", "0:24").partition(":")
+    return range(int(first), int(first) + int(count))
+
+
+def items_of(module, seed: int, count: int) -> Buffer:
+    draw = np.random.default_rng(seed)
+    rows = []
+    for _ in range(count):
+        a, b = (
+            float(draw.choice(FLOATS)) if draw.random() < 0.3 else float(draw.normal(0, 3))
+            for _ in range(2)
+        )
+        i, j = (
+            int(draw.choice(INTS)) if draw.random() < 0.3 else int(draw.integers(-4, 9))
+            for _ in range(2)
+        )
+        rows.append(module.Given(a, b, i, j, bool(draw.random() < 0.5)))
+    return Buffer(rows)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_python_is_cpu(folder, seed):
+    module = write_module(folder, Writer(seed).program())
+    items = items_of(module, seed, 40)
+    lanes = (4, 8, 16)[seed % 3]
+    for width in (WIDTHS[seed % len(WIDTHS)], 37):
+        assert_python_is_cpu(module.entry, (width, 1), {"items": items}, lanes=[lanes])
+
+
+@pytest.mark.parametrize("seed", [1001, 1002])
+def test_all_lane_counts_and_a_wide_picture(folder, seed):
+    module = write_module(folder, Writer(seed, size=5).program())
+    items = items_of(module, seed, 1003)
+    assert_python_is_cpu(module.entry, (1003, 1), {"items": items}, lanes=(4, 8, 16))
