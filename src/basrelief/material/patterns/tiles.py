@@ -12,7 +12,7 @@ GROOVE = 0.020
 """Width of a groove, in widths of an octagon: 3 mm, some three texels of 512."""
 DOT = 0.30
 """From the corner of a square to the tip of its dot, in widths of an octagon."""
-CREAM, SAGE = (0.90, 0.87, 0.82), (0.56, 0.63, 0.57)
+CREAM, SAGE = (0.83, 0.80, 0.74), (0.52, 0.59, 0.53)
 SLATE, BRASS = (0.20, 0.21, 0.24), (0.91, 0.78, 0.47)
 GROUT = (0.50, 0.47, 0.43)
 
