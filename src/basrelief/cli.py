@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from basrelief._version import __version__
-from basrelief.errors import BasreliefError, InputError
+from basrelief.errors import BasreliefError
 
 if TYPE_CHECKING:
     from basrelief.material import Material

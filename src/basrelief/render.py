@@ -18,7 +18,7 @@ from basrelief.lang.resources import Edge
 from basrelief.material import Material, load, pyramids
 from basrelief.picture import encode_png, write_picture
 from basrelief.scene import Object, Scene
-from basrelief.shaders import lighting, pixel, projection, shapes
+from basrelief.shaders import edge, lighting, pixel, projection, shapes
 from basrelief.shaders.lighting import Light
 from basrelief.shaders.pixel import View
 from basrelief.shaders.surfaces import standard
@@ -145,6 +145,7 @@ def program_of(thing: Object, shading_model: str = "ggx") -> Program:
     maps = _maps(thing)
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
+        edge.in_tile: getattr(edge, _map_edge(thing)),
         pixel.inside: pixel.within_tile if thing.edge == "clip" else pixel.anywhere,
         pixel.displaced: pixel.with_relief if thing.has_relief else pixel.without_relief,
         displace: thing.drawn_with if thing.has_relief else flat,
@@ -168,13 +169,13 @@ def _map_edge(thing: Object) -> Edge:
 
 def _maps(thing: Object) -> dict[str, Any]:
     """The material's maps as programs read them, None for those that are missing."""
-    material, edge = thing.material, _map_edge(thing)
-    glow = pyramids.emission(material, edge)
+    material, beyond = thing.material, _map_edge(thing)
+    glow = pyramids.emission(material, beyond)
     return {
-        "field": pyramids.height_field(material, edge) if thing.has_relief else None,
-        "base_color": pyramids.base_color(material, edge),
-        "normal": pyramids.normal(material, edge, thing.relief_scale),
-        "response": pyramids.response(material, edge),
+        "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
+        "base_color": pyramids.base_color(material, beyond),
+        "normal": pyramids.normal(material, beyond, thing.relief_scale),
+        "response": pyramids.response(material, beyond),
         "emission": glow and glow[0],
     }
 

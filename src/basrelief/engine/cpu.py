@@ -25,7 +25,7 @@ from basrelief.lang.resources import Buffer, Edge, HeightField, Texture, is_hand
 _ROWS = 8
 """Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
 
-_FORMAT = 2
+_FORMAT = 3
 """Raised whenever printer or layouts change in a way that the program's own key cannot see."""
 
 
@@ -180,7 +180,7 @@ def _object_code(program: Program, lanes: int) -> bytes:
     from basrelief.lang.llvm import print_llvm
 
     machine = _target_machine()
-    module = llvm.parse_assembly(print_llvm(program.module, lanes, program.edge))
+    module = llvm.parse_assembly(print_llvm(program.module, lanes))
     module.triple = llvm.get_default_triple()
     module.data_layout = str(machine.target_data)
     module.verify()
@@ -220,23 +220,19 @@ def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
     if isinstance(value, Buffer):
         last = max(0, len(value) - 1)
         return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
-    bordered = isinstance(value, HeightField)
     parts, words, first = [], [len(value.levels), 0], 0
     for level in value.levels:
         height, width = level.shape[:2]
-        stored = _with_border(level, value.edge) if bordered else level
+        stored = _with_border(level, value.edge)
         stride = stored.shape[1]
-        inside = stride + 1 if bordered and value.edge == "clamp" else 0
-        words += [first + inside, width, height, stride]
-        parts.append(stored.reshape(-1))
+        # the first element is that of texel (0, 0), within the border
+        words += [first + stride + 1, width, height, stride]
+        parts.append(stored.reshape(-1, *level.shape[2:]))
         first += stored.shape[0] * stride
-    # two floats are read at once: one more, so that the last read stays within
-    end = np.zeros(2 if bordered else 4, parts[0].dtype)
-    return _Resident(np.concatenate([*parts, end]), words)
+    return _Resident(np.concatenate(parts), words)
 
 
 def _with_border(level: NDArray[Any], edge: Edge) -> NDArray[Any]:
-    """A level with the neighbours that a read at its edge needs."""
-    if edge == "wrap":
-        return np.pad(level, ((0, 1), (0, 1)), mode="wrap")
-    return np.pad(level, 1, mode="edge")
+    """A level and one texel around it, filled as the edge says."""
+    around = ((1, 1), (1, 1), (0, 0))[: level.ndim]
+    return np.pad(level, around, mode="wrap" if edge == "wrap" else "edge")

@@ -6,6 +6,8 @@ The only module that imports wgpu, and only when a GPU is asked for.
 from __future__ import annotations
 
 import functools
+import os
+import tempfile
 import threading
 import weakref
 from collections.abc import Mapping
@@ -36,6 +38,7 @@ def _request_adapter() -> Any:
         raise EngineError(
             "the GPU engine needs wgpu; install it with: pip install 'basrelief[gpu]'"
         ) from None
+    _leave_out_opengl()
     try:
         return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
     except Exception as error:
@@ -43,6 +46,16 @@ def _request_adapter() -> Any:
         raise EngineError(
             f"no GPU is to be had here ({reason}); use --engine cpu, or install a Vulkan driver"
         ) from None
+
+
+@functools.cache
+def _leave_out_opengl() -> None:
+    """Look for Vulkan, Metal and DX12 alone: OpenGL runs none of this well."""
+    from wgpu.backends.wgpu_native.extras import set_instance_extras
+
+    # without a desktop, Mesa complains on the terminal that this names no folder
+    os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
+    set_instance_extras(backends=["Primary"])
 
 
 @functools.cache

@@ -458,7 +458,9 @@ class _FunctionAnalysis:
         try:
             return self.shader.lookup(name)
         except KeyError:
-            raise self.source.error(node, f"{name} is not known here; define or import it") from None
+            raise self.source.error(
+                node, f"{name} is not known here; define or import it"
+            ) from None
 
     def unary(self, node: ast.UnaryOp) -> tree.Expression:
         operand = self.expression(node.operand)

@@ -341,18 +341,23 @@ def size(map: HeightField | Texture, level: int) -> IVec2:
 
 @_intrinsic(_map_and(IVec2, int, result=Vec4, kind=HeightField))
 def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
-    """Heights of four texels: (x, y), (x+1, y), (x, y+1), (x+1, y+1); the field's edge holds."""
+    """Heights of four texels: (x, y), (x+1, y), (x, y+1), (x+1, y+1).
+
+    The cell is held to −1 … count − 1, so that all four lie within the map and its border of one
+    texel, which repeats the far side (edge "wrap") or the near (edge "clamp").
+    """
+    level = min(max(int(level), 0), len(field.levels) - 1)
+    height, width = field.levels[level].shape
+    x, y = (min(max(int(c), -1), n - 1) for c, n in ((cell.x, width), (cell.y, height)))
     found = []
-    for dy in (0, 1):
-        for dx in (0, 1):
-            k, row, column = field.texel_index(int(cell.x) + dx, int(cell.y) + dy, level)
-            found.append(field.levels[k][row, column])
+    for beside in ((x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)):
+        k, row, column = field.texel_index(*beside, level)
+        found.append(field.levels[k][row, column])
     return Vec4(*found)
 
 
 @_intrinsic(_map_and(IVec2, int, result=Vec4, kind=Texture))
 def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
-    """The four channels of one texel, 0 to 1; the texture's edge holds."""
+    """The four channels of one texel, 0 to 1; held to the map and its border of one texel."""
     k, row, column = texture.texel_index(cell.x, cell.y, level)
     return Vec4(*(np.float32(c) * np.float32(1 / 65535) for c in texture.levels[k][row, column]))
-

@@ -24,7 +24,7 @@ import numpy as np
 
 from basrelief.lang import tree
 from basrelief.lang.intrinsics import APPROXIMATED
-from basrelief.lang.resources import Edge, is_handle
+from basrelief.lang.resources import is_handle
 from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
 from basrelief.lang.values import Mat3
 
@@ -43,9 +43,9 @@ _INT_OPERATION = {
 }  # fmt: skip
 
 
-def print_llvm(module: tree.Module, lanes: int, edge: Edge) -> str:
-    """LLVM IR of a program, for a number of lanes and the edge policy of its maps."""
-    out = _Output(lanes, edge)
+def print_llvm(module: tree.Module, lanes: int) -> str:
+    """LLVM IR of a program for a number of lanes."""
+    out = _Output(lanes)
     text = [_FunctionPrinter(out, function).text() for function in module.functions]
     printed: set[str] = set()
     while out.approximations - printed:
@@ -73,9 +73,8 @@ def _approximations() -> dict[str, tree.Function]:
 class _Output:
     """What all functions of a module share: the lanes, the declarations."""
 
-    def __init__(self, lanes: int, edge: Edge) -> None:
+    def __init__(self, lanes: int) -> None:
         self.lanes = lanes
-        self.edge = edge
         self.declarations: set[str] = set()
         self.approximations: set[str] = set()
         self.names = {
@@ -181,10 +180,14 @@ class _Printer:
     def to_float(self, x: str) -> str:
         return self.make(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
 
+    def bounded(self, which: str, value: str, bound: str | int) -> str:
+        """The smaller (smin, umin) or larger (smax) of two ints."""
+        right = bound if isinstance(bound, str) else self.out.constant(bound, int)
+        return self.intrinsic(f"llvm.{which}.v{self.out.lanes}i32", int, (value, int), (right, int))
+
     def held(self, index: str, limit: str) -> str:
         """The smaller as unsigned numbers: keeps an index within memory, whatever it was."""
-        suffix = f"v{self.out.lanes}i32"
-        return self.intrinsic(f"llvm.umin.{suffix}", int, (index, int), (limit, int))
+        return self.bounded("umin", index, limit)
 
     def splat(self, scalar: str, t: type) -> str:
         """The same scalar in every lane."""
@@ -486,7 +489,7 @@ class _FunctionPrinter(_Printer):
                 values = [v for part in parts for v in self.value(part)]
                 spread = t in VECTORS and len(values) == 1
                 return values * VECTORS[t][1] if spread else values
-            case tree.IntrinsicCall(t, name, arguments):
+            case tree.IntrinsicCall(name=name):
                 return _INTRINSICS[name](self, node)
             case tree.Call():
                 return self.call(node)
@@ -611,24 +614,14 @@ class _FunctionPrinter(_Printer):
             found[name] = self.assemble(self.gather(handle, place, "i32"), "i32")
         return found
 
-    def wrapped(self, x: str, count: str) -> str:
-        """x modulo count for texel coordinates below 2²⁴, always within 0 … count − 1."""
-        whole, size = self.to_float(x), self.to_float(count)
-        turns = self.to_int(self.lane_function("floor", self.operation("fdiv", whole, size, float)))
-        rest = self.integer("sub", x, self.integer("mul", turns, count))
-        # the quotient may be rounded up to a whole number: put right what that moves
-        negative = self.compare("<", rest, "zeroinitializer", int)
-        rest = self.select(negative, self.integer("add", rest, count), rest, int)
-        beyond = self.compare(">=", rest, count, int)
-        rest = self.select(beyond, self.integer("sub", rest, count), rest, int)
-        return self.held(rest, self.integer("sub", count, 1))
-
-    def clamped(self, x: str, low: int, count: str) -> str:
-        """x held to low … count − 1."""
-        floor = self.out.constant(low, int)
-        x = self.select(self.compare("<", x, floor, int), floor, x, int)
-        last = self.integer("sub", count, 1)
-        return self.select(self.compare(">", x, last, int), last, x, int)
+    def element(self, level: dict[str, str], cell: Leaves, beyond: int) -> str:
+        """The index of a cell's texel, held to −1 … count + beyond: the border is in memory."""
+        held = []
+        for c, count in zip(cell, (level["width"], level["height"]), strict=True):
+            most = self.integer("add", count, beyond)
+            held.append(self.bounded("smin", self.bounded("smax", c, -1), most))
+        index = self.integer("add", self.integer("mul", held[1], level["stride"]), held[0])
+        return self.integer("add", index, level["first"])
 
     def item(self, record: Any, buffer: tree.Expression, index: str) -> Leaves:
         handle = self.handle(buffer)
@@ -794,16 +787,11 @@ def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """Two loads a lane, each of two neighbours: a level's rows are stored with their edge."""
+    """Two loads a lane, each of two neighbours."""
     handle = p.handle(node.arguments[0])
-    x, y = p.value(node.arguments[1])
+    cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
-    if p.out.edge == "wrap":
-        x, y = p.wrapped(x, level["width"]), p.wrapped(y, level["height"])
-    else:
-        x, y = p.clamped(x, -1, level["width"]), p.clamped(y, -1, level["height"])
-    index = p.integer("add", p.integer("mul", y, level["stride"]), x)
-    index = p.integer("add", index, level["first"])
+    index = p.element(level, cell, -1)
     below = p.integer("add", index, level["stride"])
     base = p.data(handle)
     found = []
@@ -818,14 +806,9 @@ def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 def _texel(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     """One 64-bit load a lane, four 16-bit channels unpacked from it."""
     handle = p.handle(node.arguments[0])
-    x, y = p.value(node.arguments[1])
+    cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
-    if p.out.edge == "wrap":
-        x, y = p.wrapped(x, level["width"]), p.wrapped(y, level["height"])
-    else:
-        x, y = p.clamped(x, 0, level["width"]), p.clamped(y, 0, level["height"])
-    index = p.integer("add", p.integer("mul", y, level["stride"]), x)
-    index = p.integer("add", index, level["first"])
+    index = p.element(level, cell, 0)
     pairs = p.gather(p.data(handle), index, "<2 x i32>")
     channels = []
     for half in (0, 1):

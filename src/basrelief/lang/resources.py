@@ -19,11 +19,6 @@ Edge = Literal["wrap", "clamp"]
 _T = TypeVar("_T")
 
 
-def wrap_index(index: int, count: int, edge: Edge) -> int:
-    """The index of the texel that stands at `index` under an edge policy."""
-    return index % count if edge == "wrap" else min(max(index, 0), count - 1)
-
-
 class _Pyramid:
     """Levels of one map, the first the largest, each half of the one before, down to one texel."""
 
@@ -40,10 +35,18 @@ class _Pyramid:
         return height, width
 
     def texel_index(self, x: int, y: int, level: int) -> tuple[int, int, int]:
-        """Level, row and column that a read lands on."""
+        """Level, row and column of the texel that a read lands on.
+
+        A map has a border of one texel, filled as its edge says: coordinates are held to
+        −1 … count, and −1 and count stand for the far side (wrap) or the near (clamp).
+        """
         level = min(max(int(level), 0), len(self.levels) - 1)
         height, width = self.levels[level].shape[:2]
-        return level, wrap_index(int(y), height, self.edge), wrap_index(int(x), width, self.edge)
+        return level, self._beside(int(y), height), self._beside(int(x), width)
+
+    def _beside(self, index: int, count: int) -> int:
+        held = min(max(index, -1), count)
+        return held % count if self.edge == "wrap" else min(max(held, 0), count - 1)
 
 
 class HeightField(_Pyramid):

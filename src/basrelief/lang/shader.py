@@ -50,7 +50,9 @@ class Shader(Generic[P, R]):
         try:
             hints = inspect.get_annotations(self.function, eval_str=True)
         except Exception as error:
-            raise ShaderError(f"{self.location}: {self.name}: an annotation fails: {error}") from None
+            raise ShaderError(
+                f"{self.location}: {self.name}: an annotation fails: {error}"
+            ) from None
         names = list(inspect.signature(self.function).parameters)
         for name in [*names, "return"]:
             if name not in hints:

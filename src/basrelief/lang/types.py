@@ -31,9 +31,7 @@ class ShaderError(BasreliefError):
     """Source that is outside the shader subset: file, line, the offending text, what to write."""
 
 
-def setting(
-    default: Any, doc: str, *, low: float | None = None, high: float | None = None
-) -> Any:
+def setting(default: Any, doc: str, *, low: float | None = None, high: float | None = None) -> Any:
     """A record's field with its default, its meaning and the range a user may choose from.
 
     `low` and `high` are inclusive; None leaves that side open. Ranges are checked by

@@ -81,7 +81,9 @@ class _Vector:
     def map(self, function: Callable[..., Any], *others: Any) -> Self:
         """A vector of function(component, …), others spread where they are scalars."""
         spread = [o._components if isinstance(o, _Vector) else (o,) * self.size for o in others]
-        return type(self)(*(function(*each) for each in zip(self._components, *spread, strict=True)))
+        return type(self)(
+            *(function(*each) for each in zip(self._components, *spread, strict=True))
+        )
 
     def _spread(self, other: Any) -> tuple[Any, ...] | None:
         if isinstance(other, _Vector):

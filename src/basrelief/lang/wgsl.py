@@ -137,7 +137,7 @@ class _Module:
     def helper_texts(self) -> Iterator[str]:
         wanted = set(self.helpers)
         if wanted & {"corners", "texel"}:
-            wanted.add(f"edge_{self.edge}")
+            wanted |= {f"edge_{self.edge}", "level_size"}
         for name, text in _HELPERS.items():
             if name in wanted:
                 yield text.replace("EDGE", f"edge_{self.edge}")
@@ -175,9 +175,7 @@ class _Module:
             value = ".".join(["result", *map(self.name, path.split("."))])
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
-        return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace(
-            "BODY", "\n".join(lines)
-        )
+        return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
 
 
 class _FunctionPrinter:
@@ -343,8 +341,9 @@ class _FunctionPrinter:
         if name == "levels":
             return f"i32(textureNumLevels({given[0]}))"
         if name == "size":
+            self.module.helpers.add("level_size")
             level = f"clamp({given[1]}, 0, i32(textureNumLevels({given[0]})) - 1)"
-            return f"vec2i(textureDimensions({given[0]}, {level}))"
+            return f"level_size(textureDimensions({given[0]}), {level})"
         if name in _HELPERS:
             self.module.helpers.add(name)
         return f"{_CALLED.get(name, name)}({', '.join(given)})"
@@ -456,17 +455,22 @@ fn asin_held(x: f32) -> f32 {
   return asin(clamp(x, -1.0, 1.0));
 }
 """,
+    "level_size": """\
+// The size of a level, from that of the whole map. Asked for a level that differs from pixel to
+// pixel, Mesa's software driver gives all the size of the first.
+fn level_size(whole: vec2u, level: i32) -> vec2i {
+  return vec2i(max(whole >> vec2u(u32(level)), vec2u(1)));
+}
+""",
     "edge_wrap": """\
-// A texel's coordinates within a map that repeats. Not `%`, which is undefined below zero.
+// A texel of a map or of its border, which repeats the far side.
 fn edge_wrap(cell: vec2i, size: vec2i) -> vec2i {
-  let turns = vec2i(floor(vec2f(cell) / vec2f(size)));
-  var rest = cell - turns * size;
-  rest = select(rest, rest + size, rest < vec2i(0));
-  return select(rest, rest - size, rest >= size);
+  let low = select(cell, cell + size, cell < vec2i(0));
+  return select(low, low - size, low >= size);
 }
 """,
     "edge_clamp": """\
-// A texel's coordinates within a map whose border goes on.
+// A texel of a map or of its border, which repeats the near side.
 fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
   return clamp(cell, vec2i(0), size - 1);
 }
@@ -475,9 +479,10 @@ fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
 // Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1).
 fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(field)) - 1);
-  let size = vec2i(textureDimensions(field, k));
-  let a = EDGE(cell, size);
-  let b = EDGE(cell + 1, size);
+  let size = level_size(textureDimensions(field), k);
+  let held = clamp(cell, vec2i(-1), size - 1);
+  let a = EDGE(held, size);
+  let b = EDGE(held + 1, size);
   return vec4f(
     textureLoad(field, a, k).x,
     textureLoad(field, vec2i(b.x, a.y), k).x,
@@ -490,8 +495,9 @@ fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
 // The four channels of one texel, 16-bit fractions of one.
 fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
-  let size = vec2i(textureDimensions(map, k));
-  return vec4f(textureLoad(map, EDGE(cell, size), k)) * (1.0 / 65535.0);
+  let size = level_size(textureDimensions(map), k);
+  let held = EDGE(clamp(cell, vec2i(-1), size), size);
+  return vec4f(textureLoad(map, held, k)) * (1.0 / 65535.0);
 }
 """,
 }

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from basrelief.lang import HeightField, IVec2, Vec2, corners, floor, mix, shader, size
+from basrelief.shaders.edge import in_tile
 
 
 @shader
 def height_at(field: HeightField, uv: Vec2, mip: int) -> float:
     """The height, 0 to 1, at texture coordinates; texel centres lie at (i + ½) ÷ N."""
     extent = size(field, mip)
-    x = uv.x * float(extent.x) - 0.5
-    y = uv.y * float(extent.y) - 0.5
+    tile = in_tile(uv)
+    x = tile.x * float(extent.x) - 0.5
+    y = tile.y * float(extent.y) - 0.5
     left = floor(x)
     top = floor(y)
     four = corners(field, IVec2(int(left), int(top)), mip)

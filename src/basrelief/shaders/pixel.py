@@ -11,7 +11,6 @@ from basrelief.lang import (
     Vec2,
     Vec3,
     Vec4,
-    dot,
     normalize,
     shader,
     slot,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from basrelief.lang import IVec2, Texture, Vec2, Vec4, floor, mix, shader, size, texel
+from basrelief.shaders.edge import in_tile
 from basrelief.shaders.gradients import Footprint, level_of_detail
 
 
@@ -10,8 +11,9 @@ from basrelief.shaders.gradients import Footprint, level_of_detail
 def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
     """The four channels at texture coordinates, from one level."""
     extent = size(map, mip)
-    x = uv.x * float(extent.x) - 0.5
-    y = uv.y * float(extent.y) - 0.5
+    tile = in_tile(uv)
+    x = tile.x * float(extent.x) - 0.5
+    y = tile.y * float(extent.y) - 0.5
     left = floor(x)
     top = floor(y)
     column = int(left)
