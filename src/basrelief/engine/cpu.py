@@ -25,7 +25,7 @@ from basrelief.lang.resources import Buffer, Edge, HeightField, Texture, is_hand
 _ROWS = 8
 """Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
 
-_FORMAT = 3
+_FORMAT = 4
 """Raised whenever printer or layouts change in a way that the program's own key cannot see."""
 
 
@@ -220,15 +220,13 @@ def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
     if isinstance(value, Buffer):
         last = max(0, len(value) - 1)
         return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
-    parts, words, first = [], [len(value.levels), 0], 0
+    height, width = value.shape
+    parts, words, first = [], [len(value.levels), 0, width, height], 0
     for level in value.levels:
-        height, width = level.shape[:2]
         stored = _with_border(level, value.edge)
-        stride = stored.shape[1]
-        # the first element is that of texel (0, 0), within the border
-        words += [first + stride + 1, width, height, stride]
+        words.append(first + stored.shape[1] + 1)
         parts.append(stored.reshape(-1, *level.shape[2:]))
-        first += stored.shape[0] * stride
+        first += stored.shape[0] * stored.shape[1]
     return _Resident(np.concatenate(parts), words)
 
 

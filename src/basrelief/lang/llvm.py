@@ -604,14 +604,15 @@ class _FunctionPrinter(_Printer):
     def level(self, handle: str, level: str) -> dict[str, str]:
         """The size and place of a level, held to the levels there are."""
         last = self.integer("sub", self.header_word(handle, 2), 1)
-        zero = "zeroinitializer"
-        low = self.select(self.compare("<", level, zero, int), zero, level, int)
-        index = self.integer("shl", self.held(low, last), 2)
-        index = self.integer("add", index, _HEADER_WORDS)
+        index = self.bounded("smin", self.bounded("smax", level, 0), last)
         found = {}
-        for word, name in enumerate(("first", "width", "height", "stride")):
-            place = self.integer("add", index, word)
-            found[name] = self.assemble(self.gather(handle, place, "i32"), "i32")
+        for word, name in enumerate(("width", "height"), 4):
+            # each level is half the one before, which is cheaper worked out than looked up
+            halved = self.integer("lshr", self.header_word(handle, word), index)
+            found[name] = self.bounded("smax", halved, 1)
+        place = self.integer("add", index, _HEADER_WORDS)
+        found["first"] = self.assemble(self.gather(handle, place, "i32"), "i32")
+        found["stride"] = self.integer("add", found["width"], 2)
         return found
 
     def element(self, level: dict[str, str], cell: Leaves, beyond: int) -> str:
@@ -925,7 +926,7 @@ def _width(t: Any) -> int:
 # width, height, elements a row.
 # planes: a plane of 32-bit words for each leaf of the result, rows `row_stride` words apart.
 
-_HEADER_WORDS = 4
+_HEADER_WORDS = 6
 
 
 class _EntryPrinter(_Printer):

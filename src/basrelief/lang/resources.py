@@ -26,6 +26,10 @@ class _Pyramid:
         if not levels:
             raise ValueError("a map has at least one level")
         self.levels = tuple(np.ascontiguousarray(level) for level in levels)
+        height, width = self.levels[0].shape[:2]
+        for k, level in enumerate(self.levels):
+            if level.shape[:2] != (max(height >> k, 1), max(width >> k, 1)):
+                raise ValueError(f"level {k} is {level.shape[:2]}; each is half of the one before")
         self.edge: Edge = edge
 
     @property
