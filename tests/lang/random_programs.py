@@ -44,7 +44,7 @@ _INTS = ("0", "1", "2", "3", "5", "-1", "-4", "100", "65537")
 class Writer:
     """Writes one program; the same seed writes the same text."""
 
-    def __init__(self, seed: int, size: int = 9) -> None:
+    def __init__(self, seed: int, size: int = 6) -> None:
         self.random = random.Random(seed)
         self.size = size
         self.lines: list[str] = []

@@ -202,7 +202,9 @@ def test_ends_and_samples_in_python(folder):
     names = [n for n in APPROXIMATED if n not in ("pow", "atan2")]
     fields = "\n".join(f"    {name}_: float" for name in APPROXIMATED)
     calls = ", ".join([*(f"{name}(x)" for name in names), "pow(x, x)", "atan2(x, 0.5)"])
-    module = write_module(folder, f"""
+    module = write_module(
+        folder,
+        f"""
 @struct
 class Given:
     x: float
@@ -215,7 +217,8 @@ class Found:
 def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
     x = items[pixel.x].x
     return Found({calls})
-""")
+""",
+    )
     items = Buffer([module.Given(x) for x in special])
     assert_python_is_cpu(module.entry, (len(items), 1), {"items": items})
 
