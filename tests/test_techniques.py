@@ -543,10 +543,10 @@ def test_the_true_projection_needs_no_unit_vector_and_a_bias_does(view, times: f
     """W1."""
     once, more = Vec3(*view), Vec3(*(c * times for c in view))
     np.testing.assert_allclose(
-        [*projection.full(more, 0.0)], [*projection.full(once, 0.0)], rtol=1e-5
+        [*projection.full(more, 0.0)], [*projection.full(once, 0.0)], rtol=1e-5, atol=1e-7
     )
     unbiased = projection.biased(once, 0.0)
-    np.testing.assert_allclose([*unbiased], [*projection.full(once, 0.0)], rtol=1e-6)
+    np.testing.assert_allclose([*unbiased], [*projection.full(once, 0.0)], rtol=1e-6, atol=1e-7)
     assume(abs(times - 1) > 0.1 and max(abs(view[0]), abs(view[1])) > 0.01)
     assert projection.biased(more, 0.42) != projection.biased(once, 0.42)
 
