@@ -110,13 +110,14 @@ def test_a_single_texel_is_flat(u: float, v: float, edge: str) -> None:
 
 
 def test_a_mip_is_read_in_its_own_texels() -> None:
-    """Level 1 has other proportions here, and levels beyond the last read the last."""
+    """Levels beyond the last read the last, and below the first the first."""
+    whole = np.array([[0.0, 0.2, 0.4, 0.6], [0.1, 0.3, 0.5, 0.7]], np.float32)
     half = np.array([[0.25, 0.5]], np.float32)
-    field = HeightField([SMALL, half], "clamp")
+    field = HeightField([whole, half], "clamp")
     assert read(field, 0.25, 0.9, 1) == 0.25
     assert read(field, 0.5, 0.1, 1) == pytest.approx(0.375)
     assert read(field, 0.75, 0.1, 5) == 0.5
-    assert read(field, 1 / 6, 0.25, -1) == pytest.approx(SMALL[0, 0], abs=1e-7)
+    assert read(field, 0.375, 0.75, -1) == pytest.approx(0.3, abs=1e-7)
 
 
 # --- on the engines -----------------------------------------------------------------------------
