@@ -182,15 +182,14 @@ class _FunctionAnalysis:
             )
 
     def check_type(self, t: Any, name: str) -> None:
-        known = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t)
-        if is_record(t):
-            for field, inner in fields_of(t).items():
+        record = buffer_record(t) or t
+        if is_record(record):
+            for field, inner in fields_of(record).items():
                 self.check_name(field)
                 self.check_type(self.program.type_of(inner), "return")
-        if buffer_record(t) is not None:
-            known = is_record(buffer_record(t))
-            self.check_type(buffer_record(t), "return")
-        if not known and not (is_handle(t) and name != "return"):
+        value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t)
+        handle = is_handle(t) and (record is t or is_record(record))
+        if not value and not (handle and name != "return"):
             raise ShaderError(
                 f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
                 "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
