@@ -12,7 +12,6 @@ import copy
 import functools
 import inspect
 import sys
-import textwrap
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, ParamSpec, TypeVar
@@ -136,16 +135,17 @@ class Source:
                 "write shaders in a file or a notebook cell"
             ) from None
         text = "".join(lines)
-        indent = len(text) - len(text.lstrip())
-        self.lines = textwrap.dedent(text).splitlines()
+        self.lines = text.splitlines()
         self.first = first
-        self.indent = indent
-        tree = ast.parse(textwrap.dedent(text)).body[0]
+        # an indented function becomes the body of an `if`: text of its own may stand at the margin
+        indented = text[:1].isspace()
+        body = ast.parse("if True:\n" + text if indented else text).body
+        tree = body[0].body[0] if isinstance(body[0], ast.If) else body[0]
         if not isinstance(tree, ast.FunctionDef):
             what = lines[0].strip()
             raise ShaderError(f"{self.file}:{first}: `{what}`: a shader is a plain `def`")
         self.tree = tree
-        ast.increment_lineno(tree, first - 1)
+        ast.increment_lineno(tree, first - 1 - indented)
 
     def comments_before(self, line: int) -> tuple[str, ...]:
         """The comment lines that stand directly above a line of the file."""
