@@ -134,6 +134,13 @@ class GpuEngine:
         """Pipeline, buffers and bindings for running a program on pictures up to a size."""
         return Job(self, self._ready(program), program, values, size)
 
+    def prepare_text(
+        self, code: str, program: Program, values: Mapping[str, Any], size: tuple[int, int]
+    ) -> Job:
+        """The same for WGSL written by hand that binds what the program does; to compare them."""
+        needed = bindings(program.module)
+        return Job(self, self._pipeline(code, needed, "by hand"), program, values, size)
+
     def _ready(self, program: Program) -> _Pipeline:
         with self._lock:
             if program.key not in self._pipelines:
@@ -142,8 +149,10 @@ class GpuEngine:
 
     def _build(self, program: Program) -> _Pipeline:
         code = print_wgsl(program.module, program.edge)
-        module = self.gpu.create_shader_module(code=code, label=program.entry.name)
-        needed = bindings(program.module)
+        return self._pipeline(code, bindings(program.module), program.entry.name)
+
+    def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
+        module = self.gpu.create_shader_module(code=code, label=label)
         layout = self.gpu.create_bind_group_layout(
             entries=[_layout_entry(number, b) for number, b in enumerate(needed)]
         )
@@ -252,8 +261,8 @@ class Job:
             return resident
         return {"buffer": resident, "offset": 0, "size": resident.size}
 
-    def dispatch(self, first: int, last: int, timestamps: Any = None) -> None:
-        """Compute rows first … last − 1; `timestamps` are WebGPU's timestamp writes."""
+    def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
+        """Compute rows first … last − 1, `times` over; `timestamps` are WebGPU's timestamp writes."""
         width = self.size[0]
         words = np.array([width, first, last, width * self.size[1]], np.uint32)
         gpu = self.engine.gpu
@@ -264,7 +273,8 @@ class Job:
         )
         compute.set_pipeline(self.pipeline.pipeline)
         compute.set_bind_group(0, self.group)
-        compute.dispatch_workgroups(-(-width // GROUP[0]), -(-(last - first) // GROUP[1]))
+        for _ in range(times):
+            compute.dispatch_workgroups(-(-width // GROUP[0]), -(-(last - first) // GROUP[1]))
         compute.end()
         gpu.queue.submit([encoder.finish()])
 

@@ -1,0 +1,120 @@
+"""The march of 32 steps alone, on a GPU by timestamps: generated WGSL against WGSL by hand."""
+
+from __future__ import annotations
+
+import statistics
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import basrelief
+from basrelief.engine.gpu import GpuEngine, Job
+from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
+from basrelief.lang.program import Program
+from basrelief.material import pyramids
+from basrelief.shaders import edge
+from basrelief.shaders.ray import Ray
+from basrelief.shaders.techniques.march import March, parallax_occlusion
+
+SIZE = (1920, 1080)
+STEPS = 32
+MOST = 1.05
+DISPATCHES = 8
+RUNS = 15
+HERE = Path(__file__).parent
+
+
+@struct
+class Sweep:
+    """Texture coordinates and the ray's fall, linear over the picture."""
+
+    origin: Vec2
+    right: Vec2
+    down: Vec2
+    fall: Vec2
+    fall_right: Vec2
+    fall_down: Vec2
+
+
+@struct
+class Found:
+    """Displaced texture coordinates."""
+
+    uv: Vec2
+
+
+@shader
+def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Found:
+    """Displace the texture coordinates of one pixel."""
+    x = float(at.x)
+    y = float(at.y)
+    start = sweep.origin + sweep.right * x + sweep.down * y
+    fall = sweep.fall + sweep.fall_right * x + sweep.fall_down * y
+    return Found(parallax_occlusion(heights, Ray(start, fall, 1.0, 0.0, 0), march).uv)
+
+
+def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, Any]:
+    """What the kernel reads: a plane at an angle, steeper towards the top."""
+    w, h = size
+    field = pyramids.height_field(basrelief.sample(sample, maps), "wrap")
+    return {
+        "sweep": Sweep(
+            Vec2(0.1, 0.2), Vec2(2.0 / w, 0.2 / w), Vec2(-0.1 / h, 1.3 / h),
+            Vec2(0.12, -0.2), Vec2(0.05 / w, 0.0), Vec2(0.0, 0.1 / h),
+        ),
+        "march": March(STEPS, STEPS),
+        "heights": field,
+    }  # fmt: skip
+
+
+def milliseconds(engine: GpuEngine, jobs: dict[str, Job], rows: int) -> dict[str, float]:
+    """Median time of a dispatch of each job, several to a measurement, in turn."""
+    import wgpu
+
+    gpu = engine.gpu
+    stamps = gpu.create_query_set(type="timestamp", count=2)
+    place = gpu.create_buffer(
+        size=16, usage=wgpu.BufferUsage.QUERY_RESOLVE | wgpu.BufferUsage.COPY_SRC
+    )
+    found: dict[str, list[float]] = {name: [] for name in jobs}
+    for run in range(RUNS + 3):
+        for name, job in jobs.items():
+            job.dispatch(0, rows)  # the GPU is busy just before, or its clocks are not up
+            writes = {
+                "query_set": stamps,
+                "beginning_of_pass_write_index": 0,
+                "end_of_pass_write_index": 1,
+            }
+            job.dispatch(0, rows, writes, DISPATCHES)
+            encoder = gpu.create_command_encoder()
+            encoder.resolve_query_set(stamps, 0, 2, place, 0)
+            gpu.queue.submit([encoder.finish()])
+            first, last = np.frombuffer(gpu.queue.read_buffer(place), np.uint64)
+            if run >= 3:
+                found[name].append(float(last - first) * 1e-6 / DISPATCHES)
+    return {name: statistics.median(times) for name, times in found.items()}
+
+
+def main() -> None:
+    engine = GpuEngine()
+    print(f"{engine.device}, {SIZE[0]} × {SIZE[1]}, {STEPS} steps, 1024² map, ms a dispatch")
+    for sample in ("bricks", "gravel", "terrain"):
+        program, given = Program(kernel, {edge.in_tile: edge.wrap}), values(sample, SIZE)
+        with engine.prepare(program, given, SIZE) as generated:
+            by_hand = engine.prepare_text(
+                (HERE / "kernel_by_hand.wgsl").read_text(), program, given, SIZE
+            )
+            jobs = {"generated": generated, "by hand": by_hand}
+            times = milliseconds(engine, jobs, SIZE[1])
+            for job in jobs.values():
+                job.dispatch(0, SIZE[1])
+            a, b = (job.read(SIZE[1]).view(np.float32) for job in jobs.values())
+            apart = float((np.abs(a - b).max(0) * 1024 > 0.05).mean())
+        ratio = times["generated"] / times["by hand"]
+        shown = ", ".join(f"{name} {time:.4f}" for name, time in times.items())
+        print(f"{sample:8} {shown}, ratio {ratio:.3f} (at most {MOST}); differ {apart:.5%}")
+
+
+if __name__ == "__main__":
+    main()

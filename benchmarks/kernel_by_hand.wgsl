@@ -1,0 +1,56 @@
+// The march of 32 steps as one would write it by hand: parallax occlusion, bilinear heights from
+// four texels, a map that repeats. Bound as the generated program is.
+
+struct Run { width: u32, first_row: u32, last_row: u32, plane_stride: u32 }
+struct Sweep { origin: vec2f, right: vec2f, down: vec2f, fall: vec2f, fall_right: vec2f, fall_down: vec2f }
+struct March { min_steps: i32, max_steps: i32, steps_per_texel: f32 }
+
+@group(0) @binding(0) var<uniform> run: Run;
+@group(0) @binding(1) var<storage, read_write> planes: array<u32>;
+@group(0) @binding(2) var<uniform> sweep: Sweep;
+@group(0) @binding(3) var<uniform> march: March;
+@group(0) @binding(4) var heights: texture_2d<f32>;
+
+fn height(uv: vec2f, size: vec2i) -> f32 {
+  let place = fract(uv) * vec2f(size) - 0.5;
+  let corner = floor(place);
+  let t = place - corner;
+  let cell = vec2i(corner);
+  let a = select(cell, cell + size, cell < vec2i(0));
+  let b = select(cell + 1, vec2i(0), cell + 1 >= size);
+  let h00 = textureLoad(heights, a, 0).x;
+  let h10 = textureLoad(heights, vec2i(b.x, a.y), 0).x;
+  let h01 = textureLoad(heights, vec2i(a.x, b.y), 0).x;
+  let h11 = textureLoad(heights, b, 0).x;
+  return mix(mix(h00, h10, t.x), mix(h01, h11, t.x), t.y);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  if (id.x >= run.width || id.y + run.first_row >= run.last_row) { return; }
+  let pixel = vec2f(f32(id.x), f32(id.y + run.first_row));
+  let start = sweep.origin + sweep.right * pixel.x + sweep.down * pixel.y;
+  let fall = sweep.fall + sweep.fall_right * pixel.x + sweep.fall_down * pixel.y;
+  let size = vec2i(textureDimensions(heights));
+  let steps = march.max_steps;
+  let step = 1.0 / f32(steps);
+  var ray = 1.0;
+  var surface = height(start, size);
+  var ray_before = ray;
+  var surface_before = surface;
+  for (var k = 1; k < steps && ray > surface; k++) {
+    ray_before = ray;
+    surface_before = surface;
+    ray = 1.0 - f32(k) * step;
+    surface = height(start + fall * (1.0 - ray), size);
+  }
+  if (ray <= surface) {
+    let before = ray_before - surface_before;
+    let after = surface - ray;
+    ray = mix(ray_before, ray, clamp(before / max(before + after, 1e-9), 0.0, 1.0));
+  }
+  let uv = start + fall * (1.0 - ray);
+  let place = id.y * run.width + id.x;
+  planes[place] = bitcast<u32>(uv.x);
+  planes[place + run.plane_stride] = bitcast<u32>(uv.y);
+}
