@@ -1,0 +1,192 @@
+"""A program's key says all that the program is made of, and nothing else."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from comparing import write_module
+
+from basrelief.lang.program import Program
+
+SOURCE = '''
+SCALE = 2.0
+STEPS = 3
+
+@struct
+class Settings:
+    gain: float = 1.0
+    steps: int = 4
+
+@struct
+class Found:
+    x: float
+    n: int
+
+@shader
+def first(x: float) -> float:
+    """Some words."""
+    # a comment
+    return x * SCALE
+
+@shader
+def second(x: float) -> float:
+    return x + 0.25
+
+@shader
+def third(x: float) -> float:
+    return x + 0.75
+
+@slot
+def choice(x: float) -> float: ...
+
+@shader
+def entry(pixel: IVec2, settings: Settings) -> Found:
+    x = first(float(pixel.x)) * settings.gain
+    for k in range(STEPS):
+        x = x - 0.125
+    return Found(choice(x) + second(x) + third(x), settings.steps)
+'''
+
+
+def key_of(module, choice="second", **options):
+    bindings = {module.choice: getattr(module, choice)}
+    return Program(module.entry, bindings, **options).key
+
+
+@pytest.fixture(scope="module")
+def key(folder):
+    return key_of(write_module(folder, SOURCE))
+
+
+def test_the_same_text_elsewhere_has_the_same_key(folder, key, tmp_path):
+    assert key_of(write_module(tmp_path, SOURCE)) == key
+    assert key_of(write_module(folder, "\n\n# moved down\n" + SOURCE)) == key
+
+
+def test_comments_and_blank_lines_change_nothing(folder, key):
+    changed = SOURCE.replace("    # a comment\n", "\n    # other words\n\n")
+    changed = changed.replace("x = x - 0.125", "x = x - 0.125  # down")
+    assert changed != SOURCE
+    assert key_of(write_module(folder, changed)) == key
+
+
+def test_references_to_its_parts_change_nothing(folder, key):
+    """A key may not depend on what else this process holds."""
+    module = write_module(folder, SOURCE)
+    held = [list(f.function.__code__.co_consts) for f in (module.first, module.entry)]
+    held.append(module.entry.function.__code__.co_code)
+    assert key_of(module) == key
+    assert held
+
+
+@pytest.mark.parametrize("change", [
+    ("x - 0.125", "x - 0.126"),
+    ("x * SCALE", "x + SCALE"),
+    ("SCALE = 2.0", "SCALE = 2.5"),
+    ("SCALE = 2.0", "SCALE = -0.0"),
+    ("STEPS = 3", "STEPS = 4"),
+    ("return x + 0.25", "return x + 0.5"),
+    ("return x * SCALE", "return second(x) * SCALE"),
+    ("gain: float = 1.0", "gain: float = 1.5"),
+    ("steps: int = 4", "steps: int = 5"),
+    ("    gain: float", "    loss: int = 1\n    gain: float"),
+    ("class Found:\n    x: float\n    n: int", "class Found:\n    y: float\n    n: int"),
+    ("range(STEPS)", "range(1, STEPS)"),
+    ("choice(x) + second(x)", "second(x) + choice(x)"),
+    ("settings.gain", "float(settings.steps)"),
+])  # fmt: skip
+def test_what_is_changed_changes_the_key(folder, key, change):
+    assert change[0] in SOURCE
+    assert key_of(write_module(folder, SOURCE.replace(*change))) != key
+
+
+def test_minus_zero_is_not_zero(folder):
+    zeros = [SOURCE.replace("SCALE = 2.0", f"SCALE = {zero}") for zero in ("0.0", "-0.0", "0")]
+    assert len({key_of(write_module(folder, text)) for text in zeros}) == 3
+
+
+def test_bindings_change_the_key(folder):
+    """Also where the entry calls both candidates itself."""
+    module = write_module(folder, SOURCE)
+    assert len({key_of(module, name) for name in ("first", "second", "third")}) == 3
+
+
+def test_swapped_bindings_change_the_key(folder):
+    module = write_module(
+        folder,
+        SOURCE
+        + """
+@slot
+def other(x: float) -> float: ...
+
+@shader
+def both(pixel: IVec2) -> Found:
+    x = float(pixel.x)
+    return Found(second(x) + third(x) + choice(x) - other(x), 1)
+""",
+    )
+    pairs = [("second", "third"), ("third", "second"), ("second", "second"), ("third", "third")]
+    keys = {
+        Program(
+            module.both, {module.choice: getattr(module, a), module.other: getattr(module, b)}
+        ).key
+        for a, b in pairs
+    }
+    assert len(keys) == 4
+
+
+def test_one_name_for_two_shaders(folder):
+    """Modules may call different shaders by one name; which one is part of the key."""
+    write_module(folder, SOURCE, "key_shaders")
+    texts = [
+        f"""
+from key_shaders import second, third, Found
+from key_shaders import {name} as alias
+
+@shader
+def inner(x: float) -> float:
+    return alias(x)
+
+@shader
+def entry(pixel: IVec2) -> Found:
+    x = second(float(pixel.x)) + third(1.0)
+    return Found(x + inner(x), 1)
+"""
+        for name in ("second", "third")
+    ]
+    keys = {Program(write_module(folder, text).entry).key for text in texts}
+    assert len(keys) == 2
+
+
+def test_the_edge_changes_the_key(folder, key):
+    assert key_of(write_module(folder, SOURCE), edge="clamp") != key
+
+
+def test_other_processes_find_the_same_key_and_text(folder, key):
+    """Whatever the order of their sets, and compiled or read from a cache of bytecode."""
+    write_module(folder, SOURCE, "key_source")
+    script = """
+import hashlib, sys
+import key_source as m
+from basrelief.lang.llvm import print_llvm
+from basrelief.lang.program import Program
+from basrelief.lang.wgsl import print_wgsl
+program = Program(m.entry, {m.choice: m.second})
+print(program.key)
+text = print_llvm(program.module, 8) + print_wgsl(program.module, program.edge)
+print(hashlib.sha256(text.encode()).hexdigest())
+"""
+    found = set()
+    for seed in ("1", "2", "2"):
+        done = subprocess.run(
+            [sys.executable, "-c", script],
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": str(folder)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        found.add(done.stdout)
+    assert len(found) == 1
+    assert found.pop().splitlines()[0] == key
