@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from basrelief.engine import choose_engine
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
-    from basrelief.render import Frame, Image, render
+    from basrelief.rendering import Frame, Image, render
     from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
     from basrelief.scene import turned as turned
     from basrelief.shaders.lighting import Light, Shading
@@ -29,7 +29,7 @@ _HOMES = {
     "basrelief.engine": ("choose_engine",),
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
-    "basrelief.render": ("Frame", "Image", "render"),
+    "basrelief.rendering": ("Frame", "Image", "render"),
     "basrelief.scene": (
         "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
     ),

@@ -196,7 +196,7 @@ def render(
     """Draw a material."""
     from basrelief import arguments
     from basrelief.picture import check_target
-    from basrelief.render import render as draw
+    from basrelief.rendering import render as draw
 
     pixels = arguments.size(size)
     material = _loaded(

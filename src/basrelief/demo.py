@@ -9,7 +9,7 @@ from pathlib import Path
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.material import Material, sample
-from basrelief.render import program_of, render
+from basrelief.rendering import program_of, render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.shaders.techniques import TECHNIQUES
 
