@@ -1,5 +1,5 @@
 // The march of 32 steps as one would write it by hand: parallax occlusion, bilinear heights from
-// four texels, a map that repeats. Bound as the generated program is.
+// four gathered texels, a map that repeats. Bound as the generated program is.
 
 struct Run { width: u32, first_row: u32, last_row: u32, plane_stride: u32 }
 struct Sweep { origin: vec2f, right: vec2f, down: vec2f, fall: vec2f, fall_right: vec2f, fall_down: vec2f }
@@ -7,22 +7,17 @@ struct March { min_steps: i32, max_steps: i32, steps_per_texel: f32 }
 
 @group(0) @binding(0) var<uniform> run: Run;
 @group(0) @binding(1) var<storage, read_write> planes: array<u32>;
-@group(0) @binding(2) var<uniform> sweep: Sweep;
-@group(0) @binding(3) var<uniform> march: March;
-@group(0) @binding(4) var heights: texture_2d<f32>;
+@group(0) @binding(2) var edges: sampler;
+@group(0) @binding(3) var<uniform> sweep: Sweep;
+@group(0) @binding(4) var<uniform> march: March;
+@group(0) @binding(5) var heights: texture_2d<f32>;
 
 fn height(uv: vec2f, size: vec2i) -> f32 {
   let place = fract(uv) * vec2f(size) - 0.5;
   let corner = floor(place);
   let t = place - corner;
-  let cell = vec2i(corner);
-  let a = select(cell, cell + size, cell < vec2i(0));
-  let b = select(cell + 1, vec2i(0), cell + 1 >= size);
-  let h00 = textureLoad(heights, a, 0).x;
-  let h10 = textureLoad(heights, vec2i(b.x, a.y), 0).x;
-  let h01 = textureLoad(heights, vec2i(a.x, b.y), 0).x;
-  let h11 = textureLoad(heights, b, 0).x;
-  return mix(mix(h00, h10, t.x), mix(h01, h11, t.x), t.y);
+  let h = textureGather(0, heights, edges, (corner + 1.0) / vec2f(size));
+  return mix(mix(h.w, h.z, t.x), mix(h.x, h.y, t.x), t.y);
 }
 
 @compute @workgroup_size(8, 8)

@@ -42,10 +42,10 @@ def bindings(edge: str) -> dict:
     return {edges.in_tile: getattr(edges, edge)}
 
 
-def read(field: HeightField, u: float, v: float, mip: int = 0) -> np.float32:
+def read(field: HeightField, u: float, v: float) -> np.float32:
     """The shader, run as plain Python."""
     with bound(bindings(field.edge)):
-        return height_at(field, Vec2(u, v), mip)
+        return height_at(field, Vec2(u, v))
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
@@ -109,17 +109,6 @@ def test_a_single_texel_is_flat(u: float, v: float, edge: str) -> None:
     assert read(field, u, v) == pytest.approx(0.3, abs=1e-7)
 
 
-def test_a_mip_is_read_in_its_own_texels() -> None:
-    """Levels beyond the last read the last, and below the first the first."""
-    whole = np.array([[0.0, 0.2, 0.4, 0.6], [0.1, 0.3, 0.5, 0.7]], np.float32)
-    half = np.array([[0.25, 0.5]], np.float32)
-    field = HeightField([whole, half], "clamp")
-    assert read(field, 0.25, 0.9, 1) == 0.25
-    assert read(field, 0.5, 0.1, 1) == pytest.approx(0.375)
-    assert read(field, 0.75, 0.1, 5) == 0.5
-    assert read(field, 0.375, 0.75, -1) == pytest.approx(0.3, abs=1e-7)
-
-
 # --- on the engines -----------------------------------------------------------------------------
 
 
@@ -128,14 +117,13 @@ class Read:
     """What one pixel reads."""
 
     height: float
-    coarser: float
 
 
 @shader
 def reading(at: IVec2, field: HeightField) -> Read:
-    """The field and its next level, a bit more than three tiles of each."""
+    """The field, a bit more than three tiles of it."""
     uv = Vec2(float(at.x) * 0.0517 - 1.53, float(at.y) * 0.0917 - 1.21)
-    return Read(height_at(field, uv, 0), height_at(field, uv, 1))
+    return Read(height_at(field, uv))
 
 
 SIZE = (67, 31)
@@ -154,7 +142,6 @@ def test_the_cpu_reads_the_same_bits_as_python(edge: str) -> None:
         with bound(bindings(edge)):
             one = reading(IVec2(x, y), field)
         assert planes["height"][y, x] == one.height
-        assert planes["coarser"][y, x] == one.coarser
 
 
 @pytest.mark.gpu

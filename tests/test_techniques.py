@@ -71,7 +71,7 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
     """Let techniques read a closed form; yields the list of the places read."""
     places: list[tuple[float, float]] = []
 
-    def read(field: HeightField, uv: Vec2, mip: int) -> np.float32:
+    def read(field: HeightField, uv: Vec2) -> np.float32:
         places.append((float(uv.x), float(uv.y)))
         return np.float32(form(float(uv.x), float(uv.y)))
 
@@ -81,10 +81,8 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
         yield places
 
 
-def ray_of(
-    uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5, mip: int = 0
-) -> Ray:
-    return Ray(Vec2(*uv), Vec2(*fall), level, cosine, mip)
+def ray_of(uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5) -> Ray:
+    return Ray(Vec2(*uv), Vec2(*fall), level, cosine)
 
 
 def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
@@ -453,11 +451,6 @@ def test_steps_by_texels_are_the_texels_passed_over(columns, rows, fall, per_tex
     with bound({edge.in_tile: edge.wrap}):
         hit = parallax_occlusion(field, ray_of(fall=fall), settings)
     assert hit.reads == steps
-
-
-def test_steps_by_texels_count_those_of_the_mip_that_is_read() -> None:
-    field = HeightField([np.zeros((64, 256)), np.zeros((32, 128))])
-    assert step_count(field, ray_of(fall=(0.5, 0), mip=1), March(4, 20, 1.0)) == 64
 
 
 # --- one read: offsets ----------------------------------------------------------------------------

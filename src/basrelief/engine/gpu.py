@@ -21,7 +21,7 @@ from basrelief.engine.engine import Planes, Progress, value_of
 from basrelief.errors import EngineError
 from basrelief.lang.layout import align_and_size, pack
 from basrelief.lang.program import Program
-from basrelief.lang.resources import Buffer, HeightField, Texture
+from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
 from basrelief.lang.wgsl import GROUP, Binding, bindings, print_wgsl
 
 _LIMITS = (
@@ -180,6 +180,11 @@ class GpuEngine:
             flags |= int(getattr(wgpu.BufferUsage, name))
         return self.gpu.create_buffer_with_data(data=np.ascontiguousarray(data), usage=flags)
 
+    def edge_sampler(self, edge: Edge) -> Any:
+        """A sampler that filters nothing and sees to what lies beyond a map."""
+        mode = "repeat" if edge == "wrap" else "clamp-to-edge"
+        return self.gpu.create_sampler(address_mode_u=mode, address_mode_v=mode)
+
     def _texture(self, value: HeightField | Texture) -> Any:
         import wgpu
 
@@ -251,6 +256,8 @@ class Job:
         if binding.kind in ("run", "planes"):
             buffer = self._run if binding.kind == "run" else self.planes
             return {"buffer": buffer, "offset": 0, "size": buffer.size}
+        if binding.kind == "sampler":
+            return self.engine.edge_sampler(program.edge)
         value = value_of(program, name, values)
         if binding.kind == "uniform":
             buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM")
@@ -301,6 +308,8 @@ def _layout_entry(number: int, binding: Binding) -> dict[str, Any]:
     if binding.kind == "map":
         sample = "unfilterable-float" if binding.type is HeightField else "uint"
         entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
+    elif binding.kind == "sampler":
+        entry["sampler"] = {"type": "non-filtering"}
     else:
         entry["buffer"] = {"type": kinds.get(binding.kind, "read-only-storage")}
     return entry

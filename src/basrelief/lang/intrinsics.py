@@ -344,7 +344,8 @@ def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
     """Heights of four texels: (x, y), (x+1, y), (x, y+1), (x+1, y+1).
 
     The cell is held to −1 … count − 1, so that all four lie within the map and its border of one
-    texel, which repeats the far side (edge "wrap") or the near (edge "clamp").
+    texel, which repeats the far side (edge "wrap") or the near (edge "clamp"). Take texture
+    coordinates into the tile first: of cells further out a GPU makes what its sampler does.
     """
     level = min(max(int(level), 0), len(field.levels) - 1)
     height, width = field.levels[level].shape

@@ -43,14 +43,14 @@ _TYPES: dict[Any, str] = {
 class Binding:
     """One binding of group 0: its number is its place in the list."""
 
-    kind: Literal["run", "planes", "uniform", "buffer", "map"]
+    kind: Literal["run", "planes", "sampler", "uniform", "buffer", "map"]
     name: str
     type: Any = None
 
 
 def bindings(module: tree.Module) -> list[Binding]:
     """What the printed program binds, in order."""
-    found = [Binding("run", "run"), Binding("planes", "planes")]
+    found = [Binding("run", "run"), Binding("planes", "planes"), Binding("sampler", "edge_sampler")]
     for name, t in list(module.entry.parameters.items())[1:]:
         kind: Literal["uniform", "buffer", "map"] = "uniform"
         if is_handle(t):
@@ -150,6 +150,8 @@ class _Module:
                     yield f"{where}<uniform> run: Run;"
                 case "planes":
                     yield f"{where}<storage, read_write> planes: array<u32>;"
+                case "sampler":
+                    yield f"{where} edge_sampler: sampler;"
                 case "uniform":
                     yield f"{where}<uniform> {binding.name}_uniform: {self.type(binding.type)};"
                 case "map":
@@ -167,7 +169,7 @@ class _Module:
     def entry_text(self) -> str:
         entry = self.module.entry
         given = ["vec2i(at)"]
-        for binding in bindings(self.module)[2:]:
+        for binding in bindings(self.module)[3:]:
             if binding.kind != "buffer":
                 given.append(f"{binding.name}_{binding.kind}")
         lines = [f"  let result = {self.name(entry.name)}({', '.join(given)});"]
@@ -326,6 +328,15 @@ class _FunctionPrinter:
             b = self.operand(right, 3)
         return f"{a} {symbol} {b}"
 
+    def whole_numbers(self, cell: tree.Expression) -> str:
+        """A cell as floats; straight from the floats it was made of, if it was."""
+        if isinstance(cell, tree.Construct) and len(cell.parts) == 2:
+            made = [p for p in cell.parts if isinstance(p, tree.IntrinsicCall) and p.name == "int"]
+            floats = [self.value(p.arguments[0]) for p in made if p.arguments[0].type is float]
+            if len(floats) == 2:
+                return f"vec2f({', '.join(floats)})"
+        return f"vec2f({self.value(cell)})"
+
     def intrinsic(self, node: tree.IntrinsicCall) -> str:
         name, arguments = node.name, node.arguments
         if name == "len":
@@ -340,6 +351,11 @@ class _FunctionPrinter:
             ]
         if name == "levels":
             return f"i32(textureNumLevels({given[0]}))"
+        if name == "size" and _is_finest(arguments[1]):
+            return f"vec2i(textureDimensions({given[0]}))"
+        if name == "corners" and _is_finest(arguments[2]):
+            self.module.helpers.add("corners_of_finest")
+            return f"corners_of_finest({given[0]}, {self.whole_numbers(arguments[1])})"
         if name == "size":
             self.module.helpers.add("level_size")
             level = f"clamp({given[1]}, 0, i32(textureNumLevels({given[0]})) - 1)"
@@ -347,6 +363,10 @@ class _FunctionPrinter:
         if name in _HELPERS:
             self.module.helpers.add(name)
         return f"{_CALLED.get(name, name)}({', '.join(given)})"
+
+
+def _is_finest(level: tree.Expression) -> bool:
+    return isinstance(level, tree.Literal) and level.value == 0
 
 
 def _same_logic(node: tree.Expression, symbol: str) -> bool:
@@ -473,6 +493,14 @@ fn edge_wrap(cell: vec2i, size: vec2i) -> vec2i {
 // A texel of a map or of its border, which repeats the near side.
 fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
   return clamp(cell, vec2i(0), size - 1);
+}
+""",
+    "corners_of_finest": """\
+// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1), all four in one read: gathered
+// around the point where they meet, the sampler seeing to the edge.
+fn corners_of_finest(field: texture_2d<f32>, cell: vec2f) -> vec4f {
+  let size = vec2f(textureDimensions(field));
+  return textureGather(0, field, edge_sampler, (cell + 1.0) / size).wzxy;
 }
 """,
     "corners": """\

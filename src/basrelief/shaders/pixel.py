@@ -202,7 +202,7 @@ def relief_ray(met: Meeting, depth: Depth) -> Ray:
     """The ray that a technique follows: the chosen projection, in texture coordinates."""
     move = projection(met.view, depth.bias) * -depth.scale
     fall = to_texture(move, met.frame.aspect)
-    return Ray(met.point.uv, fall, depth.level, met.view.z, 0)
+    return Ray(met.point.uv, fall, depth.level, met.view.z)
 
 
 @shader

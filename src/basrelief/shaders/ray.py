@@ -11,14 +11,13 @@ class Ray:
 
     `uv` is where it meets the polygon, at height `level`. While it falls through the whole range
     of heights, from 1 to 0, its texture coordinates move by `fall`. `cosine` is V · N, 1 head-on
-    and 0 along the surface. Heights are read from level `mip` of the map, 0 the finest.
+    and 0 along the surface.
     """
 
     uv: Vec2
     fall: Vec2
     level: float
     cosine: float
-    mip: int
 
 
 @struct

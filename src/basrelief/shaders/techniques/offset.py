@@ -45,6 +45,6 @@ def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """One read, one shift, each component held to the most allowed."""
-    height = height_at(field, ray.uv, ray.mip)
+    height = height_at(field, ray.uv)
     most = settings.max_offset
     return Hit(ray.uv + clamp(ray.fall * (ray.level - height), -most, most), height, True, 1)
