@@ -550,7 +550,7 @@ def test_limiting_divides_by_nothing() -> None:
     @shader
     def entry(at: IVec2, depth: Depth) -> Ray:
         travel = projected(Vec3(float(at.x), 0.0, 1.0), depth.bias)
-        return Ray(travel, travel, depth.level, 1.0, 0)
+        return Ray(travel, travel, depth.level, 1.0)
 
     def text(kind) -> str:
         return print_wgsl(Program(entry, {projection.projection: kind}).module, "wrap")
@@ -640,7 +640,7 @@ def tracing(at: IVec2, field: HeightField, settings: Settings) -> Hit:
     """One ray a pixel, each coming from elsewhere."""
     x = float(at.x) * 0.11 - 1.3
     y = float(at.y) * 0.17 - 0.9
-    ray = Ray(Vec2(x * 0.37, y * 0.53), Vec2(y, x) * 0.21, 0.7, 0.5 + x * 0.25, 0)
+    ray = Ray(Vec2(x * 0.37, y * 0.53), Vec2(y, x) * 0.21, 0.7, 0.5 + x * 0.25)
     return displace(field, ray, settings)
 
 
