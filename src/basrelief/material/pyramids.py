@@ -17,6 +17,8 @@ from basrelief.material.material import Map, Material
 from basrelief.picture import srgb_decode
 
 _UNIT = 65535
+_PLAIN_COLOR = 0.6
+"""What stands for a missing colour, as in `shaders.surfaces.standard.plain_base_color`."""
 _made: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
 
 
@@ -32,34 +34,39 @@ def height_field(material: Material, edge: Edge) -> HeightField | None:
             levels.append(halved(levels[-1]))
         return HeightField(levels, edge)
 
-    return _once(height, ("heights", edge), make)  # type: ignore[no-any-return]
+    return _once(height, ("heights", edge), make)
 
 
 def base_color(material: Material, edge: Edge) -> Texture | None:
     """Linear colour with opacity, None where the material has neither."""
     color, opacity = material.base_color, material.opacity
-    if color is None:
+    if color is None and opacity is None:
         return None
 
     def make() -> Texture:
-        pixels = _fractions(color)
-        alpha = None if opacity is None else _resized(_fractions(opacity), pixels.shape[:2])
-        return _texture([pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2], alpha], edge)
+        shape = _largest(color, opacity)
+        if color is None:
+            channels = [np.full(shape, round(_PLAIN_COLOR * _UNIT), np.uint16)] * 3
+        else:
+            pixels = _fractions(color)
+            channels = [_resized(pixels[:, :, k : k + 1], shape) for k in range(3)]
+        alpha = None if opacity is None else _resized(_fractions(opacity), shape)
+        return _texture([*channels, alpha], edge)
 
-    return _once(material, ("base color", edge), make)  # type: ignore[no-any-return]
+    return _once(material, ("base color", edge), make)
 
 
 def normal(material: Material, edge: Edge, scale: float) -> Texture | None:
     """Tangent-space normals; from the heights, at a relief's scale, where there is no map."""
     if material.normal is not None:
         held = material.normal
-        return _once(  # type: ignore[no-any-return]
+        return _once(
             held, ("normal", edge), lambda: _texture([*_fractions(held).transpose(2, 0, 1)], edge)
         )
     if material.height is None or scale <= 0.0:
         return None
     height = material.height
-    return _once(  # type: ignore[no-any-return]
+    return _once(
         height,
         ("normal", edge, scale),
         lambda: _texture(_normals_of(height.linear()[:, :, 0], scale, edge), edge),
@@ -73,7 +80,7 @@ def response(material: Material, edge: Edge) -> Texture | None:
         return None
 
     def make() -> Texture:
-        shape = max((m.pixels.shape[:2] for m in maps if m is not None), key=lambda s: s[0] * s[1])
+        shape = _largest(*maps)
         channels = []
         for one, missing in zip(maps, (1.0, 0.8, 0.0), strict=True):
             if one is None:
@@ -82,7 +89,7 @@ def response(material: Material, edge: Edge) -> Texture | None:
                 channels.append(_resized(_fractions(one), shape))
         return _texture(channels, edge)
 
-    return _once(material, ("response", edge), make)  # type: ignore[no-any-return]
+    return _once(material, ("response", edge), make)
 
 
 def emission(material: Material, edge: Edge) -> tuple[Texture, float] | None:
@@ -98,7 +105,7 @@ def emission(material: Material, edge: Edge) -> tuple[Texture, float] | None:
         share = Map(np.clip(light.pixels / most, 0.0, 1.0), light.srgb, light.source)
         return _texture([*_fractions(share).transpose(2, 0, 1)], edge), most
 
-    return _once(light, ("emission", edge), make)  # type: ignore[no-any-return]
+    return _once(light, ("emission", edge), make)
 
 
 def _once(owner: Any, key: Any, make: Any) -> Any:
@@ -121,7 +128,13 @@ def _fractions(one: Map) -> NDArray[np.uint16]:
     count = 256 if pixels.dtype == np.uint8 else 65536
     codes = np.linspace(0.0, 1.0, count)
     table = srgb_decode(codes) if one.srgb else codes
-    return np.rint(table * _UNIT).astype(np.uint16)[pixels]  # type: ignore[no-any-return]
+    return np.rint(table * _UNIT).astype(np.uint16)[pixels]
+
+
+def _largest(*maps: Map | None) -> tuple[int, int]:
+    """Rows and columns of the map with the most texels."""
+    shapes = [(m.height, m.width) for m in maps if m is not None]
+    return max(shapes, key=lambda shape: shape[0] * shape[1])
 
 
 def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
@@ -182,8 +195,7 @@ def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
 def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:
     """Encoded normals of a height field of square texels, green up."""
     rows, columns = heights.shape
-    mode = "wrap" if edge == "wrap" else "edge"
-    padded = np.pad(heights, 1, mode=mode)  # type: ignore[call-overload]
+    padded = np.pad(heights, 1, mode="wrap" if edge == "wrap" else "edge")
     per_texel = np.float32(scale * columns / 2.0)
     right = (padded[1:-1, 2:] - padded[1:-1, :-2]) * per_texel
     down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) * per_texel
