@@ -16,9 +16,10 @@ MOST = 0.5
 
 def main() -> None:
     os.environ["BASRELIEF_CACHE"] = tempfile.mkdtemp()
+    from scenes import alternate, plane_scene, work
+
     from basrelief.engine.cpu import CpuEngine
     from basrelief.engine.gpu import GpuEngine
-    from scenes import alternate, plane_scene, work
 
     scene = plane_scene()
     program, values = work(scene, SIZE)

@@ -59,8 +59,8 @@ PATCHES = {
     "box bottom": (box, on_bottom),
     "sphere": (sphere, on_sphere),
     "cylinder side": (cylinder, on_cylinder),
-    "cylinder top": (cylinder, on_top),
-    "cylinder bottom": (cylinder, on_bottom),
+    "cylinder top": (cylinder, lambda u, v: on_top(0.5 + math.pi * (u - 0.5), v)),
+    "cylinder bottom": (cylinder, lambda u, v: on_bottom(0.5 + math.pi * (u - 0.5), v)),
 }
 """Each patch of each shape: P(u, v) in float64, written from the conventions."""
 
@@ -128,7 +128,7 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
     surface, form = PATCHES[patch]
     if patch in ("cylinder top", "cylinder bottom"):
         # keep to the disc
-        u, v = 0.5 + 0.69 * (u - 0.5), 0.5 + 0.69 * (v - 0.5)
+        u, v = 0.5 + 0.69 / math.pi * (u - 0.5), 0.5 + 0.69 * (v - 0.5)
     position = np.array(form(u, v), np.float64)
     along_u, along_v = derivative(form, u, v, 1, 0), derivative(form, u, v, 0, 1)
     normal = outward(patch, position)
@@ -170,8 +170,8 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
         (sphere, (0, -2, 0), (0.5, 1)),
         (cylinder, (0, 0.25, 2), (0.5, 0.25)),
         (cylinder, (2, -0.25, 0), (0.75, 0.75)),
-        (cylinder, (-0.1, 2, -0.3), (0.4, 0.2)),
-        (cylinder, (-0.1, -2, 0.3), (0.4, 0.2)),
+        (cylinder, (-0.1, 2, -0.3), (0.5 - 0.1 / math.pi, 0.2)),
+        (cylinder, (-0.1, -2, 0.3), (0.5 - 0.1 / math.pi, 0.2)),
     ],
 )
 def test_axis_parallel_rays_meet_the_uv_of_the_conventions(surface, origin, uv):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -22,7 +22,11 @@ from basrelief.scene import (
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.surfaces.standard import Finish
 
-_LIGHTS = {"directional": directional, "point": point, "spot": spot}
+_LIGHTS: dict[str, Callable[..., Light]] = {
+    "directional": directional,
+    "point": point,
+    "spot": spot,
+}
 
 
 def size(text: str) -> tuple[int, int]:
@@ -62,7 +66,7 @@ def scene(
     camera: str | None,
     lights: Sequence[str],
     background: str | None,
-    shading_model: str,
+    shading_model: Any,
     tiling: str | None,
     **options: Any,
 ) -> Scene:
@@ -90,7 +94,7 @@ def scene(
         of_scene["background"] = None if background == "none" else _color(background)
     shading = checked_record(Shading, sorted_out["shading"], "the shading")
     thing = Object(material, **options)
-    return Scene((thing,), shading=shading, shading_model=shading_model, **of_scene)  # type: ignore[arg-type]
+    return Scene((thing,), shading=shading, shading_model=shading_model, **of_scene)
 
 
 def _sorted_out(given: Mapping[str, str], homes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
@@ -119,11 +123,11 @@ def _color(text: str) -> tuple[float, float, float]:
     three = parts if isinstance(parts, tuple) else (parts,) * 3
     if len(three) != 3:
         raise InputError(f"--background {text}: write one number, three, or none")
-    return three  # type: ignore[no-any-return]
+    return three
 
 
 def _camera(text: str) -> Orbit | LookAt:
-    given = {}
+    given: dict[str, Any] = {}
     for part in text.split(","):
         name, rest = named(part, "--camera")
         given[name] = value(rest, name)
@@ -132,14 +136,15 @@ def _camera(text: str) -> Orbit | LookAt:
     if unknown:
         names = ", ".join(kind.__dataclass_fields__)
         raise InputError(f"--camera {unknown[0]}: there is no such number; there are {names}")
-    return kind(**given)  # type: ignore[no-any-return]
+    camera: Orbit | LookAt = kind(**given)
+    return camera
 
 
 def _light(text: str) -> Light:
     kind, *rest = text.split(",")
     if kind not in _LIGHTS:
         raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
-    given = {}
+    given: dict[str, Any] = {}
     for part in rest:
         name, written = named(part, "--light")
         given[name] = value(written, name)

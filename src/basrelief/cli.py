@@ -69,7 +69,7 @@ def _top(
     pass
 
 
-# --- options that several commands share -----------------------------------------------------------
+# --- options that several commands share ---------------------------------------------------------
 
 PathArgument = Annotated[
     str, typer.Argument(help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).")

@@ -137,7 +137,7 @@ def _known(options: dict[str, Any], kind: Any) -> dict[str, Any]:
     return options
 
 
-# --- programs and their values ------------------------------------------------------------------------
+# --- programs and their values -------------------------------------------------------------------
 
 
 def program_of(thing: Object, shading_model: str = "ggx") -> Program:
@@ -205,7 +205,7 @@ def _finish(thing: Object) -> Finish:
     return Finish(f.base_color, f.normal_strength, f.roughness, f.metallic, f.occlusion, brighter)
 
 
-# --- drawing --------------------------------------------------------------------------------------------
+# --- drawing -------------------------------------------------------------------------------------
 
 
 def sample_places(count: int) -> list[tuple[float, float]]:

@@ -46,7 +46,7 @@ Transform = NDArray[np.float64]
 """An affine map from object to world space, (4, 4), acting on columns."""
 
 
-# --- cameras ---------------------------------------------------------------------------------------
+# --- cameras -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _lens(field_of_view: float, orthographic_height: float | None) -> dict[str, 
     return {"field_of_view": field_of_view}
 
 
-# --- lights ----------------------------------------------------------------------------------------
+# --- lights --------------------------------------------------------------------------------------
 
 _Color = Sequence[float]
 _WHITE = (1.0, 1.0, 1.0)
@@ -174,7 +174,7 @@ def _light(
     )
 
 
-# --- transforms ------------------------------------------------------------------------------------
+# --- transforms ----------------------------------------------------------------------------------
 
 
 def turned(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
@@ -200,7 +200,7 @@ LYING = turned("x", -90.0)
 """Lays a plane flat: it faces up, the picture's top away from a camera at azimuth 0."""
 
 
-# --- objects ---------------------------------------------------------------------------------------
+# --- objects -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,9 +208,9 @@ class Object:
     """A shape with a material, and how its relief is drawn.
 
     `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
-    heights, and asking for one where there are none is an error. `settings` is its record, or a mapping of the fields to
-    change. `scale`, `level` and `projection` default to the material's, the technique's and the
-    technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
+    heights, and asking for one where there are none is an error. `settings` is its record, or a
+    mapping of the fields to change. `scale` defaults to the material's, `level` and `projection`
+    to the technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
     `tiling` counts the tiles along u and v. Raises InputError for values out of range.
     """
 
@@ -330,7 +330,7 @@ class Object:
         return Depth(self.relief_scale, self.relief_level, self.bias)
 
 
-def _columns(matrix: NDArray[np.float64]) -> Mat3:
+def _columns(matrix: NDArray[Any]) -> Mat3:
     return Mat3(*(Vec3(*matrix[:, column]) for column in range(3)))
 
 
@@ -352,7 +352,7 @@ def technique_named(name: str) -> Technique[..., Any]:
     return TECHNIQUES[name]
 
 
-# --- scenes ----------------------------------------------------------------------------------------
+# --- scenes --------------------------------------------------------------------------------------
 
 
 def _default_lights() -> tuple[Light, ...]:
@@ -416,7 +416,7 @@ def _inside(thing: Object, x: float, y: float, z: float) -> bool:
     return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
 
 
-# --- checking values ----------------------------------------------------------------------------------
+# --- checking values -----------------------------------------------------------------------------
 
 
 def one_of(what: str, value: Any, allowed: Sequence[Any]) -> None:

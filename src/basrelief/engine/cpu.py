@@ -120,7 +120,7 @@ class CpuEngine:
         return "cpu-" + hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-# --- compiling -------------------------------------------------------------------------------------
+# --- compiling -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def _object_code(program: Program, lanes: int) -> bytes:
     tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
-    return machine.emit_object(module)  # type: ignore[no-any-return]
+    return machine.emit_object(module)
 
 
 def _link(code: bytes, parameters: list[str]) -> _Compiled:
@@ -203,7 +203,7 @@ def _link(code: bytes, parameters: list[str]) -> _Compiled:
     return _Compiled(kind(engine.get_function_address("run.rows")), parameters, engine)
 
 
-# --- resources in memory: see the end of `lang/llvm.py` -----------------------------------------------
+# --- resources in memory: see the end of `lang/llvm.py` ------------------------------------------
 
 
 class _Resident:

@@ -68,7 +68,7 @@ def pack_uniforms(program: Program, names: Iterable[str], values: Mapping[str, A
     words: list[np.int32] = []
     for name in names:
         words.extend(_words(value_of(program, name, values), program.parameters[name]))
-    return np.array(words or [0], np.int32)
+    return np.array(words or [np.int32(0)], np.int32)
 
 
 def _words(value: Any, t: Any) -> list[np.int32]:
@@ -79,7 +79,7 @@ def _words(value: Any, t: Any) -> list[np.int32]:
 
 
 def pack_buffer(buffer: Buffer[Any]) -> Words:
-    """A buffer's records one after another, (items, leaves), 32 bits each; one of zeros if empty."""
+    """A buffer's records, (items, leaves), 32 bits each; one of zeros if there is none."""
     if not len(buffer):
         return np.zeros((1, sum(1 for _ in leaves(buffer.record))), np.int32)
     return np.array([_words(item, buffer.record) for item in buffer.items], np.int32)

@@ -5,6 +5,7 @@ The only module that imports wgpu, and only when a GPU is asked for.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
 import tempfile
@@ -55,7 +56,9 @@ def _leave_out_opengl() -> None:
 
     # without a desktop, Mesa complains on the terminal that this names no folder
     os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
-    set_instance_extras(backends=["Primary"])
+    # a program that uses wgpu for itself has made its choice already
+    with contextlib.suppress(RuntimeError):
+        set_instance_extras(backends=["Primary"])
 
 
 @functools.cache
@@ -65,7 +68,7 @@ def real_gpu() -> bool:
         adapter = _request_adapter()
     except EngineError:
         return False
-    return adapter.info["adapter_type"] != "CPU"  # type: ignore[no-any-return]
+    return adapter.info["adapter_type"] != "CPU"
 
 
 class GpuEngine:
@@ -118,7 +121,7 @@ class GpuEngine:
             for first in range(0, height, rows):
                 last = min(first + rows, height)
                 job.dispatch(first, last)
-                words = job.read((last - first))
+                words = job.read(last - first)
                 for plane, (name, _) in zip(words, kinds, strict=True):
                     found[name][first:last] = plane.view(found[name].dtype)
                 if progress is not None:
@@ -269,7 +272,7 @@ class Job:
         return {"buffer": resident, "offset": 0, "size": resident.size}
 
     def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
-        """Compute rows first … last − 1, `times` over; `timestamps` are WebGPU's timestamp writes."""
+        """Compute rows first … last − 1, `times` over, between `timestamps` (WebGPU's writes)."""
         width = self.size[0]
         words = np.array([width, first, last, width * self.size[1]], np.uint32)
         gpu = self.engine.gpu

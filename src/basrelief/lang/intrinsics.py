@@ -19,6 +19,8 @@ from basrelief.lang.types import VECTORS, type_name
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
 _V = TypeVar("_V", float, Vec2, Vec3, Vec4)
+_f32: Any = np.float32
+_i32: Any = np.int32
 _N = TypeVar("_N", Vec2, Vec3, Vec4)
 
 
@@ -68,8 +70,8 @@ def _componentwise(count: int) -> Callable[[tuple[Any, ...]], Any]:
     """A float or float vector; further arguments of the same type, or float."""
 
     def rule(given: tuple[Any, ...]) -> Any:
-        first = given[0] if given else None
-        floats = first is float or VECTORS.get(first, (None,))[0] is float  # type: ignore[arg-type]
+        first: Any = given[0] if given else None
+        floats = first is float or (first in VECTORS and VECTORS[first][0] is float)
         if len(given) != count or not floats or any(t not in (first, float) for t in given[1:]):
             raise _refuse(f"{count} floats or float vectors", given)
         return first
@@ -119,7 +121,7 @@ def _saturating_int(x: Any) -> Any:
 
 
 def _float(x: Any) -> Any:
-    return np.float32(x)
+    return _f32(x)
 
 
 def _scalar_pair(given: tuple[Any, ...]) -> Any:
@@ -159,62 +161,62 @@ for _builtin, _python, _rule in (
 @_intrinsic(_componentwise(1))
 def sqrt(x: _V) -> _V:
     """The square root, correctly rounded."""
-    return _map(np.sqrt, x)  # type: ignore[no-any-return]
+    return _map(np.sqrt, x)
 
 
 @_intrinsic(_componentwise(1))
 def floor(x: _V) -> _V:
     """The largest whole number not above x."""
-    return _map(np.floor, x)  # type: ignore[no-any-return]
+    return _map(np.floor, x)
 
 
 @_intrinsic(_componentwise(1))
 def fract(x: _V) -> _V:
     """x − floor(x)."""
-    return _map(lambda c: c - np.floor(c), x)  # type: ignore[no-any-return]
+    return _map(lambda c: c - np.floor(c), x)
 
 
 @_intrinsic(_componentwise(2))
 def minimum(a: _V, b: _V | float) -> _V:
     """The smaller, component by component."""
-    return _map(_min, a, b)  # type: ignore[no-any-return]
+    return _map(_min, a, b)
 
 
 @_intrinsic(_componentwise(2))
 def maximum(a: _V, b: _V | float) -> _V:
     """The larger, component by component."""
-    return _map(_max, a, b)  # type: ignore[no-any-return]
+    return _map(_max, a, b)
 
 
 @_intrinsic(_componentwise(3))
 def clamp(x: _V, low: _V | float, high: _V | float) -> _V:
     """min(max(x, low), high)."""
-    return _map(lambda c, a, b: _min(_max(c, a), b), x, low, high)  # type: ignore[no-any-return]
+    return _map(lambda c, a, b: _min(_max(c, a), b), x, low, high)
 
 
 @_intrinsic(_componentwise(1))
 def saturate(x: _V) -> _V:
     """x held to 0 … 1."""
-    return _map(lambda c: _min(_max(c, np.float32(0)), np.float32(1)), x)  # type: ignore[no-any-return]
+    return _map(lambda c: _min(_max(c, _f32(0)), _f32(1)), x)
 
 
 @_intrinsic(_componentwise(3))
 def mix(a: _V, b: _V | float, t: _V | float) -> _V:
     """a · (1 − t) + b · t: a at 0, b at 1, both exactly."""
-    return _map(lambda p, q, s: p * (np.float32(1) - s) + q * s, a, b, t)  # type: ignore[no-any-return]
+    return _map(lambda p, q, s: p * (_f32(1) - s) + q * s, a, b, t)
 
 
 @_intrinsic(_fixed(float, float, float, float))
 def smoothstep(low: float, high: float, x: float) -> float:
     """0 below low, 1 above high, 3t² − 2t³ between."""
     t = saturate((x - low) / (high - low))
-    return t * t * (np.float32(3) - np.float32(2) * t)
+    return t * t * (_f32(3) - _f32(2) * t)
 
 
 @_intrinsic(_fixed(float, float, float))
 def copysign(x: float, sign: float) -> float:
     """|x| with the sign of the other, that of a zero included."""
-    return np.copysign(np.float32(x), np.float32(sign))  # type: ignore[return-value]
+    return np.copysign(_f32(x), _f32(sign))
 
 
 # --- vectors ---------------------------------------------------------------------------------
@@ -227,19 +229,19 @@ def dot(a: _N, b: _N) -> float:
     total = products[0]
     for product in products[1:]:
         total = total + product
-    return total  # type: ignore[no-any-return]
+    return total
 
 
 @_intrinsic(_vectors(1, float))
 def length(v: _N) -> float:
     """sqrt(v · v)."""
-    return np.sqrt(dot(v, v))  # type: ignore[no-any-return]
+    return np.sqrt(dot(v, v))
 
 
 @_intrinsic(_vectors(1))
 def normalize(v: _N) -> _N:
     """v · (1 / length(v)); a zero vector gives NaN, so never pass one."""
-    return v * (np.float32(1) / length(v))  # type: ignore[return-value]
+    return v * (_f32(1) / length(v))
 
 
 @_intrinsic(_fixed(Vec3, Vec3, Vec3))
@@ -251,7 +253,7 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
 @_intrinsic(_vectors(2))
 def reflect(incident: _N, normal: _N) -> _N:
     """incident − normal · (2 · (incident · normal)); the normal is of unit length."""
-    return incident - normal * (np.float32(2) * dot(incident, normal))  # type: ignore[return-value]
+    return incident - normal * (_f32(2) * dot(incident, normal))
 
 
 @_intrinsic(_fixed(Mat3, Mat3))
@@ -267,13 +269,13 @@ def transpose(m: Mat3) -> Mat3:
 @_intrinsic(_fixed(int, float))
 def float_bits(x: float) -> int:
     """The 32 bits of a float as an int."""
-    return np.float32(x).view(np.int32)  # type: ignore[return-value]
+    return _f32(x).view(np.int32)
 
 
 @_intrinsic(_fixed(float, int))
 def bits_float(bits: int) -> float:
     """The float whose 32 bits these are."""
-    return np.int32(bits).view(np.float32)  # type: ignore[return-value]
+    return _i32(bits).view(np.float32)
 
 
 # --- functions computed by shaders of our own where a target has none --------------------------
@@ -329,7 +331,7 @@ def _map_and(*rest: Any, result: Any, kind: Any = None) -> Callable[[tuple[Any, 
 @_intrinsic(_map_and(result=int))
 def levels(map: HeightField | Texture) -> int:
     """How many levels the map has."""
-    return np.int32(len(map.levels))  # type: ignore[return-value]
+    return _i32(len(map.levels))
 
 
 @_intrinsic(_map_and(int, result=IVec2))
@@ -361,4 +363,4 @@ def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
 def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
     """The four channels of one texel, 0 to 1; held to the map and its border of one texel."""
     k, row, column = texture.texel_index(cell.x, cell.y, level)
-    return Vec4(*(np.float32(c) * np.float32(1 / 65535) for c in texture.levels[k][row, column]))
+    return Vec4(*(_f32(c) * _f32(1 / 65535) for c in texture.levels[k][row, column]))

@@ -469,15 +469,15 @@ class _FunctionPrinter(_Printer):
             case tree.Binary():
                 return self.binary(node)
             case tree.Compare(_, symbol, left, right):
-                a, b = self.value(left)[0], self.value(right)[0]
-                return [self.compare(symbol, a, b, left.type)]
+                p, q = self.value(left)[0], self.value(right)[0]
+                return [self.compare(symbol, p, q, left.type)]
             case tree.Logic(_, symbol, left, right):
-                a, b = self.value(left)[0], self.value(right)[0]
-                return [self.operation(symbol, a, b, bool)]
+                p, q = self.value(left)[0], self.value(right)[0]
+                return [self.operation(symbol, p, q, bool)]
             case tree.Select(t, test, then, otherwise):
-                mask, a, b = self.value(test)[0], self.value(then), self.value(otherwise)
+                chosen, a, b = map(self.value, (test, then, otherwise))
                 kinds = [leaf for _, leaf in leaves(t)]
-                return [self.select(mask, *each) for each in zip(a, b, kinds, strict=True)]
+                return [self.select(chosen[0], *each) for each in zip(a, b, kinds, strict=True)]
             case tree.Swizzle(_, operand, indices):
                 values = self.value(operand)
                 if operand.type is Mat3:
@@ -641,11 +641,11 @@ class _FunctionPrinter(_Printer):
         return values
 
 
-# --- intrinsics -----------------------------------------------------------------------------------
+# --- intrinsics ----------------------------------------------------------------------------------
 
 
 def _component(t: Any) -> type:
-    return t if t in SCALARS else VECTORS[t][0]  # type: ignore[no-any-return]
+    return t if t in SCALARS else VECTORS[t][0]
 
 
 def _spread(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Iterator[tuple[str, ...]]:
@@ -854,7 +854,7 @@ _INTRINSICS: dict[str, Any] = {
 }
 
 
-# --- costs and jumps --------------------------------------------------------------------------------
+# --- costs and jumps -----------------------------------------------------------------------------
 
 
 def _may_leave(statement: tree.Statement) -> bool:
@@ -918,7 +918,7 @@ def _width(t: Any) -> int:
     return sum(1 for _ in leaves(t))
 
 
-# --- the entry ---------------------------------------------------------------------------------------
+# --- the entry -----------------------------------------------------------------------------------
 #
 # uniforms: the leaves of the entry's records, 32 bits each, in order.
 # resources: a pointer a handle, to a header: data pointer (8 bytes), then 32-bit words: how many

@@ -119,7 +119,7 @@ class _Contents:
 
     def record(self, record: type) -> None:
         self.found.append(record.__name__.encode())
-        for f in fields(record):  # type: ignore[arg-type]
+        for f in fields(record):
             self.found.append(f.name.encode())
             self.visit(fields_of(record)[f.name])
             if f.default is not MISSING:

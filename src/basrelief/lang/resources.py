@@ -89,7 +89,7 @@ class Buffer(Generic[_T]):
     def __getitem__(self, index: int) -> _T:
         last = len(self.items) - 1
         if last < 0:
-            return from_leaves(itertools.repeat(0), self.record)  # type: ignore[no-any-return]
+            return from_leaves(itertools.repeat(0), self.record)
         return self.items[index if 0 <= index <= last else last]
 
 

@@ -86,9 +86,9 @@ class Shader(Generic[P, R]):
             bound = getattr(_running, "bindings", {}).get(self)
             if bound is None:
                 raise ShaderError(f"the slot {self.name} is not bound; use `with bound({{...}})`")
-            return bound(*args, **kwargs)  # type: ignore[no-any-return]
+            return bound(*args, **kwargs)
         if getattr(_running, "inside", False):
-            return self._plain(*args, **kwargs)  # type: ignore[no-any-return]
+            return self._plain(*args, **kwargs)
         given = inspect.signature(self.function).bind(*args, **kwargs)
         given.apply_defaults()
         types, _ = self.signature
@@ -96,7 +96,7 @@ class Shader(Generic[P, R]):
         _running.inside = True
         try:
             with np.errstate(all="ignore"):
-                return self._plain(*values)  # type: ignore[no-any-return]
+                return self._plain(*values)
         finally:
             _running.inside = False
 

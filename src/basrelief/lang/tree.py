@@ -127,7 +127,7 @@ class Statement:
 
 @dataclass
 class Assign(Statement):
-    """`name = value`; `declares` where this is the first assignment, in the variable's own block."""
+    """`name = value`; `declares` where this is the first one, in the variable's own block."""
 
     name: str
     value: Expression

@@ -31,7 +31,7 @@ class ShaderError(BasreliefError):
     """Source that is outside the shader subset: file, line, the offending text, what to write."""
 
 
-def setting(default: Any, doc: str, *, low: float | None = None, high: float | None = None) -> Any:
+def setting(*, default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
     """A record's field with its default, its meaning and the range a user may choose from.
 
     `low` and `high` are inclusive; None leaves that side open. Ranges are checked by
@@ -49,14 +49,14 @@ def struct(cls: type[_T]) -> type[_T]:
         for name, wanted in fields.items():
             object.__setattr__(self, name, coerce(getattr(self, name), wanted))
 
-    cls.__post_init__ = coerce_fields  # type: ignore[attr-defined]
+    setattr(cls, "__post_init__", coerce_fields)  # noqa: B010
     made: Any = dataclasses.dataclass(frozen=True)(cls)
     module = vars(sys.modules[cls.__module__])
     for field in dataclasses.fields(made):
         written = field.type
         fields[field.name] = eval(written, module) if isinstance(written, str) else written
     setattr(made, _FIELDS, fields)
-    return made  # type: ignore[no-any-return]
+    return made
 
 
 class TypeSlot:
@@ -73,7 +73,7 @@ def is_record(t: Any) -> bool:
 
 def fields_of(t: type) -> dict[str, type]:
     """A record's fields in order: name to type."""
-    return vars(t)[_FIELDS]  # type: ignore[no-any-return]
+    return vars(t)[_FIELDS]
 
 
 def leaves(t: type, name: str = "") -> Iterator[tuple[str, type]]:

@@ -70,7 +70,7 @@ class _Vector:
         return f"{type(self).__name__}({', '.join(str(c) for c in self._components)})"
 
     def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and self._components == other._components  # type: ignore[attr-defined]
+        return type(self) is type(other) and self._components == other._components
 
     def __hash__(self) -> int:
         return hash(self._components)
@@ -100,22 +100,22 @@ class _Vector:
         return type(self)(*(-c for c in self._components))
 
     def __add__(self, other: Self | float) -> Self:
-        return self._zip(other, lambda a, b: a + b)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: a + b)
 
     def __radd__(self, other: float) -> Self:
-        return self._zip(other, lambda a, b: b + a)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: b + a)
 
     def __sub__(self, other: Self | float) -> Self:
-        return self._zip(other, lambda a, b: a - b)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: a - b)
 
     def __rsub__(self, other: float) -> Self:
-        return self._zip(other, lambda a, b: b - a)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: b - a)
 
     def __mul__(self, other: Self | float) -> Self:
-        return self._zip(other, lambda a, b: a * b)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: a * b)
 
     def __rmul__(self, other: float) -> Self:
-        return self._zip(other, lambda a, b: b * a)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: b * a)
 
 
 class _FloatVector(_Vector):
@@ -124,10 +124,10 @@ class _FloatVector(_Vector):
     _scalar = np.float32
 
     def __truediv__(self, other: Self | float) -> Self:
-        return self._zip(other, lambda a, b: a / b)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: a / b)
 
     def __rtruediv__(self, other: float) -> Self:
-        return self._zip(other, lambda a, b: b / a)  # type: ignore[no-any-return]
+        return self._zip(other, lambda a, b: b / a)
 
 
 class Vec2(_FloatVector):

@@ -110,7 +110,7 @@ class _Module:
         return f"{name}_" if name in _RESERVED else name
 
     def local(self, name: str) -> str:
-        """A local's name, clear of functions and records too; `_` counts rounds that no one reads."""
+        """A local's name, clear of functions and records too; `_` counts rounds unread."""
         name = "round" if name == "_" else name
         return f"{name}_" if name in self.taken or name in _RESERVED else name
 
@@ -245,10 +245,10 @@ class _FunctionPrinter:
         self.emit(f"{before}if ({self.value(node.test)}) {{")
         self.inner(node.body)
         rest = node.otherwise.statements
-        if len(rest) == 1 and isinstance(rest[0], tree.If) and not rest[0].comments:
-            if not node.otherwise.hoisted:
-                self.if_statement(rest[0], "} else ")
-                return
+        alone = len(rest) == 1 and not rest[0].comments and not node.otherwise.hoisted
+        if alone and isinstance(rest[0], tree.If):
+            self.if_statement(rest[0], "} else ")
+            return
         if rest:
             self.emit("} else {")
             self.inner(node.otherwise)
@@ -406,7 +406,7 @@ def _literal(t: type, value: Any) -> str:
     return text if re.search(r"[.e]", text) else f"{text}.0"
 
 
-# --- what WGSL lacks -------------------------------------------------------------------------------
+# --- what WGSL lacks -----------------------------------------------------------------------------
 
 _CALLED = {
     "float": "f32",
@@ -554,25 +554,238 @@ BODY
 
 # Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
 _RESERVED = frozenset(
-    """
-    alias break case const const_assert continue continuing default diagnostic discard else enable
-    false fn for if let loop override requires return struct switch true var while
-    NULL Self abstract active alignas alignof as asm asm_fragment async attribute auto await become
-    cast catch class co_await co_return co_yield coherent column_major common compile
-    compile_fragment concept const_cast consteval constexpr constinit crate debugger decltype
-    delete demote demote_to_helper do dynamic_cast enum explicit export extends extern external
-    fallthrough filter final finally friend from fxgroup get goto groupshared highp impl
-    implements import inline instanceof interface layout lowp macro macro_rules match mediump meta
-    mod module move mut mutable namespace new nil noexcept noinline nointerpolation non_coherent
-    noncoherent noperspective null nullptr of operator package packoffset partition pass patch
-    pixelfragment precise precision premerge priv protected pub public readonly ref regardless
-    register reinterpret_cast require resource restrict self set shared sizeof smooth snorm
-    static static_assert static_cast std subroutine super target template this thread_local throw
-    trait try type typedef typeid typename typeof union unless unorm unsafe unsized use using
-    varying virtual volatile wgsl where with writeonly yield
-    abs acos asin atan atan2 bitcast bool ceil clamp corners cos cross dot exp exp2 f16 f32 floor
-    fract i32 length log log2 main max min mix normalize planes pow reflect round run saturate select
-    sin size_ smoothstep sqrt tan texel transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u
-    mat3x3f array atomic ptr sampler texture_2d result place Run
-    """.split()
+    [
+        "alias",
+        "break",
+        "case",
+        "const",
+        "const_assert",
+        "continue",
+        "continuing",
+        "default",
+        "diagnostic",
+        "discard",
+        "else",
+        "enable",
+        "false",
+        "fn",
+        "for",
+        "if",
+        "let",
+        "loop",
+        "override",
+        "requires",
+        "return",
+        "struct",
+        "switch",
+        "true",
+        "var",
+        "while",
+        "NULL",
+        "Self",
+        "abstract",
+        "active",
+        "alignas",
+        "alignof",
+        "as",
+        "asm",
+        "asm_fragment",
+        "async",
+        "attribute",
+        "auto",
+        "await",
+        "become",
+        "cast",
+        "catch",
+        "class",
+        "co_await",
+        "co_return",
+        "co_yield",
+        "coherent",
+        "column_major",
+        "common",
+        "compile",
+        "compile_fragment",
+        "concept",
+        "const_cast",
+        "consteval",
+        "constexpr",
+        "constinit",
+        "crate",
+        "debugger",
+        "decltype",
+        "delete",
+        "demote",
+        "demote_to_helper",
+        "do",
+        "dynamic_cast",
+        "enum",
+        "explicit",
+        "export",
+        "extends",
+        "extern",
+        "external",
+        "fallthrough",
+        "filter",
+        "final",
+        "finally",
+        "friend",
+        "from",
+        "fxgroup",
+        "get",
+        "goto",
+        "groupshared",
+        "highp",
+        "impl",
+        "implements",
+        "import",
+        "inline",
+        "instanceof",
+        "interface",
+        "layout",
+        "lowp",
+        "macro",
+        "macro_rules",
+        "match",
+        "mediump",
+        "meta",
+        "mod",
+        "module",
+        "move",
+        "mut",
+        "mutable",
+        "namespace",
+        "new",
+        "nil",
+        "noexcept",
+        "noinline",
+        "nointerpolation",
+        "non_coherent",
+        "noncoherent",
+        "noperspective",
+        "null",
+        "nullptr",
+        "of",
+        "operator",
+        "package",
+        "packoffset",
+        "partition",
+        "pass",
+        "patch",
+        "pixelfragment",
+        "precise",
+        "precision",
+        "premerge",
+        "priv",
+        "protected",
+        "pub",
+        "public",
+        "readonly",
+        "ref",
+        "regardless",
+        "register",
+        "reinterpret_cast",
+        "require",
+        "resource",
+        "restrict",
+        "self",
+        "set",
+        "shared",
+        "sizeof",
+        "smooth",
+        "snorm",
+        "static",
+        "static_assert",
+        "static_cast",
+        "std",
+        "subroutine",
+        "super",
+        "target",
+        "template",
+        "this",
+        "thread_local",
+        "throw",
+        "trait",
+        "try",
+        "type",
+        "typedef",
+        "typeid",
+        "typename",
+        "typeof",
+        "union",
+        "unless",
+        "unorm",
+        "unsafe",
+        "unsized",
+        "use",
+        "using",
+        "varying",
+        "virtual",
+        "volatile",
+        "wgsl",
+        "where",
+        "with",
+        "writeonly",
+        "yield",
+        "abs",
+        "acos",
+        "asin",
+        "atan",
+        "atan2",
+        "bitcast",
+        "bool",
+        "ceil",
+        "clamp",
+        "corners",
+        "cos",
+        "cross",
+        "dot",
+        "exp",
+        "exp2",
+        "f16",
+        "f32",
+        "floor",
+        "fract",
+        "i32",
+        "length",
+        "log",
+        "log2",
+        "main",
+        "max",
+        "min",
+        "mix",
+        "normalize",
+        "planes",
+        "pow",
+        "reflect",
+        "round",
+        "run",
+        "saturate",
+        "select",
+        "sin",
+        "size_",
+        "smoothstep",
+        "sqrt",
+        "tan",
+        "texel",
+        "transpose",
+        "u32",
+        "vec2",
+        "vec3",
+        "vec4",
+        "vec2f",
+        "vec3f",
+        "vec4f",
+        "vec2i",
+        "vec2u",
+        "mat3x3f",
+        "array",
+        "atomic",
+        "ptr",
+        "sampler",
+        "texture_2d",
+        "result",
+        "place",
+        "Run",
+    ]
 )

@@ -115,7 +115,7 @@ def _once(owner: Any, key: Any, make: Any) -> Any:
     return held[key]
 
 
-# --- pixels ----------------------------------------------------------------------------------------
+# --- pixels --------------------------------------------------------------------------------------
 
 
 def _fractions(one: Map) -> NDArray[np.uint16]:
@@ -194,7 +194,7 @@ def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
 
 def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:
     """Encoded normals of a height field of square texels, green up."""
-    rows, columns = heights.shape
+    columns = heights.shape[1]
     padded = np.pad(heights, 1, mode="wrap" if edge == "wrap" else "edge")
     per_texel = np.float32(scale * columns / 2.0)
     right = (padded[1:-1, 2:] - padded[1:-1, :-2]) * per_texel

@@ -95,10 +95,14 @@ class ShadingPoint:
 class Shading:
     """The numbers of the lighting that a user turns."""
 
-    ambient: Vec3 = setting(Vec3(0.1), "light from everywhere, linear colour", low=0.0)
-    diffuse: float = setting(1.0, "share of the base colour in Phong's diffuse term", low=0.0)
-    specular: Vec3 = setting(Vec3(1.0), "colour of Phong's highlight, linear", low=0.0)
-    shininess: float = setting(10.0, "exponent of Phong's highlight", low=1.0, high=1000.0)
+    ambient: Vec3 = setting(default=Vec3(0.1), doc="light from everywhere, linear colour", low=0.0)
+    diffuse: float = setting(
+        default=1.0, doc="share of the base colour in Phong's diffuse term", low=0.0
+    )
+    specular: Vec3 = setting(default=Vec3(1.0), doc="colour of Phong's highlight, linear", low=0.0)
+    shininess: float = setting(
+        default=10.0, doc="exponent of Phong's highlight", low=1.0, high=1000.0
+    )
 
 
 # --- light arriving --------------------------------------------------------------------------

@@ -138,12 +138,12 @@ def pixel(
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, moved.reads)
 
 
-# --- the steps --------------------------------------------------------------------------------------
+# --- the steps -----------------------------------------------------------------------------------
 
 
 @shader
 def meet(ray: CameraRay, placement: Placement) -> Meeting:
-    """Meet the object in its own space, where the relief is set: scaling an object scales it too."""
+    """Meet the object in its own space, where the relief is set: it scales with the object."""
     origin = placement.to_object @ (ray.origin - placement.origin)
     direction = placement.to_object @ ray.direction
     met = shape(ShapeRay(origin, direction))
@@ -233,7 +233,7 @@ def shading_point(
     )
 
 
-# --- the edge of the texture ------------------------------------------------------------------------
+# --- the edge of the texture ---------------------------------------------------------------------
 
 
 @slot

@@ -150,8 +150,8 @@ def sphere(ray: ShapeRay) -> SurfacePoint:
 def cylinder(ray: ShapeRay) -> SurfacePoint:
     """The cylinder of radius ½ from y = −½ to ½, closed by flat caps.
 
-    On the side u runs around the y axis, ½ at +z, and v from the top down. Each cap shows the
-    disc within the texture that a box's top or bottom would show.
+    On the side u runs around the y axis, ½ at +z, and v from the top down. The caps lie as a
+    box's top and bottom do, a tile as wide as on the side: the width of the cap is 1/π of u.
     """
     side = ball(Vec3(ray.origin.x, 0.0, ray.origin.z), Vec3(ray.direction.x, 0.0, ray.direction.z))
     caps = slab(ray.origin.y, ray.direction.y)
@@ -161,7 +161,16 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
     met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
     if caps.enter >= side.enter:
         cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
-        return unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
+        square = unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
+        return SurfacePoint(
+            found=True,
+            distance=distance,
+            position=square.position,
+            normal=cap,
+            along_u=square.along_u * PI,
+            along_v=square.along_v,
+            uv=Vec2(0.5 + met.x / PI, square.uv.y),
+        )
     normal = normalize(Vec3(met.x, 0.0, met.z))
     return SurfacePoint(
         found=True,

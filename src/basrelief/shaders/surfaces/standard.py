@@ -29,12 +29,16 @@ FLATTEST = 1e-3
 class Finish:
     """Numbers that multiply the maps, or stand for those that are missing."""
 
-    base_color: Vec3 = setting(Vec3(1.0), "colour, times the map's, linear", low=0.0)
-    normal_strength: float = setting(1.0, "how far normals lean, 1 as stored", low=0.0, high=4.0)
-    roughness: float = setting(1.0, "times the map's", low=0.0, high=1.0)
-    metallic: float = setting(1.0, "times the map's", low=0.0, high=1.0)
-    occlusion: float = setting(1.0, "how much of the map's occlusion acts", low=0.0, high=1.0)
-    emission: Vec3 = setting(Vec3(1.0), "times the map's, linear", low=0.0)
+    base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
+    normal_strength: float = setting(
+        default=1.0, doc="how far normals lean, 1 as stored", low=0.0, high=4.0
+    )
+    roughness: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
+    metallic: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
+    occlusion: float = setting(
+        default=1.0, doc="how much of the map's occlusion acts", low=0.0, high=1.0
+    )
+    emission: Vec3 = setting(default=Vec3(1.0), doc="times the map's, linear", low=0.0)
 
 
 @struct
@@ -110,7 +114,7 @@ def plain_response(map: Texture, spot: Spot) -> Vec3:
     return Vec3(1.0, 0.8, 0.0)
 
 
-# --- emission -------------------------------------------------------------------------------------
+# --- emission ------------------------------------------------------------------------------------
 
 
 @slot
@@ -131,7 +135,7 @@ def plain_emission(map: Texture, spot: Spot) -> Vec3:
     return Vec3(0.0)
 
 
-# --- all of it ------------------------------------------------------------------------------------
+# --- all of it -----------------------------------------------------------------------------------
 
 
 @struct

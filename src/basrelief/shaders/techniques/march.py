@@ -19,17 +19,24 @@ MOST_READS = 4096
 class Steps:
     """Settings of a march with a fixed number of steps."""
 
-    steps: int = setting(10, "layers that the range of heights is cut into", low=1, high=4096)
+    steps: int = setting(
+        default=10, doc="layers that the range of heights is cut into", low=1, high=4096
+    )
 
 
 @struct
 class March:
     """Settings of a march whose steps follow the angle, or the texels passed over."""
 
-    min_steps: int = setting(8, "steps when looking straight down", low=1, high=4096)
-    max_steps: int = setting(32, "steps when looking along the surface", low=1, high=4096)
+    min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
+    max_steps: int = setting(
+        default=32, doc="steps when looking along the surface", low=1, high=4096
+    )
     steps_per_texel: float = setting(
-        0.0, "steps for each texel passed over, instead of by angle; 0: by angle", low=0.0, high=8.0
+        default=0.0,
+        doc="steps for each texel passed over, instead of by angle; 0: by angle",
+        low=0.0,
+        high=8.0,
     )
 
 
@@ -37,9 +44,11 @@ class March:
 class Relief:
     """Settings of a march followed by a binary search."""
 
-    min_steps: int = setting(8, "steps when looking straight down", low=1, high=4096)
-    max_steps: int = setting(32, "steps when looking along the surface", low=1, high=4096)
-    search_steps: int = setting(5, "halvings of the last step", low=0, high=24)
+    min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
+    max_steps: int = setting(
+        default=32, doc="steps when looking along the surface", low=1, high=4096
+    )
+    search_steps: int = setting(default=5, doc="halvings of the last step", low=0, high=24)
 
 
 @struct
@@ -98,7 +107,7 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     return Hit(at(ray, height), height, found, end.reads + settings.search_steps)
 
 
-# --- what the marches share -----------------------------------------------------------------------
+# --- what the marches share ----------------------------------------------------------------------
 
 
 @shader

@@ -12,7 +12,9 @@ from basrelief.shaders.techniques.technique import Nothing, technique
 class Offset:
     """Settings of the techniques of one read."""
 
-    max_offset: float = setting(1.0, "the most that u and v each move, in tiles", low=0.0, high=1.0)
+    max_offset: float = setting(
+        default=1.0, doc="the most that u and v each move, in tiles", low=0.0, high=1.0
+    )
 
 
 @technique()
