@@ -407,7 +407,8 @@ class Scene:
 def _inside(thing: Object, x: float, y: float, z: float) -> bool:
     match thing.shape:
         case "plane":
-            raised = (1.0 - thing.relief_level) * thing.relief_scale * thing.has_relief
+            above = (1.0 - thing.relief_level) * thing.relief_scale / abs(thing.tiles[0])
+            raised = above if thing.has_relief else 0.0
             return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= raised
         case "box":
             return max(abs(x), abs(y), abs(z)) <= 0.5
