@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from basrelief.cameras import look, orbit
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3
-from basrelief.lang.types import is_record
+from basrelief.lang.types import VECTORS, fields_of, is_record
 from basrelief.material import Material
 from basrelief.shaders.camera import Camera
 from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Light, Shading
@@ -420,6 +420,10 @@ def _inside(thing: Object, x: float, y: float, z: float) -> bool:
 # --- checking values -----------------------------------------------------------------------------
 
 
+_NUMBERS = (int, float, np.integer, np.floating)
+_MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
+
+
 def one_of(what: str, value: Any, allowed: Sequence[Any]) -> None:
     """Raise InputError unless the value is one of those allowed."""
     if value not in allowed:
@@ -440,22 +444,32 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
     """A record of settings with some fields changed; raises InputError for what does not fit."""
     assert is_record(record)
     known = {f.name: f for f in fields(record)}
-    for name, value in values.items():
+    for name in values:
         if name not in known:
             names = ", ".join(known) or "nothing"
             raise InputError(f"{owner} has no setting {name!r}; it has {names}")
-        low, high = (known[name].metadata.get(end) for end in ("low", "high"))
-        for number in np.atleast_1d(np.asarray(list(value) if isinstance(value, Vec3) else value)):
-            if not np.issubdtype(np.asarray(number).dtype, np.number):
-                raise InputError(f"{name} is a number, not {value!r}")
-            within(name, float(number), low, high)
-    given = {
-        name: Vec3(*np.broadcast_to(np.asarray(list(np.atleast_1d(value))), 3))
-        if isinstance(known[name].default, Vec3) and not isinstance(value, Vec3)
-        else value
-        for name, value in values.items()
-    }
-    for name, value in given.items():
-        if isinstance(known[name].default, int) and float(value) != int(value):
-            raise InputError(f"{name} is a whole number, not {value:g}")
-    return record(**given)
+    for name, each in known.items():
+        if each.default is MISSING and name not in values:
+            raise InputError(f"{owner} needs a value for {name}")
+    types = fields_of(record)
+    return record(**{n: _checked(n, v, types[n], known[n].metadata) for n, v in values.items()})
+
+
+def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any:
+    """A number, or a vector's numbers, each within the setting's range and 32 bits."""
+    component, size = (wanted, 1) if wanted in (int, float) else VECTORS.get(wanted, (None, 0))
+    if component is None:
+        return value
+    several = size > 1 and not isinstance(value, str | Mapping) and np.iterable(value)
+    numbers = [*value] if several else [value]
+    for number in numbers:
+        if isinstance(number, bool) or not isinstance(number, _NUMBERS):
+            raise InputError(f"{name} is a number, not {value!r}")
+        if abs(number) > _MOST_IN_32_BITS[component]:
+            raise InputError(f"{name} is further from 0 than 32 bits reach")
+        within(name, float(number), meta.get("low"), meta.get("high"))
+        if component is int and int(number) != number:
+            raise InputError(f"{name} is a whole number, not {number:g}")
+    if len(numbers) not in (1, size):
+        raise InputError(f"{name} is one number, or {size} of them, not {value!r}")
+    return wanted(*numbers)
