@@ -42,6 +42,9 @@ _TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylind
 _FRAMING = {"plane": 1.8, "box": 2.9, "sphere": 2.1, "cylinder": 2.5}
 """How far away a camera of 30 degrees sees each shape whole, with a little room around."""
 
+_NEAR, _FAR = 1e-6, 1e6
+"""Sizes, places and tilings that float32 holds with room for squares, cubes and quotients."""
+
 Transform = NDArray[np.float64]
 """An affine map from object to world space, (4, 4), acting on columns."""
 
@@ -68,6 +71,7 @@ class Orbit:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
         distance = 2.0 if self.distance is None else self.distance
+        _in_reach(self.azimuth, self.elevation, distance, *self.target)
         return orbit(self.target, distance, self.azimuth, self.elevation, size=size, **lens)
 
 
@@ -84,7 +88,15 @@ class LookAt:
     def camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
+        _in_reach(*self.position, *self.target)
         return look(self.position, self.target, self.up, size=size, **lens)
+
+
+def _in_reach(*numbers: float) -> None:
+    """Raise InputError where a camera stands, or is turned, further than 32 bits can follow."""
+    for number in numbers:
+        if not abs(number) <= _FAR:
+            raise InputError(f"a camera at {number:g}: give angles and places up to {_FAR:g}")
 
 
 def _lens(field_of_view: float, orthographic_height: float | None) -> dict[str, float]:
@@ -103,10 +115,10 @@ def directional(
     azimuth: float = -40.0, elevation: float = 40.0, color: _Color = _WHITE, intensity: float = 1.0
 ) -> Light:
     """A light from far away, from the direction of an orbit's azimuth and elevation."""
-    around, above = math.radians(azimuth), math.radians(elevation)
-    towards = np.array(
-        [math.cos(above) * math.sin(around), math.sin(above), math.cos(above) * math.cos(around)]
-    )
+    around, above = np.radians([azimuth, elevation])
+    with np.errstate(invalid="ignore"):
+        level = np.array([np.sin(around), 0.0, np.cos(around)])
+        towards = level * np.cos(above) + np.array([0.0, np.sin(above), 0.0])
     return _light(DIRECTIONAL, direction=-towards, color=color, intensity=intensity)
 
 
@@ -133,6 +145,8 @@ def spot(
     1) over which it fades."""
     if not 0.0 < angle < 180.0 or not 0.0 <= softness <= 1.0:
         raise InputError(f"a spot of angle {angle}, softness {softness}: give 0–180 and 0–1")
+    if len(target) != 3 or len(position) != 3:
+        raise InputError(f"a spot at {position} towards {target}: give three numbers each")
     direction = np.subtract(target, position)
     half = math.radians(angle) / 2.0
     return _light(
@@ -160,9 +174,12 @@ def _light(
 ) -> Light:
     way = np.asarray(direction, np.float64)
     length = float(np.linalg.norm(way))
-    numbers = [*way, *position, *color, intensity, falloff]
-    if not np.isfinite(numbers).all() or length == 0.0:
+    numbers = [*way, *position, *color, intensity]
+    if len(position) != 3 or len(color) != 3:
+        raise InputError(f"a light at {position} of colour {color}: give three numbers each")
+    if not (np.abs(numbers) <= _FAR).all() or length == 0.0:
         raise InputError("a light needs finite numbers, and a direction of some length")
+    within("falloff", falloff, 0.0, 8.0)
     return Light(
         kind,
         Vec3(*position),
@@ -194,6 +211,14 @@ def placed(
     made = np.diag([*np.broadcast_to(scale, 3), 1.0]).astype(np.float64)
     made[:3, 3] = position
     return made
+
+
+def _sound(transform: Transform) -> bool:
+    """Whether it is affine, and shaders in 32 bits can go there and back."""
+    if transform.shape != (4, 4) or not (np.abs(transform) <= _FAR).all():
+        return False
+    sizes = np.linalg.svd(transform[:3, :3], compute_uv=False)
+    return bool(sizes[-1] >= _NEAR and (transform[3] == (0.0, 0.0, 0.0, 1.0)).all())
 
 
 LYING = turned("x", -90.0)
@@ -246,11 +271,16 @@ class Object:
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
         within("normal strength", float(self.finish.normal_strength), 0.0, 100.0)
-        if 0.0 in self.tiles or not np.isfinite([*self.tiles, *self.shift]).all():
+        if not all(_NEAR <= abs(n) <= _FAR for n in self.tiles):
             raise InputError(f"tiling {self.tiles}: give finite numbers other than 0")
+        if not all(abs(n) <= _FAR for n in self.shift):
+            raise InputError(f"shift {self.shift}: give finite numbers")
         object.__setattr__(self, "settings", self._settings())
-        if not np.isfinite(self.to_world).all() or abs(np.linalg.det(self.to_world)) < 1e-12:
-            raise InputError("an object's transform must be finite, and not flatten it to nothing")
+        if not _sound(self.to_world):
+            raise InputError(
+                "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
+                "and not flatten it to nothing"
+            )
 
     def _settings(self) -> Any:
         record = self.drawn_with.settings
@@ -457,6 +487,7 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
 
 def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any:
     """A number, or a vector's numbers, each within the setting's range and 32 bits."""
+    component: Any
     component, size = (wanted, 1) if wanted in (int, float) else VECTORS.get(wanted, (None, 0))
     if component is None:
         return value
