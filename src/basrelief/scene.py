@@ -39,7 +39,7 @@ DEFAULT_SCALE = 0.05
 _TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylinder": (3.0, 1.0)}
 """Tiles around and along each shape so that a square tile stays about square."""
 
-_FRAMING = {"plane": 1.8, "box": 2.9, "sphere": 2.1, "cylinder": 2.5}
+_FRAMING = {"plane": 1.8, "box": 3.4, "sphere": 2.1, "cylinder": 2.9}
 """How far away a camera of 30 degrees sees each shape whole, with a little room around."""
 
 _NEAR, _FAR = 1e-6, 1e6
