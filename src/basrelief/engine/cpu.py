@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from basrelief.engine import cache
 from basrelief.engine.engine import Planes, Progress, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.program import Program
-from basrelief.lang.resources import Buffer, Edge, HeightField, Texture, is_handle
+from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
 _ROWS = 8
 """Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
@@ -221,16 +221,4 @@ def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
         last = max(0, len(value) - 1)
         return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
     height, width = value.shape
-    parts, words, first = [], [len(value.levels), 0, width, height], 0
-    for level in value.levels:
-        stored = _with_border(level, value.edge)
-        words.append(first + stored.shape[1] + 1)
-        parts.append(stored.reshape(-1, *level.shape[2:]))
-        first += stored.shape[0] * stored.shape[1]
-    return _Resident(np.concatenate(parts), words)
-
-
-def _with_border(level: NDArray[Any], edge: Edge) -> NDArray[Any]:
-    """A level and one texel around it, filled as the edge says."""
-    around = ((1, 1), (1, 1), (0, 0))[: level.ndim]
-    return np.pad(level, around, mode="wrap" if edge == "wrap" else "edge")
+    return _Resident(value.stored, [len(value.levels), 0, width, height, *value.firsts])

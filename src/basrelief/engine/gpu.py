@@ -209,10 +209,12 @@ class GpuEngine:
             rows, columns = level.shape[:2]
             self.gpu.queue.write_texture(
                 {"texture": texture, "mip_level": number},
-                level,
+                np.ascontiguousarray(level),
                 {"bytes_per_row": columns * (4 if heights else 8), "rows_per_image": rows},
                 (columns, rows, 1),
             )
+            # what is on its way is held twice until it is submitted
+            self.gpu.queue.submit([])
         return texture.create_view()
 
 

@@ -20,17 +20,38 @@ _T = TypeVar("_T")
 
 
 class _Pyramid:
-    """Levels of one map, the first the largest, each half of the one before, down to one texel."""
+    """Levels of one map, the first the largest, each half of the one before, down to one texel.
+
+    They are kept in one array, `stored`, each with a border of one texel around it, filled as the
+    edge says; `firsts` are the places of their texels (0, 0) in it. `levels` are views of it.
+    """
 
     def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge) -> None:
         if not levels:
             raise ValueError("a map has at least one level")
-        self.levels = tuple(np.ascontiguousarray(level) for level in levels)
-        height, width = self.levels[0].shape[:2]
-        for k, level in enumerate(self.levels):
+        self.edge: Edge = edge
+        height, width = levels[0].shape[:2]
+        for k, level in enumerate(levels):
             if level.shape[:2] != (max(height >> k, 1), max(width >> k, 1)):
                 raise ValueError(f"level {k} is {level.shape[:2]}; each is half of the one before")
-        self.edge: Edge = edge
+        count = sum((level.shape[0] + 2) * (level.shape[1] + 2) for level in levels)
+        self.stored = np.empty((count, *levels[0].shape[2:]), levels[0].dtype)
+        self.firsts: list[int] = []
+        self._end = 0
+        self.levels = tuple(self._store(level) for level in levels)
+
+    def _store(self, level: NDArray[Any]) -> NDArray[Any]:
+        height, width = level.shape[:2]
+        stride = width + 2
+        start = self._end
+        self._end += (height + 2) * stride
+        self.firsts.append(start + stride + 1)
+        block = self.stored[start : self._end].reshape(height + 2, stride, *level.shape[2:])
+        block[1:-1, 1:-1] = level
+        far = self.edge == "wrap"
+        block[0], block[-1] = block[-2 if far else 1], block[1 if far else -2]
+        block[:, 0], block[:, -1] = block[:, -2 if far else 1], block[:, 1 if far else -2]
+        return block[1:-1, 1:-1]
 
     @property
     def shape(self) -> tuple[int, int]:
