@@ -29,6 +29,9 @@ __all__ = ["Frame", "Image", "program_of", "render"]
 
 Progress = Callable[[float], None]
 _LARGEST = 1 << 15
+_BAND = 1 << 20
+"""Pixels that are drawn at once: all samples of a band are done before the next, so that a large
+picture needs little memory beside its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +73,23 @@ class Frame:
     hit: NDArray[np.bool_]
     reads: NDArray[np.int32]
     engine: str
+
+    def rows(self, first: int, last: int) -> Frame:
+        """The same frame's rows first … last − 1, as views."""
+        some = slice(first, last)
+        return Frame(
+            self.color[some],
+            self.depth[some],
+            self.uv[some],
+            self.hit[some],
+            self.reads[some],
+            self.engine,
+        )
+
+    def take(self, other: Frame) -> None:
+        """Copy what another frame of the same size holds into this one."""
+        for name in ("color", "depth", "uv", "hit", "reads"):
+            np.copyto(getattr(self, name), getattr(other, name))
 
     @property
     def image(self) -> Image:
@@ -220,7 +240,7 @@ def sample_places(count: int) -> list[tuple[float, float]]:
 
 
 class _Drawing:
-    """One picture under way: every sample of every object, laid over one another."""
+    """One picture under way: band by band, every sample of every object laid over one another."""
 
     def __init__(
         self,
@@ -232,62 +252,65 @@ class _Drawing:
     ) -> None:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
         self.places = sample_places(samples)
+        self.things = [
+            (program_of(thing, scene.shading_model), values_of(thing, scene, size))
+            for thing in scene.objects
+        ]
+        width, height = size
+        self.band = max(1, min(height, _BAND // width))
+        self.runs = -(-height // self.band) * samples * len(self.things)
         self.done = 0
 
     def frame(self) -> Frame:
         """All samples averaged; everything but the colour from the first."""
-        things = [
-            (program_of(o, self.scene.shading_model), values_of(o, self.scene, self.size))
-            for o in self.scene.objects
-        ]
-        first: Frame | None = None
-        for place in self.places:
-            one = self.sample(things, place)
-            if first is None:
-                first = one
-            else:
-                np.add(first.color, one.color, out=first.color)
-        assert first is not None
-        np.multiply(first.color, np.float32(1.0 / len(self.places)), out=first.color)
-        self.straighten(first.color)
-        return first
+        whole = self.empty(self.size[1])
+        for top in range(0, self.size[1], self.band):
+            rows = (top, min(top + self.band, self.size[1]))
+            self.draw(whole.rows(*rows), rows)
+        return whole
 
-    def sample(self, things: list[Any], place: tuple[float, float]) -> Frame:
-        """One sample of the whole scene: the nearest object at each pixel, over the background.
+    def draw(self, band: Frame, rows: tuple[int, int]) -> None:
+        """Draw some rows into their part of the frame."""
+        for number, place in enumerate(self.places):
+            one = self.sample(place, rows)
+            if number == 0:
+                band.take(one)
+            else:
+                np.add(band.color, one.color, out=band.color)
+        np.multiply(band.color, np.float32(1.0 / len(self.places)), out=band.color)
+        if self.scene.background is None:
+            # colour divided by coverage again, where the background is transparent
+            coverage = np.maximum(band.color[:, :, 3:], np.float32(1e-6))
+            np.divide(band.color[:, :, :3], coverage, out=band.color[:, :, :3])
+
+    def sample(self, place: tuple[float, float], rows: tuple[int, int]) -> Frame:
+        """One sample of some rows: the nearest object at each pixel, over the background.
 
         Colour is multiplied by coverage, so that samples can be added up.
         """
-        width, height = self.size
-        color = np.zeros((height, width, 4), np.float32)
+        frame = self.empty(rows[1] - rows[0])
         if self.scene.background is not None:
-            color[:] = (*self.scene.background, 1.0)
-        frame = Frame(
-            color,
+            frame.color[:] = (*self.scene.background, 1.0)
+        for program, values in self.things:
+            view = View(values["view"].camera, Vec2(*place))
+            planes = self.engine.run(program, {**values, "view": view}, self.size, rows)
+            _lay_over(frame, planes)
+            self.done += 1
+            if self.progress is not None:
+                self.progress(self.done / self.runs)
+        return frame
+
+    def empty(self, height: int) -> Frame:
+        """A frame of the picture's width in which there is nothing yet."""
+        width = self.size[0]
+        return Frame(
+            np.zeros((height, width, 4), np.float32),
             np.full((height, width), np.inf, np.float32),
             np.zeros((height, width, 2), np.float32),
             np.zeros((height, width), np.bool_),
             np.zeros((height, width), np.int32),
             f"{self.engine.name}: {self.engine.device}",
         )
-        for program, values in things:
-            view = View(values["view"].camera, Vec2(*place))
-            planes = self.engine.run(program, {**values, "view": view}, self.size, self.report())
-            _lay_over(frame, planes)
-        return frame
-
-    def report(self) -> Progress | None:
-        """Progress of one run as a share of all of them."""
-        if self.progress is None:
-            return None
-        told, runs = self.progress, len(self.places) * len(self.scene.objects)
-        before, self.done = self.done, self.done + 1
-        return lambda share: told((before + share) / runs)
-
-    def straighten(self, color: NDArray[np.float32]) -> None:
-        """Colour divided by coverage again, where the background is transparent."""
-        if self.scene.background is None:
-            coverage = np.maximum(color[:, :, 3:], np.float32(1e-6))
-            np.divide(color[:, :, :3], coverage, out=color[:, :, :3])
 
 
 def _lay_over(frame: Frame, planes: Planes) -> None:

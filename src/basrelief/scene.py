@@ -496,7 +496,7 @@ def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, _NUMBERS):
             raise InputError(f"{name} is a number, not {value!r}")
-        if abs(number) > _MOST_IN_32_BITS[component]:
+        if abs(float(number)) > _MOST_IN_32_BITS[component]:
             raise InputError(f"{name} is further from 0 than 32 bits reach")
         within(name, float(number), meta.get("low"), meta.get("high"))
         if component is int and int(number) != number:

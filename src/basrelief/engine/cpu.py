@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine import cache
-from basrelief.engine.engine import Planes, Progress, pack_buffer, pack_uniforms, value_of
+from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
@@ -51,7 +51,7 @@ class CpuEngine:
         program: Program,
         values: Mapping[str, Any],
         size: tuple[int, int],
-        progress: Progress | None = None,
+        rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
         compiled = self._ready(program)
@@ -60,31 +60,30 @@ class CpuEngine:
         residents = [self._resident(value_of(program, name, values)) for name in handles]
         pointers = (ctypes.c_void_p * max(1, len(residents)))(*(r.address for r in residents))
         uniforms = pack_uniforms(program, records, values)
-        width, height = size
+        width, (first, last) = size[0], rows or (0, size[1])
         stride = -(-width // self.lanes) * self.lanes
-        planes = np.zeros((len(program.planes), height, stride), np.int32)
+        planes = np.zeros((len(program.planes), last - first, stride), np.int32)
+        # the code counts rows from the picture's top, the planes from the first row wanted
+        top = planes.ctypes.data - first * stride * planes.itemsize
 
-        def rows(first: int) -> None:
-            last = min(first + _ROWS, height)
+        def some_rows(start: int) -> None:
             compiled.run(
-                uniforms.ctypes.data, ctypes.addressof(pointers), planes.ctypes.data,
-                height * stride, stride, width, first, last,
+                uniforms.ctypes.data, ctypes.addressof(pointers), top,
+                planes[0].size, stride, width, start, min(start + _ROWS, last),
             )  # fmt: skip
 
         if width:
-            self._spread(rows, range(0, height, _ROWS), progress)
+            self._spread(some_rows, range(first, last, _ROWS))
         found: Planes = {}
         for plane, (name, t) in zip(planes, program.planes, strict=True):
             found[name] = (plane.view(np.float32) if t is float else plane)[:, :width]
         return found
 
-    def _spread(self, task: Any, starts: range, progress: Progress | None) -> None:
+    def _spread(self, task: Any, starts: range) -> None:
         """Do a task for each start on all threads; an interrupt leaves the rest undone."""
         pool = ThreadPoolExecutor(self.threads)
         try:
-            for done, _ in enumerate(pool.map(task, starts), 1):
-                if progress is not None:
-                    progress(done / len(starts))
+            list(pool.map(task, starts))
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 

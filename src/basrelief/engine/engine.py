@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,9 +19,6 @@ bools."""
 
 Words = NDArray[np.int32]
 
-Progress = Callable[[float], None]
-"""Called now and then with the finished share of a run, 0 to 1."""
-
 
 class Engine(Protocol):
     """Runs programs. `name` is "cpu" or "gpu"; `device` says on what."""
@@ -37,10 +34,11 @@ class Engine(Protocol):
         program: Program,
         values: Mapping[str, Any],
         size: tuple[int, int],
-        progress: Progress | None = None,
+        rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run the program for every pixel of a picture of (width, height).
 
+        With `rows`, first and last + 1, only those are computed and returned.
         `values` gives each parameter of the entry after the pixel, by name: records, maps, lists.
         Values that the program does not use may be missing.
         """

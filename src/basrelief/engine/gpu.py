@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine.engine import Planes, Progress, value_of
+from basrelief.engine.engine import Planes, value_of
 from basrelief.errors import EngineError
 from basrelief.lang.layout import align_and_size, pack
 from basrelief.lang.program import Program
@@ -97,35 +97,29 @@ class GpuEngine:
         program: Program,
         values: Mapping[str, Any],
         size: tuple[int, int],
-        progress: Progress | None = None,
+        rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
         with self._lock:
-            return self._run(program, values, size, progress)
+            return self._run(program, values, size[0], rows or (0, size[1]))
 
     def _run(
-        self,
-        program: Program,
-        values: Mapping[str, Any],
-        size: tuple[int, int],
-        progress: Progress | None,
+        self, program: Program, values: Mapping[str, Any], width: int, rows: tuple[int, int]
     ) -> Planes:
-        width, height = size
+        top, bottom = rows
         kinds = program.planes
         found: Planes = {
-            name: np.empty((height, width), np.float32 if t is float else np.int32)
+            name: np.empty((bottom - top, width), np.float32 if t is float else np.int32)
             for name, t in kinds
         }
-        rows = self.rows_at_once(len(kinds), width, height)
-        with self.prepare(program, values, (width, rows)) as job:
-            for first in range(0, height, rows):
-                last = min(first + rows, height)
+        at_once = self.rows_at_once(len(kinds), width, bottom - top)
+        with self.prepare(program, values, (width, at_once)) as job:
+            for first in range(top, bottom, at_once):
+                last = min(first + at_once, bottom)
                 job.dispatch(first, last)
                 words = job.read(last - first)
                 for plane, (name, _) in zip(words, kinds, strict=True):
-                    found[name][first:last] = plane.view(found[name].dtype)
-                if progress is not None:
-                    progress(last / height)
+                    found[name][first - top : last - top] = plane.view(found[name].dtype)
         return found
 
     def rows_at_once(self, planes: int, width: int, height: int) -> int:
