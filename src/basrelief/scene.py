@@ -450,7 +450,7 @@ def _inside(thing: Object, x: float, y: float, z: float) -> bool:
 # --- checking values -----------------------------------------------------------------------------
 
 
-_NUMBERS = (int, float, np.integer, np.floating)
+_NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
 _MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 
 
