@@ -1,7 +1,12 @@
-"""What people write on the command line, as values: sizes, settings, cameras, lights."""
+"""What people write on the command line, as values: sizes, settings, cameras, lights.
+
+Every function takes text and raises InputError, in one line, where it makes no sense.
+"""
 
 from __future__ import annotations
 
+import inspect
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
@@ -16,6 +21,7 @@ from basrelief.scene import (
     Scene,
     checked_record,
     directional,
+    placed,
     point,
     spot,
 )
@@ -27,6 +33,11 @@ _LIGHTS: dict[str, Callable[..., Light]] = {
     "point": point,
     "spot": spot,
 }
+_VECTORS = ("position", "target", "up", "color")
+"""The numbers of cameras and lights that are three."""
+
+
+# --- pieces of text ------------------------------------------------------------------------------
 
 
 def size(text: str) -> tuple[int, int]:
@@ -38,17 +49,33 @@ def size(text: str) -> tuple[int, int]:
 
 
 def number(text: str, what: str) -> float:
-    """A number; raises InputError for anything else."""
+    """A finite number."""
     try:
-        return float(text)
+        found = float(text)
     except ValueError:
-        raise InputError(f"{what}={text}: write a number") from None
+        raise InputError(f"{what} {text}: write a number") from None
+    if not math.isfinite(found):
+        raise InputError(f"{what} {text}: write a finite number")
+    return found
+
+
+def numbers(text: str, what: str) -> tuple[float, ...]:
+    """Numbers apart by commas or slashes."""
+    return tuple(number(part, what) for part in re.split(r"[,/]", text))
+
+
+def vector(text: str, what: str) -> tuple[float, ...]:
+    """Three numbers apart by commas or slashes."""
+    found = numbers(text, what)
+    if len(found) != 3:
+        raise InputError(f"{what} {text}: write three numbers, as 1/2/3")
+    return found
 
 
 def value(text: str, what: str) -> Any:
-    """One number, or several apart by commas or slashes."""
-    parts = [number(part, what) for part in re.split(r"[,/]", text)]
-    return parts[0] if len(parts) == 1 else tuple(parts)
+    """One number, or several."""
+    found = numbers(text, what)
+    return found[0] if len(found) == 1 else found
 
 
 def named(text: str, what: str) -> tuple[str, str]:
@@ -59,96 +86,112 @@ def named(text: str, what: str) -> tuple[str, str]:
     return name.strip().replace("-", "_"), rest.strip()
 
 
+def pair(text: str, what: str) -> tuple[float, float]:
+    """Two numbers as "2x3" or "2,3"; one stands for both."""
+    parts = [number(part, what) for part in re.split(r"[x×,/]", text)]
+    if len(parts) > 2:
+        raise InputError(f"{what} {text}: write one number, or two as 2x3")
+    return parts[0], parts[-1]
+
+
+def color(text: str, what: str) -> tuple[float, ...] | None:
+    """A linear colour of three numbers, a grey of one, or "none"."""
+    if text.strip() == "none":
+        return None
+    found = numbers(text, what)
+    if len(found) not in (1, 3) or min(found) < 0.0:
+        raise InputError(f"{what} {text}: write one number, three, or none; none of them below 0")
+    return found if len(found) == 3 else found * 3
+
+
+def camera(text: str) -> Orbit | LookAt:
+    """A camera from "azimuth=30,distance=2", or from "position=1/2/3" and what else it has."""
+    parts = text.split(",")
+    standing = any(part.partition("=")[0].strip() == "position" for part in parts)
+    kind: Callable[..., Orbit | LookAt] = LookAt if standing else Orbit
+    return kind(**_arguments(parts, "--camera", kind))
+
+
+def light(text: str) -> Light:
+    """A light from "point,position=1/2/3,intensity=2"; the first word says which kind."""
+    kind, *parts = text.split(",")
+    made = _LIGHTS.get(kind.strip())
+    if made is None:
+        raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
+    return made(**_arguments(parts, f"--light {kind.strip()}", made))
+
+
+def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dict[str, Any]:
+    """NAME=VALUE parts as the arguments of a function."""
+    known = inspect.signature(kind).parameters
+    given: dict[str, Any] = {}
+    for part in parts:
+        name, text = named(part, what)
+        if name not in known:
+            raise InputError(f"{what}: there is no number {name}; there are {', '.join(known)}")
+        read = vector if name in _VECTORS else number
+        given[name] = read(text, f"{what}: {name}")
+    for name, parameter in known.items():
+        if parameter.default is parameter.empty and name not in given:
+            raise InputError(f"{what}: give it a {name}, for example {name}=1/2/1")
+    return given
+
+
+# --- the whole -----------------------------------------------------------------------------------
+
+
 def scene(
     material: Material,
     *,
-    settings: Sequence[str],
-    camera: str | None,
-    lights: Sequence[str],
-    background: str | None,
-    shading_model: Any,
-    tiling: str | None,
+    settings: Sequence[str] = (),
+    camera_text: str | None = None,
+    lights: Sequence[str] = (),
+    background: str | None = None,
+    shading_model: Any = "ggx",
+    tiling: str | None = None,
+    shift: str | None = None,
+    stretch: str | None = None,
     **options: Any,
 ) -> Scene:
-    """The scene that a command line describes."""
+    """The scene that a command line describes; `options` are those of `Object`, as they are."""
     if tiling is not None:
-        options["tiling"] = _tiles(tiling)
+        options["tiling"] = pair(tiling, "--tiling")
+    if shift is not None:
+        options["shift"] = pair(shift, "--shift")
     plain = Object(material, **options)
-    given = dict(named(text, "--set") for text in settings)
-    homes = {
-        "settings": plain.drawn_with.settings,
-        "finish": Finish,
-        "shading": Shading,
-    }
-    sorted_out = _sorted_out(given, homes)
-    options["settings"] = sorted_out["settings"]
-    options["finish"] = checked_record(Finish, sorted_out["finish"], "the finish")
-    if "bias" in sorted_out["object"]:
-        options["bias"] = sorted_out["object"]["bias"]
+    options["technique"] = plain.drawn_with  # a file of one's own runs once
+    if stretch is not None:
+        options["transform"] = placed(scale=vector(stretch, "--stretch")) @ plain.to_world
+    records = {"settings": plain.drawn_with.settings, "finish": Finish, "shading": Shading}
+    given = _sorted_out(dict(named(text, "--set") for text in settings), records)
+    thing = Object(
+        material,
+        settings=given["settings"],
+        finish=checked_record(Finish, given["finish"], "the finish"),
+        **given["object"],
+        **options,
+    )
     of_scene: dict[str, Any] = {}
-    if camera is not None:
-        of_scene["camera"] = _camera(camera)
+    if camera_text is not None:
+        of_scene["camera"] = camera(camera_text)
     if lights:
-        of_scene["lights"] = tuple(_light(text) for text in lights)
+        of_scene["lights"] = tuple(light(text) for text in lights)
     if background is not None:
-        of_scene["background"] = None if background == "none" else _color(background)
-    shading = checked_record(Shading, sorted_out["shading"], "the shading")
-    thing = Object(material, **options)
+        of_scene["background"] = color(background, "--background")
+    shading = checked_record(Shading, given["shading"], "the shading")
     return Scene((thing,), shading=shading, shading_model=shading_model, **of_scene)
 
 
-def _sorted_out(given: Mapping[str, str], homes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _sorted_out(given: Mapping[str, str], records: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Settings by the record that they belong to; the technique's come first."""
-    found: dict[str, dict[str, Any]] = {home: {} for home in [*homes, "object"]}
-    known = {home: [f.name for f in fields(record)] for home, record in homes.items()}
+    known = {home: [f.name for f in fields(record)] for home, record in records.items()}
     known["object"] = ["bias"]
+    found: dict[str, dict[str, Any]] = {home: {} for home in known}
     for name, text in given.items():
         home = next((home for home, names in known.items() if name in names), None)
         if home is None:
             names = ", ".join(name for names in known.values() for name in names)
             raise InputError(f"--set {name}: there is no such setting here; there are {names}")
-        found[home][name] = value(text, name)
+        read = number if home == "object" else value
+        found[home][name] = read(text, f"--set {name}")
     return found
-
-
-def _tiles(text: str) -> tuple[float, float]:
-    parts = [number(part, "--tiling") for part in re.split(r"[x×,]", text)]
-    if len(parts) not in (1, 2):
-        raise InputError(f"--tiling {text}: write one number, or two as 2x3")
-    return parts[0], parts[-1]
-
-
-def _color(text: str) -> tuple[float, float, float]:
-    parts = value(text, "--background")
-    three = parts if isinstance(parts, tuple) else (parts,) * 3
-    if len(three) != 3:
-        raise InputError(f"--background {text}: write one number, three, or none")
-    return three
-
-
-def _camera(text: str) -> Orbit | LookAt:
-    given: dict[str, Any] = {}
-    for part in text.split(","):
-        name, rest = named(part, "--camera")
-        given[name] = value(rest, name)
-    kind: Any = LookAt if "position" in given else Orbit
-    unknown = [name for name in given if name not in kind.__dataclass_fields__]
-    if unknown:
-        names = ", ".join(kind.__dataclass_fields__)
-        raise InputError(f"--camera {unknown[0]}: there is no such number; there are {names}")
-    camera: Orbit | LookAt = kind(**given)
-    return camera
-
-
-def _light(text: str) -> Light:
-    kind, *rest = text.split(",")
-    if kind not in _LIGHTS:
-        raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
-    given: dict[str, Any] = {}
-    for part in rest:
-        name, written = named(part, "--light")
-        given[name] = value(written, name)
-    try:
-        return _LIGHTS[kind](**given)
-    except TypeError:
-        raise InputError(f"--light {text}: a {kind} light does not take these") from None
