@@ -34,7 +34,8 @@ def _module(path: Path) -> ModuleType:
     # records look up their annotations in the module that defines them
     sys.modules[module.__name__] = module
     try:
-        exec(compile(path.read_bytes(), str(path), "exec"), module.__dict__)
+        code = compile(path.read_bytes(), str(path), "exec", dont_inherit=True)
+        exec(code, module.__dict__)
     except BasreliefError:
         raise
     except (Exception, SystemExit) as error:
