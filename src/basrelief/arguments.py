@@ -104,7 +104,7 @@ def color(text: str, what: str) -> tuple[float, ...] | None:
     return found if len(found) == 3 else found * 3
 
 
-def camera(text: str) -> Orbit | LookAt:
+def camera_from(text: str) -> Orbit | LookAt:
     """A camera from "azimuth=30,distance=2", or from "position=1/2/3" and what else it has."""
     parts = text.split(",")
     standing = any(part.partition("=")[0].strip() == "position" for part in parts)
@@ -112,7 +112,7 @@ def camera(text: str) -> Orbit | LookAt:
     return kind(**_arguments(parts, "--camera", kind))
 
 
-def light(text: str) -> Light:
+def light_from(text: str) -> Light:
     """A light from "point,position=1/2/3,intensity=2"; the first word says which kind."""
     kind, *parts = text.split(",")
     made = _LIGHTS.get(kind.strip())
@@ -144,7 +144,7 @@ def scene(
     material: Material,
     *,
     settings: Sequence[str] = (),
-    camera_text: str | None = None,
+    camera: str | None = None,
     lights: Sequence[str] = (),
     background: str | None = None,
     shading_model: Any = "ggx",
@@ -172,10 +172,10 @@ def scene(
         **options,
     )
     of_scene: dict[str, Any] = {}
-    if camera_text is not None:
-        of_scene["camera"] = camera(camera_text)
+    if camera is not None:
+        of_scene["camera"] = camera_from(camera)
     if lights:
-        of_scene["lights"] = tuple(light(text) for text in lights)
+        of_scene["lights"] = tuple(light_from(text) for text in lights)
     if background is not None:
         of_scene["background"] = color(background, "--background")
     shading = checked_record(Shading, given["shading"], "the shading")

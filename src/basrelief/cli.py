@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
+import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -13,45 +16,54 @@ from basrelief.errors import BasreliefError
 
 if TYPE_CHECKING:
     from basrelief.material import Material
-    from basrelief.scene import Object
 
 app = typer.Typer(
     help="Draw depth into flat textures: parallax mapping, every technique, on CPU and GPU.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Run the command line; what the user can mend is one line and exit code 2."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # a terminal that knows no × gets a question mark, not a traceback
+        sys.stdout.reconfigure(errors="replace")
     try:
         # not standalone: errors come back here instead of as a usage screen or a traceback
-        sys.exit(app(standalone_mode=False) or 0)
+        code = app(standalone_mode=False) or 0
+        sys.stdout.flush()
     except BasreliefError as error:
         _fail(str(error))
-    except KeyboardInterrupt:
-        print("basrelief: interrupted; nothing was written", file=sys.stderr)
-        sys.exit(130)
+    except (KeyboardInterrupt, typer.Abort):
+        _fail("interrupted; no unfinished file is left", 130)
+    except MemoryError:
+        _fail("this does not fit in memory; take a smaller --size, or smaller maps")
+    except BrokenPipeError:
+        _leave_closed_pipe()
     except Exception as error:
         _usage_error(error)
+    sys.exit(code)
 
 
-def _fail(message: str) -> None:
+def _fail(message: str, code: int = 2) -> NoReturn:
     print(f"basrelief: {' '.join(message.split())}", file=sys.stderr)
-    sys.exit(2)
+    sys.exit(code)
 
 
-def _usage_error(error: Exception) -> None:
+def _usage_error(error: Exception) -> NoReturn:
     """The argument parser's own errors, known by what they carry; any other goes on."""
-    if type(error).__name__ == "Abort":
-        print("basrelief: interrupted; nothing was written", file=sys.stderr)
-        sys.exit(130)
     told = getattr(error, "format_message", None)
     if told is None:
         raise error
-    _fail(f"{told()} (basrelief COMMAND --help tells more)")
+    _fail(f"{told().rstrip('.')} (basrelief COMMAND --help tells more)")
+
+
+def _leave_closed_pipe() -> NoReturn:
+    """Whoever read the output, `head` for one, has enough: leave without a word."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(1)
 
 
 def _show_version(wanted: bool) -> None:
@@ -79,9 +91,11 @@ FileOption = Annotated[Path | None, typer.Option(help="Use this file for the map
 DepthOption = Annotated[float | None, typer.Option(help="How deep the heights reach, in metres.")]
 TileOption = Annotated[float | None, typer.Option(help="How wide a tile is, in metres.")]
 GreenOption = Annotated[str, typer.Option(help="Green of the normal map: auto, gl (up) or dx.")]
+PackingOption = Annotated[str, typer.Option(help="Normals are stored in: rgb, ag or rg.")]
 PolarityOption = Annotated[str, typer.Option(help="White is: auto, height (high) or depth.")]
 ChannelOption = Annotated[str, typer.Option(help="Heights from: auto, r, g, b, a, luminance.")]
 StretchOption = Annotated[bool, typer.Option(help="Spread the heights in use over 0 to 1.")]
+EngineOption = Annotated[str, typer.Option(help="auto, cpu or gpu.")]
 
 
 def _loaded(path: str, **options: Any) -> Material:
@@ -94,45 +108,82 @@ def _loaded(path: str, **options: Any) -> Material:
 def info(
     path: PathArgument,
     json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    depth: DepthOption = None,
+    tile: TileOption = None,
     normal_convention: GreenOption = "auto",
+    normal_packing: PackingOption = "rgb",
     height_polarity: PolarityOption = "auto",
     height_channel: ChannelOption = "auto",
+    stretch_height: StretchOption = False,
     base_color: FileOption = None,
     normal: FileOption = None,
     height: FileOption = None,
+    occlusion: FileOption = None,
+    roughness: FileOption = None,
+    metallic: FileOption = None,
+    emission: FileOption = None,
+    opacity: FileOption = None,
 ) -> None:
     """Say which maps were found, what was decided about them, and why."""
     import json as json_text
 
     from basrelief.material import describe, report
 
-    material = _loaded(
-        path,
-        normal_convention=normal_convention,
-        height_polarity=height_polarity,
-        height_channel=height_channel,
-        base_color=base_color,
-        normal=normal,
-        height=height,
-    )
+    with _Progress(f"reading {path}"):
+        material = _loaded(
+            path, depth=depth, tile=tile, normal_convention=normal_convention,
+            normal_packing=normal_packing, height_polarity=height_polarity,
+            height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
+            normal=normal, height=height, occlusion=occlusion, roughness=roughness,
+            metallic=metallic, emission=emission, opacity=opacity,
+        )  # fmt: skip
     print(json_text.dumps(describe(material), indent=2) if json else report(material))
 
 
 @app.command()
 def techniques() -> None:
-    """List the techniques, what each does and costs, and its settings."""
-    from dataclasses import fields
-
+    """List the techniques, what each does and costs, its source, and its settings."""
+    from basrelief.shaders.lighting import Shading
+    from basrelief.shaders.surfaces.standard import Finish
     from basrelief.shaders.techniques import TECHNIQUES
 
     for made in TECHNIQUES.values():
-        doc = (made.__doc__ or "").strip().splitlines()
-        print(f"{made.name}\n  {doc[0]}")
-        print(f"  level {made.level:g}, projection {made.projection}")
-        for f in fields(made.settings):
-            low, high = f.metadata["low"], f.metadata["high"]
-            print(f"  {f.name} = {f.default:g}  ({low:g} to {high:g}: {f.metadata['doc']})")
-        print()
+        defaults = f"Defaults: --level {made.level:g} --projection {made.projection}"
+        _list(made.name, [*_paragraphs(made.__doc__), defaults], made.settings)
+    also = "--set turns these too, and bias (0.42), which goes with --projection biased:"
+    _list("with every technique", [also], Finish, Shading)
+
+
+def _paragraphs(doc: str | None) -> list[str]:
+    import inspect
+
+    return inspect.cleandoc(doc or "").split("\n\n")
+
+
+def _list(name: str, paragraphs: list[str], *records: Any) -> None:
+    """A heading, paragraphs, and a table of the settings of records."""
+    import textwrap
+
+    print(name)
+    for paragraph in paragraphs:
+        print(textwrap.fill(paragraph, 78, initial_indent="  ", subsequent_indent="  "))
+    rows = [_setting(field) for record in records for field in record.__dataclass_fields__.values()]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        print("    " + "  ".join(cells).rstrip())
+    print()
+
+
+def _setting(field: Any) -> tuple[str, str, str]:
+    """A setting with its default, the range it may have, and what it means."""
+    from basrelief.lang import Vec3
+
+    low, high = field.metadata["low"], field.metadata["high"]
+    values = [*field.default] if isinstance(field.default, Vec3) else [field.default]
+    default = "/".join(f"{x:g}" for x in values)
+    ends = f"from {low:g}" if high is None else f"{low:g} to {high:g}"
+    return f"{field.name}={default}", ends, field.metadata["doc"]
 
 
 @app.command()
@@ -142,7 +193,7 @@ def render(
         str | None, typer.Option(help="A technique's name, or FILE.py:NAME of your own.")
     ] = None,
     shape: Annotated[str, typer.Option(help="plane, box, sphere or cylinder.")] = "plane",
-    engine: Annotated[str, typer.Option(help="auto, cpu or gpu.")] = "auto",
+    engine: EngineOption = "auto",
     size: Annotated[str, typer.Option(help="Width × height in pixels.")] = "1280x720",
     samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
     scale: Annotated[
@@ -154,14 +205,21 @@ def render(
     projection: Annotated[str | None, typer.Option(help="full, biased or limited.")] = None,
     edge: Annotated[str, typer.Option(help="Beyond the map: wrap, clamp or clip.")] = "wrap",
     tiling: Annotated[str | None, typer.Option(help="Tiles along u and v, as 2x3.")] = None,
+    shift: Annotated[str | None, typer.Option(help="Move the maps by U,V tiles.")] = None,
+    stretch: Annotated[
+        str | None, typer.Option(help="Stretch the shape along X,Y,Z of the world.")
+    ] = None,
     setting: Annotated[
         list[str] | None,
-        typer.Option("--set", help="NAME=VALUE: a setting of technique, finish or light; repeat."),
+        typer.Option(
+            "--set", help="NAME=VALUE: a setting that `basrelief techniques` lists; repeat."
+        ),
     ] = None,
     camera: Annotated[
         str | None,
         typer.Option(
-            help="azimuth=30,elevation=35,distance=2,field_of_view=30 or orthographic_height=1."
+            help="azimuth=30,elevation=35,distance=2,field_of_view=30, or position=1/1/1, or "
+            "orthographic_height=1."
         ),
     ] = None,
     light: Annotated[
@@ -179,9 +237,11 @@ def render(
         Path | None, typer.Option("-o", "--output", help="The picture: png, jpg, webp, exr …")
     ] = None,
     bits: Annotated[int | None, typer.Option(help="Bits a channel: 8, or 16 for PNG.")] = None,
+    quality: Annotated[int, typer.Option(min=1, max=100, help="Of a JPEG or WebP picture.")] = 95,
     depth: DepthOption = None,
     tile: TileOption = None,
     normal_convention: GreenOption = "auto",
+    normal_packing: PackingOption = "rgb",
     height_polarity: PolarityOption = "auto",
     height_channel: ChannelOption = "auto",
     stretch_height: StretchOption = False,
@@ -195,46 +255,35 @@ def render(
     opacity: FileOption = None,
 ) -> None:
     """Draw a material."""
-    from basrelief import arguments
-    from basrelief.picture import check_target
-    from basrelief.rendering import render as draw
+    with _Progress(f"reading {path}") as progress:
+        from basrelief import arguments
+        from basrelief.picture import check_target
+        from basrelief.rendering import render as draw
 
-    pixels = arguments.size(size)
-    material = _loaded(
-        path, depth=depth, tile=tile, normal_convention=normal_convention,
-        height_polarity=height_polarity, height_channel=height_channel,
-        stretch_height=stretch_height, base_color=base_color, normal=normal, height=height,
-        occlusion=occlusion, roughness=roughness, metallic=metallic, emission=emission,
-        opacity=opacity,
-    )  # fmt: skip
-    scene = arguments.scene(
-        material,
-        settings=setting or [],
-        camera=camera,
-        lights=light or [],
-        background=background,
-        shading_model=shading_model,
-        technique=technique,
-        shape=shape,
-        scale=scale,
-        level=level,
-        projection=projection,
-        edge=edge,
-        tiling=tiling,
-    )
-    thing = scene.objects[0]
-    target = output or Path(f"{material.name}-{thing.drawn_with.name}.png")
-    check_target(target, bits)
-    with _Progress(f"drawing {material.name}") as progress:
+        pixels = arguments.size(size)
+        material = _loaded(
+            path, depth=depth, tile=tile, normal_convention=normal_convention,
+            normal_packing=normal_packing, height_polarity=height_polarity,
+            height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
+            normal=normal, height=height, occlusion=occlusion, roughness=roughness,
+            metallic=metallic, emission=emission, opacity=opacity,
+        )  # fmt: skip
+        scene = arguments.scene(
+            material, settings=setting or [], camera=camera, lights=light or [],
+            background=background, shading_model=shading_model, technique=technique, shape=shape,
+            scale=scale, level=level, projection=projection, edge=edge, tiling=tiling,
+            shift=shift, stretch=stretch,
+        )  # fmt: skip
+        drawn_with = scene.objects[0].drawn_with.name
+        target = output or Path(f"{material.name}-{drawn_with}.png")
+        check_target(target, bits)
+        progress.task = f"drawing {material.name}"
         frame = draw(scene, size=pixels, samples=samples, engine=engine, progress=progress)
-    frame.save(target, bits=bits)
-    _note_flat(thing)
+        frame.save(target, bits=bits, quality=quality)
+    if material.height is None and technique is None:
+        note = f"note: {material.name} has no height map, so it is drawn flat"
+        print(note, file=sys.stderr)
     print(f"{target}  ({frame.engine})")
-
-
-def _note_flat(thing: Object) -> None:
-    if thing.material.height is None:
-        print(f"note: {thing.material.name} has no height map, so it is drawn flat")
 
 
 @app.command()
@@ -242,42 +291,68 @@ def demo(
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the pictures go.")] = Path(
         "basrelief-demo"
     ),
-    engine: Annotated[str, typer.Option(help="auto, cpu or gpu.")] = "auto",
+    engine: EngineOption = "auto",
 ) -> None:
     """Draw the samples with every technique and on every shape."""
-    from basrelief.demo import pictures
+    made: list[Path] = []
+    with _Progress("drawing the samples") as progress:
+        from basrelief.demo import COUNT, pictures
 
-    for made in pictures(output, engine):
-        print(made)
+        for picture in pictures(output, engine):
+            made.append(picture)
+            progress(len(made) / COUNT)
+    print("\n".join(map(str, made)))
     print(f"\nThe pictures are in {output}. Next: basrelief render FOLDER --technique relief")
 
 
+# --- progress ------------------------------------------------------------------------------------
+
+_PATIENCE = 1.0
+"""Seconds after which a task shows how far it is."""
+
+
 class _Progress:
-    """A progress bar that shows itself only when a task takes over a second."""
+    """A bar on the terminal's standard error, as long as a task takes, from its second second on.
+
+    Called with the finished share, 0 to 1; before the first call the bar only says that it works.
+    """
 
     def __init__(self, task: str) -> None:
         self.task = task
+        self.share: float | None = None
         self.bar: Any = None
+        self.timer = threading.Timer(_PATIENCE, self._show)
+        self.timer.daemon = True
 
     def __enter__(self) -> _Progress:
-        import time
-
-        self.clock = time.monotonic
-        self.start = self.clock()
+        if sys.stderr.isatty():
+            self.timer.start()
         return self
 
     def __call__(self, share: float) -> None:
-        if self.bar is None and self.clock() - self.start > 1.0:
-            from rich.console import Console
-            from rich.progress import Progress
+        self.share = share
+        self._update()
 
-            self.bar = Progress(console=Console(stderr=True), transient=True)
-            self.bar.start()
-            self.id = self.bar.add_task(self.task, total=1.0)
+    def _show(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        bar = Progress(console=Console(stderr=True), transient=True, redirect_stdout=False)
+        bar.add_task(self.task, total=None)
+        bar.start()
+        self.bar = bar
+        self._update()
+
+    def _update(self) -> None:
         if self.bar is not None:
-            self.bar.update(self.id, completed=share)
+            total = None if self.share is None else 1.0
+            id = self.bar.task_ids[0]
+            self.bar.update(id, description=self.task, total=total, completed=self.share or 0.0)
 
     def __exit__(self, *_: object) -> None:
+        self.timer.cancel()
+        if self.timer.ident is not None:
+            self.timer.join()
         if self.bar is not None:
             self.bar.stop()
 

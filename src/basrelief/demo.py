@@ -15,6 +15,8 @@ from basrelief.shaders.techniques import TECHNIQUES
 
 _SIZE = (640, 360)
 _SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
+COUNT = len(TECHNIQUES) + len(_SHAPES)
+"""How many pictures there are."""
 
 
 def pictures(folder: Path, engine: str) -> Iterator[Path]:
