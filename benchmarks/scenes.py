@@ -34,14 +34,18 @@ def work(scene: basrelief.Scene, size: tuple[int, int]):  # type: ignore[no-unty
     return program_of(thing, scene.shading_model), values_of(thing, scene, size)
 
 
-def alternate(tasks: Mapping[str, Callable[[], object]], runs: int = 7) -> dict[str, float]:
-    """Median seconds of each task, run in turn after one warm-up each."""
+def alternate(
+    tasks: Mapping[str, Callable[[], object]],
+    runs: int = 7,
+    clock: Callable[[], float] = time.perf_counter,
+) -> dict[str, float]:
+    """Median seconds of each task by a clock, run in turn after one warm-up each."""
     for task in tasks.values():
         task()
     times: dict[str, list[float]] = {name: [] for name in tasks}
     for _ in range(runs):
         for name, task in tasks.items():
-            start = time.perf_counter()
+            start = clock()
             task()
-            times[name].append(time.perf_counter() - start)
+            times[name].append(clock() - start)
     return {name: statistics.median(found) for name, found in times.items()}

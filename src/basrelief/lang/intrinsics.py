@@ -361,6 +361,9 @@ def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
 
 @_intrinsic(_map_and(IVec2, int, result=Vec4, kind=Texture))
 def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
-    """The four channels of one texel, 0 to 1; held to the map and its border of one texel."""
+    """The four channels of one texel in 65535ths; held to the map and its border of one texel.
+
+    Not divided, so that a filter divides once and not for each texel that it reads.
+    """
     k, row, column = texture.texel_index(cell.x, cell.y, level)
-    return Vec4(*(_f32(c) * _f32(1 / 65535) for c in texture.levels[k][row, column]))
+    return Vec4(*texture.levels[k][row, column])

@@ -174,8 +174,18 @@ class _Printer:
         return self.intrinsic(f"llvm.{name}.{suffix}", float, *((a, float) for a in arguments))
 
     def to_int(self, x: str) -> str:
-        suffix = f"v{self.out.lanes}i32.v{self.out.lanes}f32"
-        return self.intrinsic(f"llvm.fptosi.sat.{suffix}", int, (x, float))
+        """Towards zero, held to the range, NaN to 0; `llvm.fptosi.sat` takes a lane at a time."""
+        floats, least, most = self.out.names[float], -(2.0**31), 2.0**31 - 128
+        zero = "zeroinitializer"
+        number = self.make(f"fcmp ord {floats} {x}, {zero}")
+        held = self.select(number, x, zero, float)
+        for symbol, end in (("<", least), (">", most)):
+            bound = self.out.constant(end, float)
+            held = self.select(self.compare(symbol, held, bound, float), bound, held, float)
+        whole = self.make(f"fptosi {floats} {held} to {self.out.names[int]}")
+        # between the largest float below 2³¹ and 2³¹ itself there is nothing
+        beyond = self.compare(">", x, self.out.constant(most, float), float)
+        return self.select(beyond, self.out.constant(2**31 - 1, int), whole, int)
 
     def to_float(self, x: str) -> str:
         return self.make(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
@@ -197,15 +207,27 @@ class _Printer:
         zeros = f"<{count} x i32> zeroinitializer"
         return self.make(f"shufflevector {name} {one}, {name} poison, {zeros}")
 
-    def gather(self, base: str, index: str, kind: str) -> list[str]:
-        """One scalar (or short vector) of LLVM type `kind` for each lane; returns their names."""
+    def gather(self, base: str, index: str, kind: str, element: str | None = None) -> list[str]:
+        """One scalar of LLVM type `kind` for each lane, from an array of `element`s."""
         found = []
         for lane in range(self.out.lanes):
             one = self.make(f"extractelement {self.out.names[int]} {index}, i32 {lane}")
             wide = self.make(f"zext i32 {one} to i64")
-            element = "i32" if kind == "i32" else "float" if "float" in kind else "i64"
-            place = self.make(f"getelementptr {element}, ptr {base}, i64 {wide}")
+            place = self.make(f"getelementptr {element or kind}, ptr {base}, i64 {wide}")
             found.append(self.make(f"load {kind}, ptr {place}, align 4, !invariant.load !0"))
+        return found
+
+    def halves(self, pairs: Sequence[str], kind: str) -> list[str]:
+        """Two vectors from 64 bits for each lane: the lower and the upper 32 bits."""
+        lanes = self.out.lanes
+        whole = self.assemble(pairs, "i64")
+        flat = self.make(f"bitcast <{lanes} x i64> {whole} to <{2 * lanes} x {kind}>")
+        found = []
+        for side in (0, 1):
+            places = ", ".join(f"i32 {2 * lane + side}" for lane in range(lanes))
+            mask = f"<{lanes} x i32> <{places}>"
+            pair = f"<{2 * lanes} x {kind}>"
+            found.append(self.make(f"shufflevector {pair} {flat}, {pair} poison, {mask}"))
         return found
 
     def assemble(self, scalars: Sequence[str], kind: str) -> str:
@@ -797,10 +819,8 @@ def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     base = p.data(handle)
     found = []
     for place in (index, below):
-        pairs = p.gather(base, place, "<2 x float>")
-        for side in (0, 1):
-            scalars = [p.make(f"extractelement <2 x float> {pair}, i32 {side}") for pair in pairs]
-            found.append(p.assemble(scalars, "float"))
+        pairs = p.gather(base, place, "i64", "float")
+        found += p.halves(pairs, "float")
     return found
 
 
@@ -810,14 +830,10 @@ def _texel(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
     index = p.element(level, cell, 0)
-    pairs = p.gather(p.data(handle), index, "<2 x i32>")
     channels = []
-    for half in (0, 1):
-        scalars = [p.make(f"extractelement <2 x i32> {pair}, i32 {half}") for pair in pairs]
-        word = p.assemble(scalars, "i32")
+    for word in p.halves(p.gather(p.data(handle), index, "i64", "i64"), "i32"):
         for bits in (p.integer("and", word, 0xFFFF), p.integer("lshr", word, 16)):
-            unit = p.out.constant(1 / 65535, float)
-            channels.append(p.operation("fmul", p.to_float(bits), unit, float))
+            channels.append(p.to_float(bits))
     return channels
 
 

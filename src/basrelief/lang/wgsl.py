@@ -520,12 +520,12 @@ fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
 }
 """,
     "texel": """\
-// The four channels of one texel, 16-bit fractions of one.
+// The four channels of one texel, in 65535ths.
 fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
   let size = level_size(textureDimensions(map), k);
   let held = EDGE(clamp(cell, vec2i(-1), size), size);
-  return vec4f(textureLoad(map, held, k)) * (1.0 / 65535.0);
+  return vec4f(textureLoad(map, held, k));
 }
 """,
 }

@@ -6,6 +6,9 @@ from basrelief.lang import IVec2, Texture, Vec2, Vec4, floor, mix, shader, size,
 from basrelief.shaders.edge import in_tile
 from basrelief.shaders.gradients import Footprint, level_of_detail
 
+UNIT = 1.0 / 65535.0
+"""Channels are stored as 16-bit fractions of one."""
+
 
 @shader
 def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
@@ -26,7 +29,7 @@ def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
         texel(map, IVec2(column + 1, row + 1), mip),
         x - left,
     )
-    return mix(upper, lower, y - top)
+    return mix(upper, lower, y - top) * UNIT
 
 
 @shader
