@@ -44,25 +44,35 @@ _INTS = ("0", "1", "2", "3", "5", "-1", "-4", "100", "65537")
 class Writer:
     """Writes one program; the same seed writes the same text."""
 
-    def __init__(self, seed: int, size: int = 6) -> None:
+    def __init__(self, seed: int, size: int = 6, *, exact: bool = False) -> None:
         self.random = random.Random(seed)
         self.size = size
+        # an exact program computes with ints alone, on which all engines agree to the last bit
+        self.exact = exact
+        self.types = ("int", "int", "IVec2", "bool") if exact else TYPES
+        self.parameter_types = self.types[:3] if exact else TYPES
         self.lines: list[str] = []
         self.functions: list[tuple[str, list[str], str]] = []
         self.fresh = 0
 
     def program(self) -> str:
         for number in range(self.random.randint(1, 3)):
-            parameters = [self.random.choice(TYPES) for _ in range(self.random.randint(1, 3))]
-            self.function(f"part_{number}", parameters, self.random.choice(TYPES))
+            parameters = [
+                self.random.choice(self.parameter_types) for _ in range(self.random.randint(1, 3))
+            ]
+            self.function(f"part_{number}", parameters, self.random.choice(self.types))
         self.function("whole", ["float", "float", "int", "int", "bool"], "Found", self.size)
+        flag = "g.p"
+        if self.exact:
+            flag = "g.i < g.j"
         self.lines += [
             "@shader",
             "def entry(pixel: IVec2, items: Buffer[Given]) -> Found:",
             "    g = items[pixel.x]",
-            "    return whole(g.a, g.b, g.i, g.j, g.p)",
+            f"    return whole(g.a, g.b, g.i, g.j, {flag})",
         ]
-        return RECORDS + "\n".join(self.lines) + "\n"
+        records = RECORDS.replace("    p: bool\n", "") if self.exact else RECORDS
+        return records + "\n".join(self.lines) + "\n"
 
     def name(self, prefix: str) -> str:
         self.fresh += 1
@@ -110,7 +120,7 @@ class Writer:
                 self.emit(f"{name} {self.random.choice('+-*')}= {self.expression(t, 2)}")
                 return
         else:
-            name, t = self.name("v"), self.random.choice(TYPES)
+            name, t = self.name("v"), self.random.choice(self.types)
         self.emit(f"{name} = {self.expression(t, 3)}")
         self.readable[name] = t
 
@@ -118,7 +128,7 @@ class Writer:
         before = dict(self.readable)
         # a variable that every branch sets and that is used afterwards
         shared = self.name("s") if self.random.random() < 0.5 else None
-        kind = self.random.choice(TYPES)
+        kind = self.random.choice(self.types)
         after: list[dict[str, str]] = []
         words = ["if"] + ["elif"] * self.random.choice((0, 0, 1)) + ["else"]
         if shared is None and self.random.random() < 0.4:
@@ -209,15 +219,17 @@ class Writer:
 
     def expression(self, t: str, depth: int) -> str:
         choices = [n for n, kind in self.readable.items() if kind == t]
+        if self.exact and t == "float":
+            choices = []
         if choices and self.random.random() < (0.75 if depth <= 0 else 0.25):
             return self.random.choice(choices)
-        if depth <= 0:
+        if depth <= 0 or (self.exact and t in ("float", "Vec2", "Vec3", "Pair")):
             return self.leaf(t)
         calls = [f for f in self.functions if f[2] == t]
         if calls and self.random.random() < 0.3 and self.rounds < 30:
             name, parameters, _ = self.random.choice(calls)
             return f"{name}({', '.join(self.expression(p, depth - 1) for p in parameters)})"
-        if self.random.random() < 0.12:
+        if self.random.random() < 0.12 and not (self.exact and t == "Found"):
             test = self.expression("bool", depth - 1)
             return (
                 f"({self.expression(t, depth - 1)} if {test} else {self.expression(t, depth - 1)})"
@@ -230,7 +242,7 @@ class Writer:
             case "float":
                 return pick(_FLOATS)
             case "int":
-                return pick(_INTS)
+                return pick(_INTS[:7] if self.exact else _INTS)
             case "bool":
                 return pick(("True", "False"))
             case "Vec2":
@@ -263,21 +275,24 @@ class Writer:
             lambda: f"({e()} // {e()})", lambda: f"({e()} % {e()})", lambda: f"({e()} & {e()})",
             lambda: f"({e()} | {e()})", lambda: f"({e()} ^ {e()})", lambda: f"({e()} >> 3)",
             lambda: f"({e()} << 2)", lambda: f"(-{e()})", lambda: f"abs({e()})",
-            lambda: f"min({e()}, {e()})", lambda: f"max({e()}, {e()})", lambda: f"int({e('float')})",
+            lambda: f"min({e()}, {e()})", lambda: f"max({e()}, {e()})",
+            lambda: f"int({e('float')})",
             lambda: f"int({e('bool')})", lambda: f"{e('IVec2')}.x", lambda: f"{e('Pair')}.n",
         ))()  # fmt: skip
 
     def of_bool(self, e) -> str:
         order = self.random.choice(("<", "<=", ">", ">=", "==", "!="))
         return self.random.choice((
-            lambda: f"({e('float')} {order} {e('float')})", lambda: f"({e('int')} {order} {e('int')})",
+            lambda: f"({e('float')} {order} {e('float')})",
+            lambda: f"({e('int')} {order} {e('int')})",
             lambda: f"({e('float')} < {e('float')} <= {e('float')})", lambda: f"(not {e()})",
             lambda: f"({e()} and {e()})", lambda: f"({e()} or {e()})", lambda: f"({e()} == {e()})",
         ))()  # fmt: skip
 
     def of_Vec2(self, e) -> str:  # noqa: N802
         return self.random.choice((
-            lambda: f"({e()} + {e()})", lambda: f"({e()} * {e('float')})", lambda: f"{e('Vec3')}.zx",
+            lambda: f"({e()} + {e()})", lambda: f"({e()} * {e('float')})",
+            lambda: f"{e('Vec3')}.zx",
             lambda: f"Vec2({e('float')}, {e('float')})", lambda: f"{e()}.yx", lambda: f"(-{e()})",
             lambda: f"minimum({e()}, {e('float')})", lambda: f"({e()} / {e()})",
         ))()  # fmt: skip

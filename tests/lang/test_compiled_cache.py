@@ -237,7 +237,6 @@ def test_some_rows_are_those_of_the_whole(module):
         np.testing.assert_array_equal(some[name], plane[9:31])
 
 
-
 def test_values_that_are_missing_or_wrong(module):
     from basrelief.errors import EngineError
 

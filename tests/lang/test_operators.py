@@ -49,7 +49,8 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
             "i + j", "i - j", "i * j", "i // j", "i % j", "-i", "i & j", "i | j", "i ^ j",
             "i << 0", "i << 5", "i << 31", "i >> 0", "i >> 1", "i >> 31", "i * j + k", "i // 3",
             "i % 3", "i // -3", "i % -3", "i // 8", "i % 8", "i // -1", "i % -1", "i // 0", "i % 0",
-            "7 // i", "7 % i", "-7 // i", "-7 % i", "(i & 0xFF) << 8 | j >> 24", "i // j * j + i % j",
+            "7 // i", "7 % i", "-7 // i", "-7 % i", "(i & 0xFF) << 8 | j >> 24",
+            "i // j * j + i % j",
             "i - j - k", "-(-i)", "1 << 31", "i * -1",
         )
     ]),
@@ -61,13 +62,15 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
     ]),
     "choices and conversions": ("mixed", [
         ("float", "a if p else b"), ("float", "a if a < b else b if p else -a"),
-        ("int", "i if p and q else j"), ("int", "i if p or q else j"), ("bool", "p if q else a < b"),
+        ("int", "i if p and q else j"), ("int", "i if p or q else j"), ("bool",
+        "p if q else a < b"),
         ("bool", "p and q"), ("bool", "p or q"), ("bool", "not p"), ("bool", "p == q"),
         ("bool", "p != q"), ("float", "a / b if b != 0.0 else 0.0"),
         ("int", "i // j if j != 0 else -1"), ("Vec2", "Vec2(a, b) if p else Vec2(b)"),
         ("float", "float(i)"), ("float", "float(a)"), ("float", "float(p)"), ("int", "int(a)"),
         ("int", "int(i)"), ("int", "int(p)"), ("int", "int(a * 1e-3)"), ("int", "int(-a)"),
-        ("int", "int(floor(a + 0.5))"), ("float", "float(i) / float(j)"), ("int", "int(p) + int(q)"),
+        ("int", "int(floor(a + 0.5))"), ("float", "float(i) / float(j)"), ("int",
+        "int(p) + int(q)"),
     ]),
     "intrinsics of floats": ("floats", [
         ("float", text) for text in (
@@ -87,7 +90,8 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
         )
     ]),
     "functions of two": ("floats", [
-        ("float", text) for text in ("pow(a, b)", "atan2(a, b)", "pow(abs(a), 2.2)", "atan2(a, 1.0)")
+        ("float", text) for text in ("pow(a, b)", "atan2(a, b)", "pow(abs(a), 2.2)",
+        "atan2(a, 1.0)")
     ]),
     "vector arithmetic": ("vectors", [
         (kind, text.replace("U", f"u{n}").replace("V", f"v{n}"))
@@ -101,7 +105,8 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
         (kind, text.replace("U", f"u{n}").replace("V", f"v{n}"))
         for n, vector in ((2, "Vec2"), (3, "Vec3"), (4, "Vec4"))
         for kind, text in (
-            (vector, "sqrt(U)"), (vector, "floor(U)"), (vector, "fract(U)"), (vector, "saturate(U)"),
+            (vector, "sqrt(U)"), (vector, "floor(U)"), (vector, "fract(U)"), (vector,
+            "saturate(U)"),
             (vector, "minimum(U, V)"), (vector, "maximum(U, s)"), (vector, "clamp(U, s, V)"),
             (vector, "clamp(U, 0.0, 1.0)"), (vector, "mix(U, V, s)"), (vector, "mix(U, V, V)"),
             (vector, "mix(U, s, V)"), ("float", "dot(U, V)"), ("float", "length(U)"),
@@ -109,10 +114,12 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
         )
     ] + [("Vec3", "cross(u3, v3)"), ("Vec3", "cross(u3, u3)")]),
     "swizzles and construction": ("vectors", [
-        ("float", "u2.y"), ("float", "u3.b"), ("float", "u4.a"), ("Vec2", "u2.yx"), ("Vec2", "u3.zz"),
+        ("float", "u2.y"), ("float", "u3.b"), ("float", "u4.a"), ("Vec2", "u2.yx"), ("Vec2",
+        "u3.zz"),
         ("Vec2", "u4.wx"), ("Vec3", "u2.xyx"), ("Vec3", "u3.bgr"), ("Vec3", "u4.rgb"),
         ("Vec4", "u2.xyxy"), ("Vec4", "u3.zzzx"), ("Vec4", "u4.wzyx"), ("Vec2", "Vec2(s)"),
-        ("Vec3", "Vec3(s)"), ("Vec4", "Vec4(1.0)"), ("Vec3", "Vec3(u2, s)"), ("Vec3", "Vec3(s, u2)"),
+        ("Vec3", "Vec3(s)"), ("Vec4", "Vec4(1.0)"), ("Vec3", "Vec3(u2, s)"), ("Vec3",
+        "Vec3(s, u2)"),
         ("Vec4", "Vec4(u2, v2)"), ("Vec4", "Vec4(s, u3)"), ("Vec4", "Vec4(s, u2, t)"),
         ("Vec4", "Vec4(u4)"), ("float", "(u3 + v3).zy.y"), ("float", "Vec3(s, t, 2.0).zxy.z"),
         ("Vec3", "u3 if s < t else v3"),
@@ -132,17 +139,19 @@ RESOURCES = {"corners", "texel", "size", "levels", "len"}
 """Intrinsics that `test_map_reads.py` holds."""
 
 
-def table_module(folder, table):
-    """A module whose entry computes all expressions of a table."""
+def table_module(folder, table, leave_out=(), records=INPUTS):
+    """A module whose entry computes all expressions of a table, and the expressions."""
     inputs, expressions = TABLES[table]
-    fields = INPUTS[inputs]
+    expressions = [e for e in expressions if e[1] not in leave_out]
+    fields = records[inputs]
     names = [line.split(":")[0].strip() for line in fields.splitlines()]
-    loads = "\n".join(f"    {name} = item.{name}" for name in names)
+    # where bools are held as ints
+    tested = {n: " != 0" for n in ("p", "q") if f"{n}: int" in fields}
+    loads = "\n".join(f"    {name} = item.{name}{tested.get(name, '')}" for name in names)
     found = "\n".join(f"    f{n}: {t}" for n, (t, _) in enumerate(expressions))
-    values = ",\n".join(f"        {text}" for _, text in expressions)
-    return write_module(
-        folder,
-        f"""
+    values = "\n".join(f"    f{n} = {text}" for n, (_, text) in enumerate(expressions))
+    results = ", ".join(f"f{n}" for n in range(len(expressions)))
+    text = f"""
 @struct
 class Given:
     {fields}
@@ -155,16 +164,15 @@ class Found:
 def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
     item = items[pixel.x]
 {loads}
-    return Found(
-{values},
-    )
-""",
-    )
+{values}
+    return Found({results})
+"""
+    return write_module(folder, text), expressions
 
 
 @pytest.fixture(scope="module")
 def module_of(folder):
-    return functools.cache(lambda table: table_module(folder, table))
+    return functools.cache(lambda table: table_module(folder, table)[0])
 
 
 def hand_picked(inputs: str) -> list[tuple]:

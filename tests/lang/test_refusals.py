@@ -149,7 +149,8 @@ BODIES = {
     "k = 0\n    m = 5\n    while k < m:\n        k += 1\n        m = m + 1": (
         "k < m", "be seen to end",
     ),
-    "k = 0\n    while k < 9:\n        k += 1\n    else:\n        y = x": ("while k < 9:", "no else"),
+    "k = 0\n    while k < 9:\n        k += 1\n    else:\n        y = x": ("while k < 9:",
+    "no else"),
     "for k in range(3):\n        k = 5": ("k = 5", "set by the loop alone"),
     "for k in range(3):\n        pass\n    else:\n        y = x": ("for k in", "without else"),
     "for k in p.v:\n        pass": ("for k in p.v", "range(…)"),
@@ -172,7 +173,8 @@ BODIES = {
     "sqrt = sqrt(x)": ("sqrt", "sqrt is set in this shader"),
     "return x\n    y = x": ("y = x", "nothing gets here; remove it"),
     "for k in range(3):\n        break\n        y = x": ("y = x", "nothing gets here"),
-    "if x > 0.0:\n        return x\n    else:\n        return n": ("return n", "the result is float"),
+    "if x > 0.0:\n        return x\n    else:\n        return n": ("return n",
+    "the result is float"),
     "return n": ("return n", "the result is float, not int"),
     "return p": ("return p", "the result is float, not Point"),
 }  # fmt: skip

@@ -46,7 +46,7 @@ class Inner:
 @struct
 class Outer:
     near: Inner
-    weight: float = setting(0.5, "how much", low=0.0, high=1.0)
+    weight: float = setting(default=0.5, doc="how much", low=0.0, high=1.0)
     on: bool = True
 
 
