@@ -1,6 +1,13 @@
-"""Every technique, one file a family. Add one: write it in a file here and name it below."""
+"""Every technique, one file a family; a file that is put here is found.
+
+Read `offset.py` first, then `march.py`; `technique.py` says what a technique is.
+"""
 
 from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
 
 from basrelief.shaders.ray import Hit, Ray, at
 from basrelief.shaders.techniques.march import parallax_occlusion, relief, steep
@@ -12,7 +19,17 @@ __all__ = [
     "offset_limited", "parallax_occlusion", "relief", "steep", "technique",
 ]  # fmt: skip
 
+
+def _found() -> Iterator[Technique[..., Hit]]:
+    """The techniques that the files of this folder define."""
+    for file in pkgutil.iter_modules(__path__):
+        module = importlib.import_module(f"{__name__}.{file.name}")
+        for made in vars(module).values():
+            if isinstance(made, Technique) and made.__module__ == module.__name__:
+                yield made
+
+
 TECHNIQUES: dict[str, Technique[..., Hit]] = {
-    made.name: made for made in (flat, offset, offset_limited, steep, parallax_occlusion, relief)
+    made.name: made for made in sorted(_found(), key=lambda each: each.most_reads)
 }
 """The techniques by name, from the cheapest on."""

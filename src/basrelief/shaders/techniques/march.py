@@ -63,7 +63,7 @@ class Layers:
     reads: int
 
 
-@technique()
+@technique(most_reads=10)
 def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
     """March to the first layer that is below the surface, and stay there: visible layers.
 
@@ -73,7 +73,7 @@ def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
     return Hit(at(ray, end.height), end.height, end.height <= end.surface, end.reads)
 
 
-@technique()
+@technique(most_reads=32)
 def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
     """March to the first layer below the surface, then cut the last step with the surface chord.
 
@@ -87,7 +87,7 @@ def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
     return Hit(at(ray, height), height, found, end.reads)
 
 
-@technique()
+@technique(most_reads=37)
 def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     """March to the first layer below the surface, then halve the last step again and again.
 

@@ -23,7 +23,7 @@ def flat(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     return Hit(ray.uv, ray.level, True, 0)
 
 
-@technique(level=0.5)
+@technique(level=0.5, most_reads=1)
 def offset(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """Take the height where the ray comes in for that where it ends.
 
@@ -34,7 +34,7 @@ def offset(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     return shifted(field, ray, settings)
 
 
-@technique(level=0.5, projection="limited")
+@technique(level=0.5, projection="limited", most_reads=1)
 def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """The same, the offset never longer than the height: no tearing, little depth at an angle.
 

@@ -42,6 +42,8 @@ class Technique(Shader[P, R]):
     level: float = 1.0
     """The height that lies on the polygon."""
     projection: Projection = "full"
+    most_reads: int = 0
+    """Heights read at most with the default settings, a first idea of the cost."""
 
     @property
     def settings(self) -> Any:
@@ -51,13 +53,16 @@ class Technique(Shader[P, R]):
 
 
 def technique(
-    *, level: float = 1.0, projection: Projection = "full"
+    *, level: float = 1.0, projection: Projection = "full", most_reads: int = 0
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
-    """Mark a shader as a technique; `level` and `projection` are its defaults."""
+    """Mark a shader as a technique; `level` and `projection` are its defaults.
+
+    `most_reads` says how many heights it reads at most with its default settings.
+    """
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
-        made.level, made.projection = level, projection
+        made.level, made.projection, made.most_reads = level, projection, most_reads
         return made
 
     return mark
