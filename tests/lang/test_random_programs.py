@@ -19,7 +19,7 @@ WIDTHS = (1, 3, 7, 13)
 
 
 def seeds() -> range:
-    first, _, count = os.environ.get("RANDOM_PROGRAMS", "0:24").partition(":")
+    first, _, count = os.environ.get("RANDOM_PROGRAMS", "0:16").partition(":")
     return range(int(first), int(first) + int(count))
 
 
