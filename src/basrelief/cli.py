@@ -25,6 +25,10 @@ app = typer.Typer(
 )
 
 
+_INTERRUPTED = 130
+"""The exit code after Ctrl-C; typer returns it in place of raising."""
+
+
 def main() -> NoReturn:
     """Run the command line; what the user can mend is one line and exit code 2."""
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -33,11 +37,13 @@ def main() -> NoReturn:
     try:
         # not standalone: errors come back here instead of as a usage screen or a traceback
         code = app(standalone_mode=False) or 0
+        if code == _INTERRUPTED:
+            raise KeyboardInterrupt
         sys.stdout.flush()
     except BasreliefError as error:
         _fail(str(error))
     except (KeyboardInterrupt, typer.Abort):
-        _fail("interrupted; no unfinished file is left", 130)
+        _fail("interrupted; no unfinished file is left", _INTERRUPTED)
     except MemoryError:
         _fail("this does not fit in memory; take a smaller --size, or smaller maps")
     except BrokenPipeError:
