@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from basrelief import rendering
 from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import EngineError, InputError
 from basrelief.lang import HeightField, IVec2, Texture, bound, setting, shader, struct
@@ -173,6 +174,17 @@ def test_a_picture_is_saved_as_it_was_drawn(tmp_path) -> None:
     np.testing.assert_allclose(saved.pixels, frame.color[:, :, :3], atol=2e-3)
     clear = drawn(BRICKS, background=None)
     assert read_picture(clear.save(tmp_path / "clear.png")).pixels.shape == (36, 64, 4)
+
+
+@pytest.mark.parametrize("rows", [1, 7, 36])
+def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
+    """Bands of a row, of seven with a rest, and the picture whole."""
+    scene = Scene((Object(BRICKS), Object(BRICKS, shape="sphere")), camera=Orbit(distance=3.0))
+    whole = drawn(scene, samples=3)
+    monkeypatch.setattr(rendering, "_BAND", rows * SIZE[0])
+    banded = drawn(scene, samples=3)
+    for name in ("color", "depth", "uv", "hit", "reads"):
+        np.testing.assert_array_equal(getattr(banded, name), getattr(whole, name))
 
 
 # --- samples and backgrounds ----------------------------------------------------------------------
@@ -418,7 +430,7 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
 
 @technique()
 def nothing_at_all(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    """Half a tile along v, wherever that is."""
+    """Stay where the ray comes in, and say that it took seven reads."""
     return Hit(ray.uv, ray.level, False, 7)
 
 
