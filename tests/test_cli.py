@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import basrelief
-from basrelief import cli, demo
+from basrelief import cli
 from basrelief.engine import choose_engine, cpu, gpu
 from basrelief.material import describe, report
 from basrelief.picture import read_picture, srgb_encode, write_data
@@ -358,7 +358,7 @@ def fresh_choice(name: str) -> Any:
     return choose_engine.__wrapped__(name)
 
 
-# --- info, techniques, demo, help -----------------------------------------------------------------
+# --- info, techniques, help -----------------------------------------------------------------------
 
 
 def test_info_tells_what_was_found_and_why(wall: Path) -> None:
@@ -389,36 +389,6 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
     every = parts["with every technique"]
     assert "    base_color=1/1/1     from 0     colour, times the map's, linear" in every
     assert max(map(len, printed.splitlines())) <= 100
-
-
-def heights_alone(name: str) -> basrelief.Material:
-    return basrelief.Material(name, height=basrelief.sample(name, 16).height)
-
-
-def test_demo(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    few = {name: TECHNIQUES[name] for name in ("flat", "offset")}
-    monkeypatch.setattr(demo, "TECHNIQUES", few)
-    monkeypatch.setattr(demo, "_SHAPES", (("cobbles", "sphere"),))
-    monkeypatch.setattr(demo, "_SIZE", SIZE)
-    monkeypatch.setattr(demo, "sample", heights_alone)
-    names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
-    printed = done("demo", "--engine", "cpu", "-o", "some/where")
-    assert printed.splitlines()[:3] == [f"some/where/{name}" for name in names]
-    assert "The pictures are in some/where. Next: basrelief render" in printed
-    assert sorted(os.listdir("some/where")) == names
-    pictures = [read_picture(f"some/where/{name}").pixels for name in names]
-    assert all(each.shape == (20, 28, 3) for each in pictures)
-    assert not (pictures[0] == pictures[1]).all()
-    # a second time, over the first, into the folder of the default
-    assert "basrelief-demo/bricks-flat.png" in done("demo", "--engine", "cpu")
-    assert sorted(os.listdir("basrelief-demo")) == names
-
-
-def test_demo_knows_how_many_pictures_there_are() -> None:
-    samples = {name: basrelief.sample(name, 4) for name in basrelief.material.SAMPLES}
-    scenes = dict(demo._scenes(samples))
-    assert len(scenes) == demo.COUNT == len(TECHNIQUES) + 4
-    assert {scene.objects[0].shape for scene in scenes.values()} == set(basrelief.scene.SHAPES)
 
 
 def test_version() -> None:

@@ -1,0 +1,120 @@
+"""The demo's pictures; and what the README and the documentation show runs as it stands there."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import basrelief
+from basrelief import demo
+from basrelief.picture import read_picture
+from basrelief.shaders.techniques import TECHNIQUES
+from command_line import done, environment, write_heights
+
+REPOSITORY = Path(__file__).parent.parent
+PAGES = ("README.md", "docs/command-line.md")
+SMALL = ["--size", "24x18", "--samples", "1"]
+
+
+def commands(page: str) -> list[str]:
+    """The indented lines of a page that run basrelief on a terminal."""
+    text = (REPOSITORY / page).read_text()
+    return re.findall(r"^    (basrelief .*)$", text, flags=re.MULTILINE)
+
+
+def blocks(page: str) -> list[str]:
+    """The Python examples of a page."""
+    return re.findall(r"^```python\n(.*?)^```$", (REPOSITORY / page).read_text(), re.M | re.S)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with FOLDER, a material, and my.py, the README's own technique."""
+    monkeypatch.chdir(tmp_path)
+    write_heights(tmp_path / "FOLDER")
+    (own,) = (block for block in blocks("README.md") if "@technique" in block)
+    Path("my.py").write_text(own)
+    return tmp_path
+
+
+# --- the demo -------------------------------------------------------------------------------------
+
+
+def heights_alone(name: str) -> basrelief.Material:
+    return basrelief.Material(name, height=basrelief.sample(name, 16).height)
+
+
+def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    few = {name: TECHNIQUES[name] for name in ("flat", "offset")}
+    monkeypatch.setattr(demo, "TECHNIQUES", few)
+    monkeypatch.setattr(demo, "_SHAPES", (("cobbles", "sphere"),))
+    monkeypatch.setattr(demo, "_SIZE", (24, 18))
+    monkeypatch.setattr(demo, "sample", heights_alone)
+    names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
+    printed = done("demo", "--engine", "cpu", "-o", "some/where")
+    assert printed.splitlines()[:3] == [f"some/where/{name}" for name in names]
+    assert "The pictures are in some/where. Next: basrelief render" in printed
+    assert sorted(os.listdir("some/where")) == names
+    pictures = [read_picture(f"some/where/{name}").pixels for name in names]
+    assert all(each.shape == (18, 24, 3) for each in pictures)
+    assert not (pictures[0] == pictures[1]).all()
+    # a second time, over the first, into the folder of the default
+    assert "basrelief-demo/bricks-flat.png" in done("demo", "--engine", "cpu")
+    assert sorted(os.listdir("basrelief-demo")) == names
+
+
+def test_demo_knows_how_many_pictures_there_are() -> None:
+    samples = {name: basrelief.sample(name, 4) for name in basrelief.material.SAMPLES}
+    scenes = dict(demo._scenes(samples))
+    assert len(scenes) == demo.COUNT == len(TECHNIQUES) + 4
+    assert {scene.objects[0].shape for scene in scenes.values()} == set(basrelief.scene.SHAPES)
+
+
+# --- what pages show ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line", [line for page in PAGES for line in commands(page) if "demo" not in line]
+)
+def test_commands_that_pages_show(line: str, here: Path) -> None:
+    """Each runs, and those that draw leave their picture; small, since all are many."""
+    words = shlex.split(line)[1:]
+    printed = done(*words, *(SMALL if words[0] == "render" else []))
+    assert printed
+    pictures = set(os.listdir()) - {"FOLDER", "my.py"}
+    assert len(pictures) == (words[0] == "render")
+    for name in pictures:
+        assert printed.startswith(name)
+        assert read_picture(name).pixels.shape[:2] == (18, 24)
+
+
+def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(demo, "pictures", lambda *given: asked.append(given) or [Path("a.png")])
+    for line in commands("docs/command-line.md"):
+        if "demo" in line:
+            done(*shlex.split(line)[1:])
+    assert asked == [(Path("basrelief-demo"), "auto"), (Path("pictures"), "cpu")]
+
+
+def test_every_command_is_shown() -> None:
+    shown = {line.split()[1] for line in commands("docs/command-line.md")}
+    assert shown == {"render", "info", "techniques", "demo"}
+    assert len(commands("README.md")) >= 5
+
+
+def test_the_python_example_of_the_readme(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As it stands, but for the size of the picture."""
+    (example,) = (block for block in blocks("README.md") if "image.save" in block)
+    monkeypatch.setitem(os.environ, *environment().popitem())
+    small = example.replace("(1280, 720)", "(24, 18)")
+    assert small != example
+    scope: dict[str, object] = {}
+    exec(compile(small, "README.md", "exec"), scope)
+    assert isinstance(scope["image"], basrelief.Frame)
+    assert read_picture("rock.png").pixels.shape == (18, 24, 3)
