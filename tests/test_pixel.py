@@ -422,6 +422,28 @@ def test_lambert_on_a_normal_map_is_its_cosine() -> None:
     np.testing.assert_allclose(frame.color[:, :, 0], wanted, atol=2e-3)
 
 
+@pytest.mark.parametrize("name", TRANSFORMS)
+def test_normals_are_those_of_the_transformed_relief(name) -> None:
+    """C15: a stretched ramp is lit as the tilted plane that it has become."""
+    matrix = TRANSFORMS[name]
+    u, v = np.meshgrid((np.arange(32) + 0.5) / 32, (np.arange(32) + 0.5) / 32)
+    scale, a, b = 0.5, 0.6, -0.3
+    ramp = heights(0.5 + a * (u - 0.5) + b * (v - 0.5))
+    thing = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
+    light = directional(35.0, 50.0)
+    camera = seen_alike(matrix, SLANTED)
+    frame = drawn(thing, camera, lights=(light,), shading=MATTE, shading_model="phong")
+    # two directions on the ramp in object space, taken to the world; x is u and y is −v
+    along = [matrix[:3, :3] @ way for way in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
+    normal = unit(np.cross(*along)) * np.sign(np.linalg.det(matrix))
+    wanted = 0.6 * max(float(normal @ -np.array([*light.direction], np.float64)), 0.0)
+    inside = frame.hit & (np.abs(frame.uv - 0.5).max(axis=-1) < 0.4)
+    assert inside.sum() > 100
+    assert wanted > 0.05
+    # coarse levels mix in the border, where the ramp ends
+    assert np.median(frame.color[inside][:, 0]) == pytest.approx(wanted, abs=1e-3)
+
+
 # --- the offset acts everywhere -------------------------------------------------------------------
 
 LAMPS = {
