@@ -7,10 +7,14 @@ instead. The rules are those of the design: values only, one type a name, loops 
 from __future__ import annotations
 
 import ast
+import functools
 import inspect
+import operator
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
+
+import numpy as np
 
 from basrelief.lang import tree
 from basrelief.lang.intrinsics import BY_FUNCTION
@@ -49,6 +53,15 @@ def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
     for shader in shaders:
         program.function(shader)
     return list(program.done.values())
+
+
+@functools.cache
+def approximations() -> dict[str, tree.Function]:
+    """The typed functions of `lang.approximations`, by name."""
+    from basrelief.lang import approximations as module
+
+    shaders = [s for s in vars(module).values() if isinstance(s, Shader)]
+    return {function.name: function for function in analyse_all(shaders)}
 
 
 class _Program:
@@ -469,6 +482,8 @@ class _FunctionAnalysis:
         number = operand.type in (float, int) or operand.type in VECTORS
         if not isinstance(node.op, ast.USub) or not number:
             raise self.source.error(node, "write `-x` of a number or vector, or `not x` of a bool")
+        if isinstance(operand, tree.Literal) and operand.type is int:
+            return tree.Literal(int, _folded("-", 0, int(operand.value)))
         return tree.Unary(operand.type, "-", operand)
 
     def binary(self, node: ast.BinOp) -> tree.Expression:
@@ -483,6 +498,9 @@ class _FunctionAnalysis:
                 f"`{symbol}` does not join {named(left.type)} and {named(right.type)}"
                 + _binary_hint(symbol, left, right),
             )
+        if isinstance(left, tree.Literal) and isinstance(right, tree.Literal) and result is int:
+            # targets compute expressions of literals in a way of their own: leave them none
+            return tree.Literal(int, _folded(symbol, int(left.value), int(right.value)))
         return tree.Binary(result, symbol, left, right)
 
     def comparison(self, node: ast.Compare) -> tree.Expression:
@@ -636,6 +654,19 @@ def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> 
         if vector in VECTORS and VECTORS[vector][0] is scalar:
             return vector
     return None
+
+
+_FOLD: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "//": operator.floordiv,
+    "%": operator.mod, "&": operator.and_, "|": operator.or_, "^": operator.xor,
+    "<<": operator.lshift, ">>": operator.rshift,
+}  # fmt: skip
+
+
+def _folded(symbol: str, a: int, b: int) -> int:
+    """An operation on two int literals, in 32 bits."""
+    with np.errstate(all="ignore"):
+        return int(_FOLD[symbol](np.int32(a), np.int32(b)))
 
 
 def _binary_hint(symbol: str, left: tree.Expression, right: tree.Expression) -> str:

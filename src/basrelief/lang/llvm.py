@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.lang import tree
+from basrelief.lang.frontend import approximations
 from basrelief.lang.intrinsics import APPROXIMATED
 from basrelief.lang.resources import is_handle
 from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
@@ -51,23 +52,12 @@ def print_llvm(module: tree.Module, lanes: int) -> str:
     while out.approximations - printed:
         for name in sorted(out.approximations - printed):
             printed.add(name)
-            text.append(_FunctionPrinter(out, _approximations()[name], _MATH).text())
+            text.append(_FunctionPrinter(out, approximations()[name], _MATH).text())
     text.append(_EntryPrinter(out, module.entry).text())
     return "\n".join([*sorted(out.declarations), "", *text, "!0 = !{}", ""])
 
 
 _MATH = "math."
-
-
-@functools.cache
-def _approximations() -> dict[str, tree.Function]:
-    """The typed functions of `approximations`, by name."""
-    from basrelief.lang import approximations
-    from basrelief.lang.frontend import analyse_all
-    from basrelief.lang.shader import Shader
-
-    shaders = [s for s in vars(approximations).values() if isinstance(s, Shader)]
-    return {function.name: function for function in analyse_all(shaders)}
 
 
 class _Output:
@@ -275,6 +265,10 @@ class _FunctionPrinter(_Printer):
                 place = self.variable(leaf, path)
                 self.store(f"%arg.{path}", place, leaf)
                 self.places[name].append(place)
+        if self.early_returns:
+            # lanes that never return hold zeros, not whatever was there
+            for place, (_, leaf) in zip(self.results, leaves(function.result), strict=True):
+                self.store("zeroinitializer", place, leaf)
         self.body(function.body)
         self.return_results()
         doc = "".join(f"; {line}\n" for line in function.doc.splitlines())

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from basrelief.lang import tree
+from basrelief.lang.frontend import approximations
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import Edge, HeightField, Texture, buffer_record, is_handle
 from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record, leaves
@@ -76,6 +77,10 @@ class _Module:
         self.module = module
         self.edge: Edge = edge
         self.helpers: set[str] = set()
+        self.approximations: set[str] = set()
+        """Names of our own functions that stand in for less exact ones."""
+        self.chosen: dict[Any, None] = {}
+        """Matrices and records between which a conditional expression chooses."""
         self.records: dict[Any, None] = {}
         self.taken = {f.name for f in module.functions}
         for function in module.functions:
@@ -109,16 +114,16 @@ class _Module:
         """A name as WGSL lets it be."""
         return f"{name}_" if name in _RESERVED else name
 
-    def local(self, name: str) -> str:
-        """A local's name, clear of functions and records too; `_` counts rounds unread."""
-        name = "round" if name == "_" else name
-        return f"{name}_" if name in self.taken or name in _RESERVED else name
-
     def type(self, t: Any) -> str:
         return _TYPES[t] if t in _TYPES else self.name(t.__name__)
 
     def functions_text(self) -> str:
         functions = [_FunctionPrinter(self, f).text() for f in self.module.functions]
+        printed: set[str] = set()
+        while self.approximations - printed:
+            for name in sorted(self.approximations - printed):
+                printed.add(name)
+                functions.append(_FunctionPrinter(self, approximations()[name]).text())
         return "\n".join([*self.record_texts(), *self.helper_texts(), *functions])
 
     def text(self) -> str:
@@ -141,6 +146,12 @@ class _Module:
         for name, text in _HELPERS.items():
             if name in wanted:
                 yield text.replace("EDGE", f"edge_{self.edge}")
+        for t in self.chosen:
+            yield _CHOICE.replace("NAME", self.choice(t)).replace("TYPE", self.type(t))
+
+    def choice(self, t: Any) -> str:
+        """The name of the function that chooses between two values of a type."""
+        return f"select_{t.__name__}"
 
     def binding_texts(self) -> Iterator[str]:
         for number, binding in enumerate(bindings(self.module)):
@@ -166,6 +177,19 @@ class _Module:
                         f"{where}<storage, read> {self.buffers[record]}: {item}List;"
                     )
 
+    def places(self, value: str, t: Any) -> Iterator[tuple[str, Any]]:
+        """The scalars of a value as WGSL reaches them, and their types."""
+        if t is Mat3:
+            for column in range(3):
+                yield from self.places(f"{value}[{column}]", Vec3)
+        elif is_record(t):
+            for name, field in fields_of(t).items():
+                yield from self.places(f"{value}.{self.name(name)}", field)
+        elif t in VECTORS:
+            yield from ((f"{value}.{name}", leaf) for name, leaf in leaves(t))
+        else:
+            yield value, t
+
     def entry_text(self) -> str:
         entry = self.module.entry
         given = ["vec2i(at)"]
@@ -173,8 +197,7 @@ class _Module:
             if binding.kind != "buffer":
                 given.append(f"{binding.name}_{binding.kind}")
         lines = [f"  let result = {self.name(entry.name)}({', '.join(given)});"]
-        for index, (path, t) in enumerate(leaves(entry.result)):
-            value = ".".join(["result", *map(self.name, path.split("."))])
+        for index, (value, t) in enumerate(self.places("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
         return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
@@ -188,11 +211,23 @@ class _FunctionPrinter:
         self.function = function
         self.lines: list[str] = []
         self.indent = 1
+        self.names: dict[str, str] = {}
+        self.used = {*module.taken, *_RESERVED}
+        for name in [*function.parameters, *function.locals]:
+            self.names[name] = self.fresh(name)
+
+    def fresh(self, name: str) -> str:
+        """A name that nothing else in the function has; `_` counts rounds unread."""
+        made = "round" if name == "_" else name
+        while made in self.used:
+            made += "_"
+        self.used.add(made)
+        return made
 
     def text(self) -> str:
         m, f = self.module, self.function
         parameters = [
-            f"{m.local(name)}: {m.type(t)}"
+            f"{self.names[name]}: {m.type(t)}"
             for name, t in f.parameters.items()
             if buffer_record(t) is None
         ]
@@ -208,7 +243,7 @@ class _FunctionPrinter:
 
     def block(self, block: tree.Block) -> None:
         for name, t in block.hoisted.items():
-            self.emit(f"var {self.module.local(name)}: {self.module.type(t)};")
+            self.emit(f"var {self.names[name]}: {self.module.type(t)};")
         for statement in block.statements:
             for comment in statement.comments:
                 self.emit(f"// {comment}")
@@ -223,9 +258,7 @@ class _FunctionPrinter:
         match statement:
             case tree.Assign(name, value, declares):
                 word = "let " if name in self.function.constants else "var "
-                self.emit(
-                    f"{word if declares else ''}{self.module.local(name)} = {self.value(value)};"
-                )
+                self.emit(f"{word if declares else ''}{self.names[name]} = {self.value(value)};")
             case tree.If():
                 self.if_statement(statement, "")
             case tree.For():
@@ -255,16 +288,32 @@ class _FunctionPrinter:
         self.emit("}")
 
     def for_statement(self, node: tree.For) -> None:
-        name = self.module.local(node.name)
-        stop = self.value(node.stop)
+        if node.name not in self.names:
+            self.names[node.name] = self.fresh(node.name)
+        name, start, stop = self.names[node.name], self.value(node.start), self.value(node.stop)
         if not isinstance(node.stop, tree.Literal):
             # Python reads the bound once
-            self.emit(f"let {name}_end = {stop};")
-            stop = f"{name}_end"
-        start = self.value(node.start)
-        step = f"{name}++" if node.step == 1 else f"{name} += {node.step}"
-        self.emit(f"for (var {name} = {start}; {name} < {stop}; {step}) {{")
+            end = self.fresh(f"{name}_end")
+            self.emit(f"let {end} = {stop};")
+            stop = end
+        if node.step == 1:
+            self.emit(f"for (var {name} = {start}; {name} < {stop}; {name}++) {{")
+            self.inner(node.body)
+            self.emit("}")
+            return
+        # a longer step could take the counter past the largest int, and so to the smallest
+        last = self.fresh(f"{name}_last")
+        self.emit("{")
+        self.emit(f"var {name} = {start};")
+        self.emit("loop {")
+        self.emit(f"  if ({name} >= {stop}) {{ break; }}")
         self.inner(node.body)
+        self.emit("  continuing {")
+        self.emit(f"    let {last} = {name} > {2**31 - 1 - node.step};")
+        self.emit(f"    {name} += {node.step};")
+        self.emit(f"    break if {last};")
+        self.emit("  }")
+        self.emit("}")
         self.emit("}")
 
     # --- expressions ----------------------------------------------------------------------------
@@ -275,20 +324,23 @@ class _FunctionPrinter:
             case tree.Literal(t, value):
                 return _literal(t, value)
             case tree.Local(_, name):
-                return self.module.local(name)
+                return self.names[name]
             case tree.Unary(_, operator, operand):
                 return f"{'!' if operator == 'not' else '-'}{self.operand(operand, 8)}"
             case tree.Binary(_, operator, left, right) if operator in ("//", "%"):
                 name = "floor_divide" if operator == "//" else "floor_modulo"
                 self.module.helpers |= {name, "floor_divide"}
-                return f"{name}({self.value(left)}, {self.value(right)})"
+                return f"{name}({self.arguments((left, right))})"
             case tree.Binary(_, operator, left, right) | tree.Compare(_, operator, left, right):
                 return self.infix(operator, left, right)
             case tree.Logic(_, operator, left, right):
                 return self.infix("&&" if operator == "and" else "||", left, right)
             case tree.Select(_, test, then, otherwise):
-                parts = (self.value(otherwise), self.value(then), self.value(test))
-                return f"select({', '.join(parts)})"
+                word = "select"
+                if node.type is Mat3 or is_record(node.type):
+                    self.module.chosen[node.type] = None
+                    word = self.module.choice(node.type)
+                return f"{word}({self.arguments((otherwise, then, test))})"
             case tree.Swizzle(_, operand, indices) if operand.type is Mat3:
                 return f"{self.operand(operand, 9)}[{indices[0]}]"
             case tree.Swizzle(_, operand, indices):
@@ -296,16 +348,27 @@ class _FunctionPrinter:
             case tree.Member(_, operand, name):
                 return f"{self.operand(operand, 9)}.{self.module.name(name)}"
             case tree.Construct(t, parts):
-                return f"{self.module.type(t)}({', '.join(map(self.value, parts))})"
+                return f"{self.module.type(t)}({self.arguments(parts)})"
             case tree.IntrinsicCall():
                 return self.intrinsic(node)
             case tree.Call(_, function, arguments):
-                given = [self.value(a) for a in arguments if buffer_record(a.type) is None]
-                return f"{self.module.name(function.name)}({', '.join(given)})"
+                if function not in self.module.module.functions:
+                    self.module.approximations.add(function.name)
+                given = [a for a in arguments if buffer_record(a.type) is None]
+                return f"{self.module.name(function.name)}({self.arguments(given)})"
             case tree.Item(_, buffer, index):
                 items = self.module.buffers[buffer_record(buffer.type)]
                 return f"{items}.items[{self.value(index)}]"
         raise AssertionError(node)
+
+    def arguments(self, nodes: Iterable[tree.Expression]) -> str:
+        """Arguments of a call."""
+        return ", ".join(map(self.argument, nodes))
+
+    def argument(self, node: tree.Expression) -> str:
+        """An argument: `f(a < b, c > d)` would be a template to WGSL."""
+        text = self.value(node)
+        return f"({text})" if isinstance(node, tree.Compare | tree.Logic) else text
 
     def operand(self, node: tree.Expression, level: int) -> str:
         """An operand, in parentheses where it binds less tightly than `level`."""
@@ -341,7 +404,12 @@ class _FunctionPrinter:
         name, arguments = node.name, node.arguments
         if name == "len":
             return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
-        given = [self.value(a) for a in arguments]
+        if name in _OWN:
+            self.module.approximations.add(name)
+            return f"{self.module.name(name)}({self.arguments(arguments)})"
+        given = [self.argument(a) for a in arguments]
+        if name == "mix" and node.type in VECTORS and arguments[1].type is float:
+            given[1] = f"{self.module.type(node.type)}({given[1]})"
         if name in _SPREAD and node.type in VECTORS:
             # these take arguments of one type only
             whole = self.module.type(node.type)
@@ -417,12 +485,11 @@ _CALLED = {
     "bits_float": "bitcast<f32>",
     "copysign": "copy_sign",
     "pow": "power",
-    "atan2": "angle_of",
     "log": "log_held",
     "log2": "log2_held",
-    "acos": "acos_held",
-    "asin": "asin_held",
 }
+_OWN = ("asin", "acos", "atan", "atan2")
+"""Computed by our own shaders: WGSL's may be out by 4096 units in the last place."""
 _SPREAD = {"clamp", "minimum", "maximum"}
 
 _HELPERS = {
@@ -450,11 +517,6 @@ fn power(x: f32, y: f32) -> f32 {
   return select(select(0.0, 1.0, y == 0.0), pow(max(x, 1.17549435e-38), y), x > 0.0);
 }
 """,
-    "atan2": """\
-fn angle_of(y: f32, x: f32) -> f32 {
-  return select(0.0, atan2(y, select(x, 1.0, x == 0.0 && y == 0.0)), x != 0.0 || y != 0.0);
-}
-""",
     "log": """\
 fn log_held(x: f32) -> f32 {
   return log(max(x, 1.17549435e-38));
@@ -463,16 +525,6 @@ fn log_held(x: f32) -> f32 {
     "log2": """\
 fn log2_held(x: f32) -> f32 {
   return log2(max(x, 1.17549435e-38));
-}
-""",
-    "acos": """\
-fn acos_held(x: f32) -> f32 {
-  return acos(clamp(x, -1.0, 1.0));
-}
-""",
-    "asin": """\
-fn asin_held(x: f32) -> f32 {
-  return asin(clamp(x, -1.0, 1.0));
 }
 """,
     "level_size": """\
@@ -529,6 +581,15 @@ fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
 }
 """,
 }
+
+_CHOICE = """\
+fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
+  if (test) {
+    return then;
+  }
+  return otherwise;
+}
+"""
 
 _RUN = """\
 // Which rows of the picture this dispatch computes, and where their words go.
