@@ -9,8 +9,8 @@ from __future__ import annotations
 import ast
 import functools
 import inspect
-import operator
 import math
+import operator
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -506,8 +506,8 @@ class _FunctionAnalysis:
     def comparison(self, node: ast.Compare) -> tree.Expression:
         operands = [self.expression(n) for n in [node.left, *node.comparators]]
         whole: tree.Expression | None = None
-        for operator, a, b in zip(node.ops, operands, operands[1:], strict=False):
-            symbol = _COMPARE.get(type(operator))
+        for compared, a, b in zip(node.ops, operands, operands[1:], strict=False):
+            symbol = _COMPARE.get(type(compared))
             same = a.type == b.type and a.type in SCALARS
             if symbol is None or not same or (a.type is bool and symbol not in ("==", "!=")):
                 raise self.source.error(
