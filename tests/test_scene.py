@@ -31,7 +31,7 @@ from basrelief.scene import (
     technique_named,
     turned,
 )
-from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT
+from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Shading
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES, Hit, Ray, at, flat, relief, technique
 from basrelief.shaders.techniques.march import March, Steps
@@ -78,7 +78,9 @@ REFUSED = {
     "a level below 0": ({"level": -0.1}, "level is -0.1"),
     "a bias below 0": ({"bias": -0.42}, "bias is -0.42"),
     "a bias that is none": ({"bias": NAN}, "bias is nan"),
-    "a negative strength": ({"finish": Finish(normal_strength=-1.0)}, "normal strength is -1"),
+    "a negative strength": ({"finish": Finish(normal_strength=-1.0)}, "normal_strength is -1"),
+    "no roughness": ({"finish": Finish(roughness=NAN)}, "roughness is nan"),
+    "darker than black": ({"finish": Finish(base_color=(0, -1, 0))}, "base_color is -1"),
     "no tiles": ({"tiling": (0.0, 1.0)}, "tiling (0.0, 1.0): give finite numbers other than 0"),
     "endless tiles": ({"tiling": (1.0, INF)}, "tiling (1.0, inf)"),
     "an endless shift": ({"shift": (INF, 0.0)}, "give finite numbers"),
@@ -250,6 +252,21 @@ def test_lights_that_give_none_are_refused(make) -> None:
 def test_an_unknown_shading_model_is_refused() -> None:
     message = refused(lambda: Scene((thing(),), shading_model="lambert"))  # type: ignore[arg-type]
     assert "shading_model is one of ggx, phong, not 'lambert'" in message
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"shading": Shading(ambient=(NAN, 0.0, 0.0))}, "ambient is nan"),
+        ({"shading": Shading(diffuse=-1.0)}, "diffuse is -1: give a number from 0"),
+        ({"shading": Shading(shininess=0.0)}, "shininess is 0: give a number from 1 to 1000"),
+        ({"background": (NAN, 0.0, 0.0)}, "background (nan, 0.0, 0.0): give three"),
+        ({"background": (0.1, -0.2, 0.0)}, "background (0.1, -0.2, 0.0): give three"),
+        ({"background": (0.1, 0.2)}, "background (0.1, 0.2): give three"),
+    ],
+)
+def test_a_scene_refuses_colours_that_are_none(options, message) -> None:
+    assert message in refused(lambda: Scene((thing(),), **options))
 
 
 def seen_from(eye, *objects, target=(0.3, 0.2, 0.1)) -> Scene:
@@ -441,11 +458,15 @@ CAMERAS = st.builds(
 @given(OPTIONS, CAMERAS)
 @examples(max_examples=250)
 def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -> None:
+    frame, refusal = None, ""
     try:
         scene = Scene((thing(**options),), camera=camera)
         frame = render(scene, size=(7, 5), samples=1, engine=CPU)
     except InputError as error:
-        assert "\n" not in str(error)
+        refusal = str(error)
+    if frame is None:
+        assert refusal
+        assert "\n" not in refusal
         return
     assert np.isfinite(frame.color).all()
     assert np.isfinite(frame.uv).all()

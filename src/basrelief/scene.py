@@ -23,6 +23,7 @@ from basrelief.material import Material
 from basrelief.shaders.camera import Camera
 from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Light, Shading
 from basrelief.shaders.pixel import Depth, Placement
+from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.shaders.techniques.own import technique_from_file
@@ -270,7 +271,7 @@ class Object:
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
-        within("normal strength", float(self.finish.normal_strength), 0.0, 100.0)
+        checked_record(Finish, vars(self.finish), "the finish")
         if not all(_NEAR <= abs(n) <= _FAR for n in self.tiles):
             raise InputError(f"tiling {self.tiles}: give finite numbers other than 0")
         if not all(abs(n) <= _FAR for n in self.shift):
@@ -396,6 +397,8 @@ def _default_lights() -> tuple[Light, ...]:
 class Scene:
     """Objects, a camera, lights; `shading_model` is "ggx" (metallic-roughness) or "phong".
 
+    `shadows` are those that a relief casts on itself: "none", "hard" or "soft".
+
     `background` is a linear colour, or None for transparent.
     """
 
@@ -404,10 +407,17 @@ class Scene:
     lights: tuple[Light, ...] = field(default_factory=_default_lights)
     shading: Shading = field(default_factory=Shading)
     shading_model: Literal["ggx", "phong"] = "ggx"
+    shadows: Literal["none", "hard", "soft"] = "none"
+    shadowing: Shadowing = field(default_factory=Shadowing)
     background: tuple[float, float, float] | None = (0.05, 0.055, 0.065)
 
     def __post_init__(self) -> None:
         one_of("shading_model", self.shading_model, ("ggx", "phong"))
+        one_of("shadows", self.shadows, ("none", "hard", "soft"))
+        checked_record(Shading, vars(self.shading), "the shading")
+        ground = (0.0,) * 3 if self.background is None else self.background
+        if len(ground) != 3 or not all(0.0 <= c <= _FAR for c in ground):
+            raise InputError(f"background {ground}: give three finite numbers from 0, or None")
         object.__setattr__(self, "objects", tuple(self.objects))
         object.__setattr__(self, "lights", tuple(self.lights))
 
