@@ -637,13 +637,14 @@ def test_a_terminal_without_our_letters() -> None:
     assert "512?512" in result.stdout
 
 
-def test_a_reader_that_has_enough() -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_enough(unbuffered: str) -> None:
     """As `basrelief techniques | head -1`, which closes the pipe."""
     with subprocess.Popen(
         [*COMMAND, "techniques"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env={**os.environ, **environment()},
+        env={**os.environ, **environment(), "PYTHONUNBUFFERED": unbuffered},
     ) as process:
         assert process.stdout is not None
         assert process.stderr is not None

@@ -117,11 +117,20 @@ def test_a_plain_shader_will_do(here: Path) -> None:
     assert (marked == drawn("other.py:sink", "--engine", "cpu")).all()
 
 
-def test_it_runs_once_and_leaves_nothing_beside_it(here: Path) -> None:
+def test_it_runs_once_and_leaves_nothing_beside_it(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     own(SINK + "\nwith open('runs', 'a') as file:\n    file.write('x')\n")
     done("render", "bumps", *DRAW, "--technique", "my.py:sink", "-o", "a.png")
     assert Path("runs").read_text() == "x"
     assert sorted(os.listdir()) == ["a.png", "bumps", "my.py", "runs"]
+
+
+def test_the_file_means_what_it_means_elsewhere(here: Path) -> None:
+    """No `from __future__` but its own holds in it."""
+    own(SINK + "\ndef f(x: int) -> None: ...\nassert f.__annotations__['x'] is int\n")
+    assert technique_from_file("my.py", "sink").name == "sink"
 
 
 def test_a_change_is_seen_at_once(here: Path) -> None:
