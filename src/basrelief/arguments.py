@@ -26,6 +26,7 @@ from basrelief.scene import (
     spot,
 )
 from basrelief.shaders.lighting import Light, Shading
+from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.surfaces.standard import Finish
 
 _LIGHTS: dict[str, Callable[..., Light]] = {
@@ -148,6 +149,7 @@ def scene(
     lights: Sequence[str] = (),
     background: str | None = None,
     shading_model: Any = "ggx",
+    shadows: Any = "none",
     tiling: str | None = None,
     shift: str | None = None,
     stretch: str | None = None,
@@ -162,7 +164,12 @@ def scene(
     options["technique"] = plain.drawn_with  # a file of one's own runs once
     if stretch is not None:
         options["transform"] = placed(scale=vector(stretch, "--stretch")) @ plain.to_world
-    records = {"settings": plain.drawn_with.settings, "finish": Finish, "shading": Shading}
+    records = {
+        "settings": plain.drawn_with.settings,
+        "finish": Finish,
+        "shading": Shading,
+        "shadowing": Shadowing,
+    }
     given = _sorted_out(dict(named(text, "--set") for text in settings), records)
     thing = Object(
         material,
@@ -178,8 +185,14 @@ def scene(
         of_scene["lights"] = tuple(light_from(text) for text in lights)
     if background is not None:
         of_scene["background"] = color(background, "--background")
-    shading = checked_record(Shading, given["shading"], "the shading")
-    return Scene((thing,), shading=shading, shading_model=shading_model, **of_scene)
+    return Scene(
+        (thing,),
+        shading=checked_record(Shading, given["shading"], "the shading"),
+        shading_model=shading_model,
+        shadows=shadows,
+        shadowing=checked_record(Shadowing, given["shadowing"], "the shadows"),
+        **of_scene,
+    )
 
 
 def _sorted_out(given: Mapping[str, str], records: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -236,6 +236,9 @@ def render(
         ),
     ] = None,
     shading_model: Annotated[str, typer.Option(help="ggx or phong.")] = "ggx",
+    shadows: Annotated[
+        str, typer.Option(help="Of the relief on itself: none, hard or soft.")
+    ] = "none",
     background: Annotated[
         str | None, typer.Option(help="A linear colour as 0.1,0.1,0.1, or none.")
     ] = None,
@@ -276,9 +279,9 @@ def render(
         )  # fmt: skip
         scene = arguments.scene(
             material, settings=setting or [], camera=camera, lights=light or [],
-            background=background, shading_model=shading_model, technique=technique, shape=shape,
-            scale=scale, level=level, projection=projection, edge=edge, tiling=tiling,
-            shift=shift, stretch=stretch,
+            background=background, shading_model=shading_model, shadows=shadows,
+            technique=technique, shape=shape, scale=scale, level=level, projection=projection,
+            edge=edge, tiling=tiling, shift=shift, stretch=stretch,
         )  # fmt: skip
         drawn_with = scene.objects[0].drawn_with.name
         target = output or Path(f"{material.name}-{drawn_with}.png")

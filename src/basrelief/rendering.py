@@ -18,7 +18,7 @@ from basrelief.lang.resources import Edge
 from basrelief.material import Material, load, pyramids
 from basrelief.picture import encode_png, write_picture
 from basrelief.scene import Object, Scene
-from basrelief.shaders import edge, lighting, pixel, projection, shapes
+from basrelief.shaders import edge, lighting, pixel, projection, shadow, shapes
 from basrelief.shaders.lighting import Light
 from basrelief.shaders.pixel import View
 from basrelief.shaders.surfaces import standard
@@ -160,7 +160,7 @@ def _known(options: dict[str, Any], kind: Any) -> dict[str, Any]:
 # --- programs and their values -------------------------------------------------------------------
 
 
-def program_of(thing: Object, shading_model: str = "ggx") -> Program:
+def program_of(thing: Object, shading_model: str = "ggx", shadows: str = "none") -> Program:
     """The program that draws an object: only what it needs is in it."""
     maps = _maps(thing)
     bindings: dict[Any, Any] = {
@@ -168,6 +168,10 @@ def program_of(thing: Object, shading_model: str = "ggx") -> Program:
         edge.in_tile: getattr(edge, _map_edge(thing)),
         pixel.inside: pixel.within_tile if thing.edge == "clip" else pixel.anywhere,
         pixel.displaced: pixel.with_relief if thing.has_relief else pixel.without_relief,
+        pixel.unhidden: (
+            pixel.self_shadowed if thing.has_relief and shadows != "none" else pixel.everything
+        ),
+        shadow.shadow: shadow.soft if shadows == "soft" else shadow.hard,
         displace: thing.drawn_with if thing.has_relief else flat,
         projection.projection: getattr(projection, thing.relief_projection),
         lighting.reflectance: getattr(lighting, shading_model),
@@ -211,6 +215,7 @@ def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, A
         "settings": thing.settings if thing.has_relief else Nothing(),
         "finish": _finish(thing),
         "shading": scene.shading,
+        "shadowing": scene.shadowing,
         "lights": Buffer(scene.lights, Light),
     }
 
@@ -253,7 +258,7 @@ class _Drawing:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
         self.places = sample_places(samples)
         self.things = [
-            (program_of(thing, scene.shading_model), values_of(thing, scene, size))
+            (program_of(thing, scene.shading_model, scene.shadows), values_of(thing, scene, size))
             for thing in scene.objects
         ]
         width, height = size

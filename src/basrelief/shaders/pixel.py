@@ -30,6 +30,7 @@ from basrelief.shaders.lighting import (
 )
 from basrelief.shaders.projection import SHALLOWEST, projection
 from basrelief.shaders.ray import Hit, Ray
+from basrelief.shaders.shadow import Reaching, Shadowing, ShadowRay, shadow
 from basrelief.shaders.shapes import ShapeRay, SurfacePoint, shape
 from basrelief.shaders.surfaces.standard import Finish, Spot, Surface, standard_surface
 from basrelief.shaders.tangent import Frame, frame_of, from_tangent, to_tangent, to_texture
@@ -96,10 +97,12 @@ class Meeting:
 
 @struct
 class Displaced:
-    """Where the ray ends: texture coordinates, how far beyond the polygon, heights read."""
+    """Where the ray ends: texture coordinates, how far beyond the polygon, the height there, and
+    how many heights were read."""
 
     uv: Vec2
     further: float
+    height: float
     reads: int
 
 
@@ -112,6 +115,7 @@ def pixel(
     settings: Settings,
     finish: Finish,
     shading: Shading,
+    shadowing: Shadowing,
     field: HeightField,
     base_color: Texture,
     normal: Texture,
@@ -132,10 +136,15 @@ def pixel(
     surface = standard_surface(spot, finish, base_color, normal, response, emission)
     point = shading_point(ray, placement, met, surface, distance)
     color = ambient_light(point, shading) + point.emission
+    reads = moved.reads
     for k in range(len(lights)):
         # every light falls on the displaced point, read from the displaced maps
-        color = color + reflectance(point, shading, arriving(lights[k], point.position))
-    return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, moved.reads)
+        incoming = arriving(lights[k], point.position)
+        towards = placement.to_object @ incoming.direction
+        reaching = unhidden(field, met, moved, depth, towards, shadowing)
+        color = color + reflectance(point, shading, incoming) * reaching.share
+        reads = reads + reaching.reads
+    return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
 
 # --- the steps -----------------------------------------------------------------------------------
@@ -186,15 +195,60 @@ def displaced(field: HeightField, met: Meeting, depth: Depth, settings: Settings
 def with_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """As the technique says; with no depth not one height is read."""
     if depth.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, 0)
+        return Displaced(met.point.uv, 0.0, depth.level, 0)
     hit = displace(field, relief_ray(met, depth), settings)
-    return Displaced(hit.uv, beyond(met, depth, hit), hit.reads)
+    return Displaced(hit.uv, beyond(met, depth, hit), hit.height, hit.reads)
 
 
 @shader
 def without_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """On the polygon: a material without heights, or the technique `flat`."""
-    return Displaced(met.point.uv, 0.0, 0)
+    return Displaced(met.point.uv, 0.0, depth.level, 0)
+
+
+@slot
+def unhidden(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """How much of a light, in a direction of object space, reaches the displaced point."""
+    raise NotImplementedError
+
+
+@shader
+def everything(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """All of it: no self-shadow."""
+    return Reaching(1.0, 0)
+
+
+@shader
+def self_shadowed(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """What the relief leaves of it; nothing of a light behind the polygon."""
+    light = to_tangent(met.frame, normalize(towards))
+    if depth.scale <= 0.0:
+        return Reaching(1.0, 0)
+    if light.z <= SHALLOWEST:
+        return Reaching(0.0, 0)
+    rise = to_texture(light.xy * (depth.scale / light.z), met.frame.aspect)
+    return shadow(field, ShadowRay(moved.uv, moved.height, rise), shadowing)
 
 
 @shader
