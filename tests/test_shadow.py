@@ -80,7 +80,7 @@ def flat_normals() -> Map:
 
 @pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
 def test_shadows_fall_away_from_the_light(engine):
-    """Lit from the right, the left of the wall is dark for cot 30° of its height; the reverse too."""
+    """Lit from the right, the left of the wall is dark for cot 30° of its height; and reversed."""
     plain = picture("none", 90.0, engine)
     for azimuth in (90.0, -90.0):
         dark = picture("hard", azimuth, engine) < 0.6 * plain
