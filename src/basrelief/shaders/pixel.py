@@ -203,7 +203,7 @@ def with_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settin
 @shader
 def without_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """On the polygon: a material without heights, or the technique `flat`."""
-    return Displaced(met.point.uv, 0.0, depth.level, 0)
+    return Displaced(met.point.uv, 0.0, 1.0, 0)
 
 
 @slot
