@@ -149,7 +149,13 @@ class GpuEngine:
         return self._pipeline(code, bindings(program.module), program.entry.name)
 
     def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
-        module = self.gpu.create_shader_module(code=code, label=label)
+        import wgpu
+
+        try:
+            module = self.gpu.create_shader_module(code=code, label=label)
+        except wgpu.GPUError as error:
+            reason = " ".join(str(error).split())
+            raise EngineError(f"{label}: the GPU's driver refuses the program: {reason}") from None
         layout = self.gpu.create_bind_group_layout(
             entries=[_layout_entry(number, b) for number, b in enumerate(needed)]
         )

@@ -501,6 +501,11 @@ class _FunctionAnalysis:
         if isinstance(left, tree.Literal) and isinstance(right, tree.Literal) and result is int:
             # targets compute expressions of literals in a way of their own: leave them none
             return tree.Literal(int, _folded(symbol, int(left.value), int(right.value)))
+        if isinstance(left, tree.Literal) and isinstance(right, tree.Literal) and result is float:
+            with np.errstate(all="ignore"):
+                number = float(_FOLD[symbol](np.float32(left.value), np.float32(right.value)))
+            if math.isfinite(number):
+                return tree.Literal(float, number)
         return tree.Binary(result, symbol, left, right)
 
     def comparison(self, node: ast.Compare) -> tree.Expression:
@@ -657,8 +662,9 @@ def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> 
 
 
 _FOLD: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "//": operator.floordiv,
-    "%": operator.mod, "&": operator.and_, "|": operator.or_, "^": operator.xor,
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+    "//": operator.floordiv, "%": operator.mod, "&": operator.and_, "|": operator.or_,
+    "^": operator.xor,
     "<<": operator.lshift, ">>": operator.rshift,
 }  # fmt: skip
 

@@ -36,6 +36,19 @@ class Program:
                 f"{self.entry.location}: the entry {self.entry.name} takes a pixel: IVec2 first "
                 "and returns a record"
             )
+        self._check_parameters()
+
+    def _check_parameters(self) -> None:
+        """Refuse what an engine could not tell apart: two lists of one record."""
+        seen: set[Any] = set()
+        for name, t in self.parameters.items():
+            record = buffer_record(t)
+            if record is not None and record in seen:
+                raise ShaderError(
+                    f"{self.entry.location}: {name}: there is a Buffer[{record.__name__}] already; "
+                    "put what both hold into one"
+                )
+            seen.add(record)
 
     @functools.cached_property
     def module(self) -> tree.Module:

@@ -11,9 +11,11 @@ import contextlib
 import copy
 import functools
 import inspect
+import linecache
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from types import CodeType
 from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
@@ -145,6 +147,7 @@ class Source:
             what = lines[0].strip()
             raise ShaderError(f"{self.file}:{first}: `{what}`: a shader is a plain `def`")
         self.tree = tree
+        _check_unchanged(function)
         ast.increment_lineno(tree, first - 1 - indented)
 
     def comments_before(self, line: int) -> tuple[str, ...]:
@@ -161,6 +164,32 @@ class Source:
         line = getattr(node, "lineno", self.first)
         text = ast.unparse(node).splitlines()[0]
         return ShaderError(f"{self.file}:{line}: `{text}`: {message}")
+
+
+def _check_unchanged(function: Callable[..., Any]) -> None:
+    """Refuse a source that is no longer what the function was made from."""
+    code = function.__code__
+    text = "".join(linecache.getlines(code.co_filename))
+    if code.co_code not in _code_of(text).get((code.co_name, code.co_firstlineno), []):
+        raise ShaderError(
+            f"{code.co_filename}: {function.__name__}: the file has changed since it was loaded; "
+            "load it anew"
+        )
+
+
+@functools.lru_cache(maxsize=64)
+def _code_of(text: str) -> dict[tuple[str, int], list[bytes]]:
+    """The bytecode of every function in a file, by name and first line."""
+    found: dict[tuple[str, int], list[bytes]] = {}
+    try:
+        left = [compile(text, "", "exec", dont_inherit=True)]
+    except (SyntaxError, ValueError):
+        return found
+    while left:
+        code = left.pop()
+        found.setdefault((code.co_name, code.co_firstlineno), []).append(code.co_code)
+        left += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+    return found
 
 
 def _as_32_bits(shader_: Shader[..., Any]) -> Callable[..., Any]:

@@ -60,6 +60,12 @@ def bindings(module: tree.Module) -> list[Binding]:
     return found
 
 
+def _bound_name(binding: Binding) -> str:
+    """The name of a binding's variable."""
+    fixed = {"run": "run", "planes": "planes", "sampler": "edge_sampler"}
+    return fixed.get(binding.kind, f"{binding.name}_{binding.kind}")
+
+
 def print_functions(module: tree.Module, edge: Edge) -> str:
     """The functions of a program and what they need, without its entry."""
     return _Module(module, edge).functions_text()
@@ -82,17 +88,22 @@ class _Module:
         self.chosen: dict[Any, None] = {}
         """Matrices and records between which a conditional expression chooses."""
         self.records: dict[Any, None] = {}
-        self.taken = {f.name for f in module.functions}
         for function in module.functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
                 self.note_record(t)
-        self.taken |= {t.__name__ for t in self.records}
+        self.taken = {*_RESERVED, *_PRINTED, *(_bound_name(b) for b in bindings(module))}
+        self.scope: dict[Any, str] = {}
+        """The names of functions and records, clear of one another and of all that is printed."""
+        for named in [*module.functions, *approximations().values()]:
+            self.claim(named, named.name)
+        for record in self.records:
+            self.claim(record, record.__name__)
         self.shared: set[Any] = set()
         """Records that lie in memory; theirs is the layout of `layout.py`."""
         for t in list(module.entry.parameters.values())[1:]:
             self.note_shared(buffer_record(t) or t)
         self.buffers = {
-            buffer_record(t): f"{name}_list"
+            buffer_record(t): f"{name}_buffer"
             for name, t in module.entry.parameters.items()
             if buffer_record(t) is not None
         }
@@ -110,12 +121,20 @@ class _Module:
             for field in fields_of(t).values():
                 self.note_shared(field)
 
-    def name(self, name: str) -> str:
-        """A name as WGSL lets it be."""
+    def claim(self, thing: Any, name: str) -> str:
+        """Give something of the module a name of its own."""
+        while name in self.taken:
+            name += "_"
+        self.taken.add(name)
+        self.scope[thing] = name
+        return name
+
+    def field(self, name: str) -> str:
+        """A field's name as WGSL lets it be."""
         return f"{name}_" if name in _RESERVED else name
 
     def type(self, t: Any) -> str:
-        return _TYPES[t] if t in _TYPES else self.name(t.__name__)
+        return _TYPES[t] if t in _TYPES else self.scope[t]
 
     def functions_text(self) -> str:
         functions = [_FunctionPrinter(self, f).text() for f in self.module.functions]
@@ -132,11 +151,11 @@ class _Module:
 
     def record_texts(self) -> Iterator[str]:
         for record in self.records:
-            lines = [f"struct {self.name(record.__name__)} {{"]
+            lines = [f"struct {self.scope[record]} {{"]
             for name, t in fields_of(record).items():
                 first = record in self.shared and name == next(iter(fields_of(record)))
                 align = "@align(16) " if first or is_record(t) else ""
-                lines.append(f"  {align}{self.name(name)}: {self.type(t)},")
+                lines.append(f"  {align}{self.field(name)}: {self.type(t)},")
             yield "\n".join([*lines, "}", ""])
 
     def helper_texts(self) -> Iterator[str]:
@@ -151,7 +170,8 @@ class _Module:
 
     def choice(self, t: Any) -> str:
         """The name of the function that chooses between two values of a type."""
-        return f"select_{t.__name__}"
+        wanted = ("select", t)
+        return self.scope.get(wanted) or self.claim(wanted, f"select_{t.__name__}")
 
     def binding_texts(self) -> Iterator[str]:
         for number, binding in enumerate(bindings(self.module)):
@@ -164,17 +184,19 @@ class _Module:
                 case "sampler":
                     yield f"{where} edge_sampler: sampler;"
                 case "uniform":
-                    yield f"{where}<uniform> {binding.name}_uniform: {self.type(binding.type)};"
+                    align_and_size(binding.type)  # refuses what a GPU cannot be given
+                    yield f"{where}<uniform> {_bound_name(binding)}: {self.type(binding.type)};"
                 case "map":
-                    yield f"{where} {binding.name}_map: {self.type(binding.type)};"
+                    yield f"{where} {_bound_name(binding)}: {self.type(binding.type)};"
                 case "buffer":
                     record = buffer_record(binding.type)
                     assert record is not None
                     item = self.type(record)
+                    whole = self.claim(("list", record), f"{item}List")
                     yield (
-                        f"struct {item}List {{\n  count: i32,\n"
+                        f"struct {whole} {{\n  count: i32,\n"
                         f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
-                        f"{where}<storage, read> {self.buffers[record]}: {item}List;"
+                        f"{where}<storage, read> {self.buffers[record]}: {whole};"
                     )
 
     def places(self, value: str, t: Any) -> Iterator[tuple[str, Any]]:
@@ -184,7 +206,7 @@ class _Module:
                 yield from self.places(f"{value}[{column}]", Vec3)
         elif is_record(t):
             for name, field in fields_of(t).items():
-                yield from self.places(f"{value}.{self.name(name)}", field)
+                yield from self.places(f"{value}.{self.field(name)}", field)
         elif t in VECTORS:
             yield from ((f"{value}.{name}", leaf) for name, leaf in leaves(t))
         else:
@@ -195,8 +217,8 @@ class _Module:
         given = ["vec2i(at)"]
         for binding in bindings(self.module)[3:]:
             if binding.kind != "buffer":
-                given.append(f"{binding.name}_{binding.kind}")
-        lines = [f"  let result = {self.name(entry.name)}({', '.join(given)});"]
+                given.append(_bound_name(binding))
+        lines = [f"  let result = {self.scope[entry]}({', '.join(given)});"]
         for index, (value, t) in enumerate(self.places("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
@@ -212,7 +234,7 @@ class _FunctionPrinter:
         self.lines: list[str] = []
         self.indent = 1
         self.names: dict[str, str] = {}
-        self.used = {*module.taken, *_RESERVED}
+        self.used = set(module.taken)
         for name in [*function.parameters, *function.locals]:
             self.names[name] = self.fresh(name)
 
@@ -233,7 +255,7 @@ class _FunctionPrinter:
         ]
         self.block(f.body)
         doc = [f"// {line}".rstrip() for line in f.doc.splitlines()]
-        head = f"fn {m.name(f.name)}({', '.join(parameters)}) -> {m.type(f.result)} {{"
+        head = f"fn {m.scope[f]}({', '.join(parameters)}) -> {m.type(f.result)} {{"
         return "\n".join([*doc, head, *self.lines, "}", ""])
 
     def emit(self, line: str) -> None:
@@ -346,7 +368,7 @@ class _FunctionPrinter:
             case tree.Swizzle(_, operand, indices):
                 return f"{self.operand(operand, 9)}.{''.join('xyzw'[i] for i in indices)}"
             case tree.Member(_, operand, name):
-                return f"{self.operand(operand, 9)}.{self.module.name(name)}"
+                return f"{self.operand(operand, 9)}.{self.module.field(name)}"
             case tree.Construct(t, parts):
                 return f"{self.module.type(t)}({self.arguments(parts)})"
             case tree.IntrinsicCall():
@@ -355,7 +377,7 @@ class _FunctionPrinter:
                 if function not in self.module.module.functions:
                     self.module.approximations.add(function.name)
                 given = [a for a in arguments if buffer_record(a.type) is None]
-                return f"{self.module.name(function.name)}({self.arguments(given)})"
+                return f"{self.module.scope[function]}({self.arguments(given)})"
             case tree.Item(_, buffer, index):
                 items = self.module.buffers[buffer_record(buffer.type)]
                 return f"{items}.items[{self.value(index)}]"
@@ -406,7 +428,8 @@ class _FunctionPrinter:
             return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
         if name in _OWN:
             self.module.approximations.add(name)
-            return f"{self.module.name(name)}({self.arguments(arguments)})"
+            own = self.module.scope[approximations()[name]]
+            return f"{own}({self.arguments(arguments)})"
         given = [self.argument(a) for a in arguments]
         if name == "mix" and node.type in VECTORS and arguments[1].type is float:
             given[1] = f"{self.module.type(node.type)}({given[1]})"
@@ -613,240 +636,37 @@ BODY
 }
 """
 
+_PRINTED = frozenset(
+    ["Run", "main", "id", "at"]
+    + [name for text in _HELPERS.values() for name in re.findall(r"fn (\w+)", text)]
+)
+"""Names at module scope that this printer writes itself."""
+
 # Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
 _RESERVED = frozenset(
-    [
-        "alias",
-        "break",
-        "case",
-        "const",
-        "const_assert",
-        "continue",
-        "continuing",
-        "default",
-        "diagnostic",
-        "discard",
-        "else",
-        "enable",
-        "false",
-        "fn",
-        "for",
-        "if",
-        "let",
-        "loop",
-        "override",
-        "requires",
-        "return",
-        "struct",
-        "switch",
-        "true",
-        "var",
-        "while",
-        "NULL",
-        "Self",
-        "abstract",
-        "active",
-        "alignas",
-        "alignof",
-        "as",
-        "asm",
-        "asm_fragment",
-        "async",
-        "attribute",
-        "auto",
-        "await",
-        "become",
-        "cast",
-        "catch",
-        "class",
-        "co_await",
-        "co_return",
-        "co_yield",
-        "coherent",
-        "column_major",
-        "common",
-        "compile",
-        "compile_fragment",
-        "concept",
-        "const_cast",
-        "consteval",
-        "constexpr",
-        "constinit",
-        "crate",
-        "debugger",
-        "decltype",
-        "delete",
-        "demote",
-        "demote_to_helper",
-        "do",
-        "dynamic_cast",
-        "enum",
-        "explicit",
-        "export",
-        "extends",
-        "extern",
-        "external",
-        "fallthrough",
-        "filter",
-        "final",
-        "finally",
-        "friend",
-        "from",
-        "fxgroup",
-        "get",
-        "goto",
-        "groupshared",
-        "highp",
-        "impl",
-        "implements",
-        "import",
-        "inline",
-        "instanceof",
-        "interface",
-        "layout",
-        "lowp",
-        "macro",
-        "macro_rules",
-        "match",
-        "mediump",
-        "meta",
-        "mod",
-        "module",
-        "move",
-        "mut",
-        "mutable",
-        "namespace",
-        "new",
-        "nil",
-        "noexcept",
-        "noinline",
-        "nointerpolation",
-        "non_coherent",
-        "noncoherent",
-        "noperspective",
-        "null",
-        "nullptr",
-        "of",
-        "operator",
-        "package",
-        "packoffset",
-        "partition",
-        "pass",
-        "patch",
-        "pixelfragment",
-        "precise",
-        "precision",
-        "premerge",
-        "priv",
-        "protected",
-        "pub",
-        "public",
-        "readonly",
-        "ref",
-        "regardless",
-        "register",
-        "reinterpret_cast",
-        "require",
-        "resource",
-        "restrict",
-        "self",
-        "set",
-        "shared",
-        "sizeof",
-        "smooth",
-        "snorm",
-        "static",
-        "static_assert",
-        "static_cast",
-        "std",
-        "subroutine",
-        "super",
-        "target",
-        "template",
-        "this",
-        "thread_local",
-        "throw",
-        "trait",
-        "try",
-        "type",
-        "typedef",
-        "typeid",
-        "typename",
-        "typeof",
-        "union",
-        "unless",
-        "unorm",
-        "unsafe",
-        "unsized",
-        "use",
-        "using",
-        "varying",
-        "virtual",
-        "volatile",
-        "wgsl",
-        "where",
-        "with",
-        "writeonly",
-        "yield",
-        "abs",
-        "acos",
-        "asin",
-        "atan",
-        "atan2",
-        "bitcast",
-        "bool",
-        "ceil",
-        "clamp",
-        "corners",
-        "cos",
-        "cross",
-        "dot",
-        "exp",
-        "exp2",
-        "f16",
-        "f32",
-        "floor",
-        "fract",
-        "i32",
-        "length",
-        "log",
-        "log2",
-        "main",
-        "max",
-        "min",
-        "mix",
-        "normalize",
-        "planes",
-        "pow",
-        "reflect",
-        "round",
-        "run",
-        "saturate",
-        "select",
-        "sin",
-        "size_",
-        "smoothstep",
-        "sqrt",
-        "tan",
-        "texel",
-        "transpose",
-        "u32",
-        "vec2",
-        "vec3",
-        "vec4",
-        "vec2f",
-        "vec3f",
-        "vec4f",
-        "vec2i",
-        "vec2u",
-        "mat3x3f",
-        "array",
-        "atomic",
-        "ptr",
-        "sampler",
-        "texture_2d",
-        "result",
-        "place",
-        "Run",
-    ]
+    re.findall(
+        r"\w+",
+        """
+        alias break case const const_assert continue continuing default diagnostic discard else
+        enable false fn for if let loop override requires return struct switch true var while
+        NULL Self abstract active alignas alignof as asm asm_fragment async attribute auto await
+        become cast catch class co_await co_return co_yield coherent column_major common compile
+        compile_fragment concept const_cast consteval constexpr constinit crate debugger
+        decltype delete demote demote_to_helper do dynamic_cast enum explicit export extends
+        extern external fallthrough filter final finally friend from fxgroup get goto
+        groupshared highp impl implements import inline instanceof interface layout lowp macro
+        macro_rules match mediump meta mod module move mut mutable namespace new nil noexcept
+        noinline nointerpolation non_coherent noncoherent noperspective null nullptr of operator
+        package packoffset partition pass patch pixelfragment precise precision premerge priv
+        protected pub public readonly ref regardless register reinterpret_cast require resource
+        restrict self set shared sizeof smooth snorm static static_assert static_cast std
+        subroutine super target template this thread_local throw trait try type typedef typeid
+        typename typeof union unless unorm unsafe unsized use using varying virtual volatile
+        wgsl where with writeonly yield abs acos asin atan atan2 bitcast bool ceil clamp corners
+        cos cross dot exp exp2 f16 f32 floor fract i32 length log log2 main max min mix
+        normalize planes pow reflect round run saturate select sin smoothstep sqrt tan texel
+        transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u mat3x3f array atomic ptr
+        sampler texture_2d result place Run
+        """,
+    )
 )
