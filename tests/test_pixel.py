@@ -558,6 +558,20 @@ def round_hits(shape: str, camera: LookAt) -> tuple[np.ndarray, np.ndarray, np.n
     return distance, origins + directions * distance[..., None], directions
 
 
+def round_leaves(shape: str, camera: LookAt) -> np.ndarray:
+    """Where rays leave the sphere or the closed cylinder again."""
+    origins, directions = rays(camera)
+    keep = np.array([1.0, 0.0, 1.0]) if shape == "cylinder" else np.ones(3)
+    o, d = origins * keep, directions * keep
+    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 0.25
+    with np.errstate(invalid="ignore"):
+        leave = (-b + np.sqrt(b * b - a * c)) / a
+    if shape == "sphere":
+        return leave
+    caps = (np.copysign(0.5, directions[..., 1]) - origins[..., 1]) / directions[..., 1]
+    return np.minimum(leave, caps)
+
+
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("tiling", [(4.0, 2.0), (3.0, -1.0), (-2.0, 5.0)])
@@ -593,6 +607,10 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
     # the seam at the back, where u jumps by its whole range, is not in view
     assert away[ours].max() < 1e-3
     deeper = distance + (level - HEIGHT) * scale * width / facing
+    # held to the shape, or to the shell that a raised relief fills around it
+    shell = (1 - level) * scale * width
+    leave = round_leaves(shape, camera)
+    deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), leave)
     np.testing.assert_allclose(frame.depth[ours], deeper[ours], rtol=2e-4)
 
 

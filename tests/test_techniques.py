@@ -25,7 +25,7 @@ from basrelief.shaders import edge, projection
 from basrelief.shaders.gradients import Footprint
 from basrelief.shaders.pixel import Depth, Meeting, displaced, relief_ray, with_relief
 from basrelief.shaders.projection import projection as projected
-from basrelief.shaders.shapes import SurfacePoint
+from basrelief.shaders.shapes import FAR, SurfacePoint
 from basrelief.shaders.tangent import Frame
 from basrelief.shaders.techniques import (
     TECHNIQUES,
@@ -376,16 +376,25 @@ def test_interpolation_factors_stay_within_the_step(high, ground, before, low, s
 @pytest.mark.parametrize(
     ("height", "wanted"),
     [
-        (0.6, [1.0, 0.5, 0.75, 0.625, 0.5625]),
-        (0.3, [1.0, 0.5, 0.25, 0.375, 0.3125]),
-        (0.8, [1.0, 0.5, 0.75, 0.875, 0.8125]),
+        (0.6, [1.0, 0.5, 0.75, 0.625, 0.5625, 0.59375]),
+        (0.55, [1.0, 0.5, 0.75, 0.625, 0.5625, 0.53125]),
+        (0.8, [1.0, 0.5, 0.75, 0.875, 0.8125, 0.78125]),
     ],
 )
 def test_the_search_halves_the_range(height: float, wanted: list[float]) -> None:
-    """C13: one step of the whole range, then ½; ¼ or ¾; …"""
-    hit, read = traced(relief, level_surface(height), ray_of(), Relief(1, 1, 4))
+    """C13: the last step from 1 to ½, then its middle; a quarter or three; …"""
+    hit, read = traced(relief, level_surface(height), ray_of(), Relief(2, 2, 4))
     assert read == pytest.approx(wanted, abs=1e-5)
-    assert hit.reads == 5
+    assert hit.reads == 6
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_step_to_halve_there_is_no_search(height: float) -> None:
+    """Nothing met: the last layer. Met at once: the top, and not what is above it."""
+    hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, 5))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
 
 
 def test_the_search_starts_in_the_middle_of_the_last_step() -> None:
@@ -424,7 +433,7 @@ def test_relief_takes_its_steps_by_the_angle_and_then_searches() -> None:
     """H2."""
     for cosine, steps in ((1.0, 8), (0.0, 32), (0.5, 20)):
         ray = ray_of(cosine=cosine)
-        hit, _ = traced(relief, level_surface(0.0), ray, Relief(8, 32, 5))
+        hit, _ = traced(relief, level_surface(1.0 / steps + 0.001), ray, Relief(8, 32, 5))
         assert hit.reads == steps + 5
 
 
@@ -472,7 +481,7 @@ def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, 
 
 def meeting(view, aspect: float = 1.0) -> Meeting:
     up, u, v = Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, -1 / aspect, 0)
-    point = SurfacePoint(True, 2.0, Vec3(0.0), up, u, v, Vec2(0.31, 0.64))
+    point = SurfacePoint(True, 2.0, Vec3(0.0), up, u, v, Vec2(0.31, 0.64), FAR, FAR)
     frame = Frame(u, Vec3(0, 1, 0), up, 1.0, aspect)
     return Meeting(point, frame, Vec3(*view), 1.0, Footprint(Vec2(0.0), Vec2(0.0)))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,8 @@ __all__ = ["Frame", "Image", "program_of", "render"]
 
 Progress = Callable[[float], None]
 _LARGEST = 1 << 15
+_SOLID = 0.5
+"""The least opacity that has a depth."""
 _BAND = 1 << 20
 """Pixels that are drawn at once: all samples of a band are done before the next, so that a large
 picture needs little memory beside its own."""
@@ -225,9 +227,7 @@ def _finish(thing: Object) -> Finish:
     glow = pyramids.emission(thing.material, _map_edge(thing))
     if glow is None or glow[1] == 1.0:
         return thing.finish
-    f = thing.finish
-    brighter = Vec3(*f.emission) * glow[1]
-    return Finish(f.base_color, f.normal_strength, f.roughness, f.metallic, f.occlusion, brighter)
+    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow[1])
 
 
 # --- drawing -------------------------------------------------------------------------------------
@@ -259,7 +259,7 @@ class _Drawing:
         self.places = sample_places(samples)
         self.things = [
             (program_of(thing, scene.shading_model, scene.shadows), values_of(thing, scene, size))
-            for thing in scene.objects
+            for thing in scene.from_far_to_near(size)
         ]
         width, height = size
         self.band = max(1, min(height, _BAND // width))
@@ -319,7 +319,10 @@ class _Drawing:
 
 
 def _lay_over(frame: Frame, planes: Planes) -> None:
-    """Put an object's planes where they are nearer than what is there."""
+    """Put an object's planes where they are nearer than what is there.
+
+    What is mostly see-through leaves the depth as it is, and so hides nothing that comes later.
+    """
     np.add(frame.reads, planes["reads"], out=frame.reads)
     nearer = (planes["hit"] != 0) & (planes["depth"] < frame.depth)
     coverage = np.where(nearer, planes["color.w"], np.float32(0.0))
@@ -331,7 +334,8 @@ def _lay_over(frame: Frame, planes: Planes) -> None:
     alpha = frame.color[:, :, 3]
     np.multiply(alpha, rest, out=alpha)
     alpha += coverage
-    np.copyto(frame.depth, planes["depth"], where=nearer)
-    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=nearer)
-    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=nearer)
-    np.logical_or(frame.hit, nearer, out=frame.hit)
+    solid = coverage >= _SOLID
+    np.copyto(frame.depth, planes["depth"], where=solid)
+    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=solid)
+    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=solid)
+    np.logical_or(frame.hit, solid, out=frame.hit)

@@ -354,6 +354,7 @@ class Object:
             _columns(matrix[:3, :3]),
             Vec2(*self.tiles),
             Vec2(*self.shift),
+            self.material.proportion,
         )
 
     def depth(self) -> Depth:
@@ -427,6 +428,13 @@ class Scene:
         if isinstance(camera, Orbit) and camera.distance is None and self.objects:
             camera = replace(camera, distance=self.objects[0].framing_distance)
         return camera.camera(size)
+
+    def from_far_to_near(self, size: tuple[int, int]) -> list[Object]:
+        """The objects by the distance of their middles, so that what is nearer is laid over."""
+        eye = np.array([*self.shader_camera(size).position], np.float64)
+        away = [float(np.linalg.norm(thing.to_world[:3, 3] - eye)) for thing in self.objects]
+        order = sorted(range(len(away)), key=lambda index: -away[index])
+        return [self.objects[index] for index in order]
 
     def with_camera(self, camera: Orbit | LookAt) -> Scene:
         """The same scene from elsewhere."""

@@ -34,8 +34,8 @@ class ShaderError(BasreliefError):
 def setting(*, default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
     """A record's field with its default, its meaning and the range a user may choose from.
 
-    `low` and `high` are inclusive; None leaves that side open. Ranges are checked by
-    `check_settings`, not when a shader builds a record.
+    `low` and `high` are inclusive; None leaves that side open. They are checked where a user's
+    values come in, not when a shader builds a record.
     """
     return dataclasses.field(default=default, metadata={"doc": doc, "low": low, "high": high})
 

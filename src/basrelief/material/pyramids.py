@@ -57,20 +57,21 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
 
 
 def normal(material: Material, edge: Edge, scale: float) -> Texture | None:
-    """Tangent-space normals; from the heights, at a relief's scale, where there is no map."""
+    """Tangent-space normals; where there is no map those of the heights, at a relief's scale.
+
+    Both are those of square texels. Of normals from heights only the latest are kept.
+    """
     if material.normal is not None:
         held = material.normal
-        return _once(
-            held, ("normal", edge), lambda: _texture([*_fractions(held).transpose(2, 0, 1)], edge)
-        )
+        return _once(held, ("normal", edge), lambda: _texture([*_channels(held)], edge))
     if material.height is None or scale <= 0.0:
         return None
     height = material.height
-    return _once(
-        height,
-        ("normal", edge, scale),
-        lambda: _texture(_normals_of(height.linear()[:, :, 0], scale, edge), edge),
-    )
+    latest = _made.setdefault(height, {})
+    if latest.get("slopes") != (edge, scale):
+        latest["normal"] = _texture(_normals_of(height.linear()[:, :, 0], scale, edge), edge)
+        latest["slopes"] = (edge, scale)
+    return latest["normal"]
 
 
 def response(material: Material, edge: Edge) -> Texture | None:
@@ -100,10 +101,10 @@ def emission(material: Material, edge: Edge) -> tuple[Texture, float] | None:
 
     def make() -> tuple[Texture, float]:
         if light.pixels.dtype != np.float32:
-            return _texture([*_fractions(light).transpose(2, 0, 1)], edge), 1.0
+            return _texture([*_channels(light)], edge), 1.0
         most = max(float(light.pixels.max()), 1e-9)
         share = Map(np.clip(light.pixels / most, 0.0, 1.0), light.srgb, light.source)
-        return _texture([*_fractions(share).transpose(2, 0, 1)], edge), most
+        return _texture([*_channels(share)], edge), most
 
     return _once(light, ("emission", edge), make)
 
@@ -137,6 +138,11 @@ def _largest(*maps: Map | None) -> tuple[int, int]:
     return max(shapes, key=lambda shape: shape[0] * shape[1])
 
 
+def _channels(one: Map) -> NDArray[np.uint16]:
+    """The same, channels first."""
+    return _fractions(one).transpose(2, 0, 1)
+
+
 def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
     """One channel at another size, bilinear and seamless at the edges."""
     one = pixels[:, :, 0]
@@ -161,8 +167,20 @@ def _texture(channels: list[Any], edge: Edge) -> Texture:
             first[:, :, index] = channel
     levels = [first]
     while max(levels[-1].shape[:2]) > 1:
-        levels.append(np.rint(halved(levels[-1])).astype(np.uint16))
+        levels.append(
+            _next_level(levels[-1], cut_out=channels[-1] is not None and len(channels) == 4)
+        )
     return Texture(levels, edge)
+
+
+def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint16]:
+    """The next level; of a cut-out, colours count as much as they are opaque."""
+    if not cut_out:
+        return np.rint(halved(level)).astype(np.uint16)
+    # a little weight for all, so that what is wholly see-through keeps its own colour
+    weight = level[:, :, 3:].astype(np.float32) + 1.0
+    color = halved(level[:, :, :3] * weight) / halved(weight)
+    return np.rint(np.concatenate([color, halved(level[:, :, 3:])], 2)).astype(np.uint16)
 
 
 def halved(level: NDArray[Any]) -> NDArray[np.float32]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from basrelief.lang import (
     Vec3,
+    clamp,
     cross,
     dot,
     length,
@@ -32,6 +33,8 @@ FAR_AWAY = 1e18
 """The distance of a directional light: so large that nothing lies behind it, its square finite."""
 NEAREST = 1e-3
 """Point and spot lights give no more light than at this distance, in world units."""
+FURTHEST = 1e4
+"""Nor less than at this distance, whose powers are still float32 numbers."""
 SHARPEST = 1e-6
 """The least difference of the cosines of a spot's two cones, some units in the last place."""
 SMOOTHEST = 0.045
@@ -119,7 +122,7 @@ def arriving(light: Light, position: Vec3) -> Incoming:
     direction = Vec3(0.0, 1.0, 0.0)
     if distance > SHARPEST:
         direction = offset / distance
-    radiance = light.color / pow(max(distance, NEAREST), light.falloff)
+    radiance = light.color / pow(clamp(distance, NEAREST, FURTHEST), light.falloff)
     if light.kind == SPOT:
         radiance = radiance * cone(light, -dot(direction, light.direction))
     return Incoming(direction, radiance, distance)

@@ -11,9 +11,11 @@ from basrelief.lang import (
     Vec2,
     Vec3,
     Vec4,
+    clamp,
     normalize,
     shader,
     slot,
+    sqrt,
     struct,
     transpose,
 )
@@ -50,7 +52,8 @@ class Placement:
     """Where the object is, and how its texture lies on it.
 
     A world point p is `to_object @ (p − origin)` in object space; `to_world` is the inverse. The
-    shape's own texture coordinates are multiplied by `tiling`, then `shift` is added.
+    shape's own texture coordinates are multiplied by `tiling`, then `shift` is added. `proportion`
+    is the width of the maps ÷ their height in texels, for which their normals were made.
     """
 
     origin: Vec3
@@ -58,6 +61,7 @@ class Placement:
     to_world: Mat3
     tiling: Vec2
     shift: Vec2
+    proportion: float
 
 
 @struct
@@ -129,11 +133,13 @@ def pixel(
     if not met.point.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
     moved = displaced(field, met, depth, settings)
-    if not inside(moved.uv):
-        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     distance = met.point.distance + moved.further
+    if distance <= 0.0 or not inside(moved.uv):
+        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     spot = Spot(moved.uv, met.footprint)
     surface = standard_surface(spot, finish, base_color, normal, response, emission)
+    if surface.opacity <= 0.0:
+        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     point = shading_point(ray, placement, met, surface, distance)
     color = ambient_light(point, shading) + point.emission
     reads = moved.reads
@@ -159,28 +165,41 @@ def meet(ray: CameraRay, placement: Placement) -> Meeting:
     along_u = met.along_u / placement.tiling.x
     along_v = met.along_v / placement.tiling.y
     frame = frame_of(met.normal, along_u, along_v)
-    unit = normalize(direction)
+    # with a unit direction, so that a large object is no different from a small one
+    falling = length_of(direction)
+    unit = direction / falling
+    away = met.distance * falling
     right = transferred(
-        met.distance,
-        direction,
+        away,
+        unit,
         met.normal,
         placement.to_object @ ray.origin_dx,
-        placement.to_object @ ray.direction_dx,
+        placement.to_object @ ray.direction_dx / falling,
     )
     down = transferred(
-        met.distance,
-        direction,
+        away,
+        unit,
         met.normal,
         placement.to_object @ ray.origin_dy,
-        placement.to_object @ ray.direction_dy,
+        placement.to_object @ ray.direction_dy / falling,
     )
     tiled = met.uv * placement.tiling + placement.shift
-    point = SurfacePoint(met.found, met.distance, met.position, met.normal, along_u, along_v, tiled)
+    point = SurfacePoint(
+        found=met.found,
+        distance=met.distance,
+        position=met.position,
+        normal=met.normal,
+        along_u=along_u,
+        along_v=along_v,
+        uv=tiled,
+        leave=met.leave,
+        radius=met.radius,
+    )
     return Meeting(
         point=point,
         frame=frame,
         view=to_tangent(frame, -unit),
-        falling=length_of(direction),
+        falling=falling,
         footprint=Footprint(along(right, along_u, along_v), along(down, along_u, along_v)),
     )
 
@@ -264,9 +283,14 @@ def beyond(met: Meeting, depth: Depth, hit: Hit) -> float:
     """How much further than the polygon the true ray goes to reach the hit's height.
 
     A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
+    The relief of a curved surface is that of its tangent plane, which near the outline runs far
+    from the shape: what is pushed in stays within it, what is raised within a shell around it.
     """
-    below = (depth.level - hit.height) * depth.scale * met.frame.width
-    return below / (max(met.view.z, SHALLOWEST) * met.falling)
+    width = depth.scale * met.frame.width
+    further = (depth.level - hit.height) * width / (max(met.view.z, SHALLOWEST) * met.falling)
+    shell = (1.0 - depth.level) * width
+    before = sqrt(shell * (2.0 * met.point.radius + shell)) / met.falling
+    return clamp(further, -before, met.point.leave - met.point.distance)
 
 
 @shader
@@ -274,7 +298,10 @@ def shading_point(
     ray: CameraRay, placement: Placement, met: Meeting, surface: Surface, distance: float
 ) -> ShadingPoint:
     """The displaced point in world space, its normal bent by the normal map."""
-    bent = from_tangent(met.frame, surface.normal)
+    # a tile of other proportions than its maps is as steep as they are stretched
+    stretch = met.frame.aspect / placement.proportion
+    slanted = Vec3(surface.normal.x, surface.normal.y * stretch, surface.normal.z)
+    bent = from_tangent(met.frame, slanted)
     return ShadingPoint(
         position=ray.origin + ray.direction * distance,
         normal=normalize(transpose(placement.to_object) @ bent),

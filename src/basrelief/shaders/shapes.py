@@ -34,6 +34,10 @@ SLOWEST = 1e-18
 has 1e-7 of itself as its last place), and the quotients by it far from overflow."""
 SLOWEST_SQUARED = 1e-24
 """The same for the squared length of a direction seen along an axis."""
+FAR = 1e9
+"""Further than anything is, its square finite."""
+BULGE = 1.0
+"""The radius that bounds what is raised above a solid's flat faces, which end somewhere."""
 NARROWEST = 1e-4
 """The sine of the angle from the pole below which the sphere's circle of latitude is held."""
 
@@ -50,9 +54,11 @@ class ShapeRay:
 class SurfacePoint:
     """Where a ray meets a surface, in object space.
 
-    `distance` is the ray's parameter there, above 0; `normal` the outward unit normal; `along_u`
-    and `along_v` are ∂P/∂u and ∂P/∂v, never of length 0. Where nothing is `found` the vectors
-    are sound all the same, those of a plane.
+    `distance` is the ray's parameter there, above 0, `leave` that where it leaves the shape again
+    (FAR for the plane, which has no inside); `normal` the outward unit normal; `along_u` and
+    `along_v` are ∂P/∂u and ∂P/∂v, never of length 0; `radius` is that of the curvature (BULGE on
+    a solid's flat faces, FAR on the plane). Where nothing is `found` the vectors are sound all the
+    same, those of a plane.
     """
 
     found: bool
@@ -62,6 +68,8 @@ class SurfacePoint:
     along_u: Vec3
     along_v: Vec3
     uv: Vec2
+    leave: float
+    radius: float
 
 
 @struct
@@ -92,7 +100,8 @@ def plane(ray: ShapeRay) -> SurfacePoint:
     met = ray.origin + ray.direction * distance
     if max(abs(met.x), abs(met.y)) > 0.5:
         return nothing()
-    return unit_square(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), Vec3(0.0, 1.0, 0.0))
+    up = Vec3(0.0, 1.0, 0.0)
+    return unit_square(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), up, FAR, FAR)
 
 
 @shader
@@ -107,7 +116,8 @@ def box(ray: ShapeRay) -> SurfacePoint:
     y = slab(ray.origin.y, ray.direction.y)
     z = slab(ray.origin.z, ray.direction.z)
     distance = max(x.enter, max(y.enter, z.enter))
-    if distance <= 0.0 or distance > min(x.leave, min(y.leave, z.leave)):
+    leave = min(x.leave, min(y.leave, z.leave))
+    if distance <= 0.0 or distance > leave:
         return nothing()
     met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
     up = Vec3(0.0, 1.0, 0.0)
@@ -120,7 +130,7 @@ def box(ray: ShapeRay) -> SurfacePoint:
         normal = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
         position = Vec3(met.x, 0.5 * normal.y, met.z)
         up = Vec3(0.0, 0.0, -normal.y)
-    return unit_square(distance, position, normal, up)
+    return unit_square(distance, position, normal, up, leave, BULGE)
 
 
 @shader
@@ -143,6 +153,8 @@ def sphere(ray: ShapeRay) -> SurfacePoint:
         along_u=east * (PI * max(ring, NARROWEST)),
         along_v=Vec3(normal.y * -east.z, -ring, normal.y * east.x) * (0.5 * PI),
         uv=Vec2(around(normal), atan2(ring, normal.y) / PI),
+        leave=inside.leave,
+        radius=0.5,
     )
 
 
@@ -156,12 +168,14 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
     side = ball(Vec3(ray.origin.x, 0.0, ray.origin.z), Vec3(ray.direction.x, 0.0, ray.direction.z))
     caps = slab(ray.origin.y, ray.direction.y)
     distance = max(side.enter, caps.enter)
-    if distance <= 0.0 or distance > min(side.leave, caps.leave):
+    leave = min(side.leave, caps.leave)
+    if distance <= 0.0 or distance > leave:
         return nothing()
     met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
     if caps.enter >= side.enter:
         cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
-        square = unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, Vec3(0.0, 0.0, -cap.y))
+        up = Vec3(0.0, 0.0, -cap.y)
+        square = unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, up, leave, BULGE)
         return SurfacePoint(
             found=True,
             distance=distance,
@@ -170,6 +184,8 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
             along_u=square.along_u * PI,
             along_v=square.along_v,
             uv=Vec2(0.5 + met.x / PI, square.uv.y),
+            leave=leave,
+            radius=BULGE,
         )
     normal = normalize(Vec3(met.x, 0.0, met.z))
     return SurfacePoint(
@@ -180,6 +196,8 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
         along_u=east_of(normal, 1.0) * PI,
         along_v=Vec3(0.0, -1.0, 0.0),
         uv=Vec2(around(normal), 0.5 - met.y),
+        leave=leave,
+        radius=0.5,
     )
 
 
@@ -197,11 +215,15 @@ def nothing() -> SurfacePoint:
         along_u=Vec3(1.0, 0.0, 0.0),
         along_v=Vec3(0.0, -1.0, 0.0),
         uv=Vec2(0.0),
+        leave=FAR,
+        radius=FAR,
     )
 
 
 @shader
-def unit_square(distance: float, position: Vec3, normal: Vec3, up: Vec3) -> SurfacePoint:
+def unit_square(
+    distance: float, position: Vec3, normal: Vec3, up: Vec3, leave: float, radius: float
+) -> SurfacePoint:
     """A point on a unit square centred on an axis, its picture's top towards `up`."""
     right = cross(up, normal)
     return SurfacePoint(
@@ -212,6 +234,8 @@ def unit_square(distance: float, position: Vec3, normal: Vec3, up: Vec3) -> Surf
         along_u=right,
         along_v=-up,
         uv=Vec2(0.5 + dot(position, right), 0.5 - dot(position, up)),
+        leave=leave,
+        radius=radius,
     )
 
 

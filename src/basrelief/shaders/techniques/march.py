@@ -96,15 +96,17 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)
+    found = end.height <= end.surface
+    # there is a step to halve only between a layer above the surface and one below
+    rounds = settings.search_steps if found and end.reads > 1 else 0
     height = end.height
-    below = height <= end.surface
+    below = True
     half = end.step
-    for _ in range(settings.search_steps):
+    for _ in range(rounds):
         half = half * 0.5
         height = height + (half if below else -half)
         below = height <= height_at(field, at(ray, height))
-    found = end.height <= end.surface
-    return Hit(at(ray, height), height, found, end.reads + settings.search_steps)
+    return Hit(at(ray, height), height, found, end.reads + rounds)
 
 
 # --- what the marches share ----------------------------------------------------------------------
