@@ -251,7 +251,7 @@ def command_options(name: str) -> list[str]:
     [
         ("a.png", (), np.uint8, 0.5 / 255),
         ("a.PNG", ("--bits", "16"), np.uint16, 0.5 / 65535),
-        ("a.jpg", ("--quality", "100"), np.uint8, 3 / 255),
+        ("a.jpg", ("--quality", "100"), np.uint8, 5 / 255),
         ("a.jpeg", (), np.uint8, 25 / 255),
         ("a.webp", ("--quality", "100"), np.uint8, 0.5 / 255),
     ],

@@ -40,8 +40,8 @@ DEFAULT_SCALE = 0.05
 _TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylinder": (3.0, 1.0)}
 """Tiles around and along each shape so that a square tile stays about square."""
 
-_FRAMING = {"plane": 1.8, "box": 3.4, "sphere": 2.1, "cylinder": 2.9}
-"""How far away a camera of 30 degrees sees each shape whole, with a little room around."""
+_FILLED = 0.92
+"""How much of the picture's width or height an object fills when it is framed."""
 
 _NEAR, _FAR = 1e-6, 1e6
 """Sizes, places and tilings that float32 holds with room for squares, cubes and quotients."""
@@ -74,6 +74,24 @@ class Orbit:
         distance = 2.0 if self.distance is None else self.distance
         _in_reach(self.azimuth, self.elevation, distance, *self.target)
         return orbit(self.target, distance, self.azimuth, self.elevation, size=size, **lens)
+
+    def framing(self, points: NDArray[np.float64], size: tuple[int, int]) -> Orbit:
+        """The same camera as near as shows all of the points, (n, 3)."""
+        near = replace(self, distance=1.0).camera(size)
+        right, down, forward = (
+            np.array([*v], np.float64) for v in (near.right, near.down, near.forward)
+        )
+        offsets = points - np.array(self.target, np.float64)
+        closer = -(offsets @ forward)
+        if self.orthographic_height is not None:
+            return replace(self, distance=float(closer.max()) + 1.0)
+        # a point is in view where its way from the axis is within its depth times the half angle
+        halves = np.array(size) * _FILLED / 2.0
+        needed = [
+            closer + np.abs(offsets @ axis) / (axis @ axis) / half
+            for axis, half in zip((right, down), halves, strict=True)
+        ]
+        return replace(self, distance=float(np.max(needed)))
 
 
 @dataclass(frozen=True)
@@ -222,6 +240,27 @@ def _sound(transform: Transform) -> bool:
     return bool(sizes[-1] >= _NEAR and (transform[3] == (0.0, 0.0, 0.0, 1.0)).all())
 
 
+def _round(heights: Sequence[float], radii: Sequence[float]) -> NDArray[np.float64]:
+    """Points on circles around the y axis."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    return np.concatenate(
+        [
+            np.stack([r * np.sin(angle), np.full(24, y), r * np.cos(angle)], 1)
+            for y, r in zip(heights, radii, strict=True)
+        ]
+    )
+
+
+_CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+_FROM_POLE = np.linspace(0.0, np.pi, 13)
+_OUTLINES = {
+    "plane": _CORNERS * (1.0, 1.0, 0.0),
+    "box": _CORNERS,
+    "sphere": _round([*np.cos(_FROM_POLE) / 2], [*np.sin(_FROM_POLE) / 2]),
+    "cylinder": _round((-0.5, 0.5), (0.5, 0.5)),
+}
+"""Points of each shape that reach as far as it does."""
+
 LYING = turned("x", -90.0)
 """Lays a plane flat: it faces up, the picture's top away from a camera at azimuth 0."""
 
@@ -339,10 +378,10 @@ class Object:
         proportion = self.material.proportion
         return LYING @ placed(scale=(min(proportion, 1.0), min(1.0 / proportion, 1.0), 1.0))
 
-    @property
-    def framing_distance(self) -> float:
-        """How far an orbiting camera stands by default, in world units."""
-        return _FRAMING[self.shape] * float(np.linalg.norm(self.to_world[:3, :3], 2))
+    def outline(self) -> NDArray[np.float64]:
+        """Points of world space, (n, 3), that the object lies between."""
+        matrix = self.to_world
+        return _OUTLINES[self.shape] @ matrix[:3, :3].T + matrix[:3, 3]
 
     def placement(self) -> Placement:
         """The shaders' record of where the object is."""
@@ -426,7 +465,7 @@ class Scene:
         """The shaders' camera for a picture of (width, height), framing the first object."""
         camera = self.camera
         if isinstance(camera, Orbit) and camera.distance is None and self.objects:
-            camera = replace(camera, distance=self.objects[0].framing_distance)
+            camera = camera.framing(self.objects[0].outline(), size)
         return camera.camera(size)
 
     def from_far_to_near(self, size: tuple[int, int]) -> list[Object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 import re
 from pathlib import Path
 
@@ -342,3 +343,13 @@ def wrong(n: int) -> int:
     )
     with pytest.raises(ShaderError, match="`4294967296`: an int has 32 bits"):
         module.wrong(1)
+
+
+def test_a_file_that_changed_since_it_was_loaded_is_refused(folder):
+    """Else what is stored under the old code's key would be the new code."""
+    module = write_module(folder, "@shader\ndef f(x: float) -> float:\n    return x * 2.0\n")
+    path = Path(module.__file__)
+    path.write_text(path.read_text().replace("x * 2.0", "x + 2.0"))
+    linecache.checkcache(str(path))
+    with pytest.raises(ShaderError, match="has changed since it was loaded"):
+        analyse(module.f)

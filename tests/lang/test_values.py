@@ -378,3 +378,18 @@ def test_intrinsics_are_plain_functions_too():
     assert floor(Vec2(1.5, -0.5)) == Vec2(1.0, -1.0)
     assert scaled.__doc__ == "Constants, literals and built-ins of every kind."
     assert "scaled" in repr(scaled)
+
+
+FACTOR = 2.0
+
+
+@shader
+def by_factor(x: float) -> float:
+    return x * FACTOR
+
+
+def test_a_number_that_changes_is_read_anew(monkeypatch):
+    """In a notebook a constant may be set again: what runs is what would be compiled."""
+    assert by_factor(1.5) == 3.0
+    monkeypatch.setattr(sys.modules[__name__], "FACTOR", 3.0)
+    assert by_factor(1.5) == 4.5

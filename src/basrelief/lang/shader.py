@@ -79,8 +79,18 @@ class Shader(Generic[P, R]):
             return self.function.__globals__[name]
         return vars(__import__("builtins"))[name]
 
-    @functools.cached_property
+    @property
     def _plain(self) -> Callable[..., Any]:
+        """The function in 32 bits, made anew where a number that it names has changed."""
+        made, numbers = self._made
+        known = self.function.__globals__
+        if any(known.get(name) is not value for name, value in numbers.items()):
+            del self._made
+            made, _ = self._made
+        return made
+
+    @functools.cached_property
+    def _made(self) -> tuple[Callable[..., Any], dict[str, Any]]:
         return _as_32_bits(self)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -192,8 +202,11 @@ def _code_of(text: str) -> dict[tuple[str, int], list[bytes]]:
     return found
 
 
-def _as_32_bits(shader_: Shader[..., Any]) -> Callable[..., Any]:
-    """The same function with literals, conversions and loop counters 32 bits wide."""
+def _as_32_bits(shader_: Shader[..., Any]) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """The same function with literals, conversions and loop counters 32 bits wide.
+
+    And the global numbers that it names, with the values that they had.
+    """
     source = shader_.source
     rewriting = _Rewriting(shader_)
     body = rewriting.visit(copy.deepcopy(source.tree))
@@ -215,7 +228,7 @@ def _as_32_bits(shader_: Shader[..., Any]) -> Callable[..., Any]:
     exec(compile(module, source.file, "exec"), shader_.function.__globals__, scope)
     made: Callable[..., Any] = scope["_factory"](*rewriting.captured.values())
     made.__defaults__ = shader_.function.__defaults__
-    return made
+    return made, rewriting.numbers
 
 
 def _int_range(*bounds: Any) -> Iterator[Any]:
@@ -228,6 +241,7 @@ class _Rewriting(ast.NodeTransformer):
     def __init__(self, shader_: Shader[..., Any]) -> None:
         self.shader = shader_
         self.captured: dict[str, Any] = {}
+        self.numbers: dict[str, Any] = {}
         self.locals = set(shader_.function.__code__.co_varnames)
 
     def _capture(self, name: str, value: Any, node: ast.AST) -> ast.AST:
@@ -251,6 +265,8 @@ class _Rewriting(ast.NodeTransformer):
         except KeyError:
             return node
         if type(value) in (float, int):
+            if node.id in self.shader.function.__globals__:
+                self.numbers[node.id] = value
             return self._number(value, node)
         if value is range:
             return self._capture("_range", _int_range, node)
