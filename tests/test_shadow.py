@@ -99,3 +99,19 @@ def test_a_program_without_shadows_has_none_in_it():
     for word in ("self_shadowed", "ShadowRay", "shadow_steps"):
         assert word not in without
         assert word in within
+
+
+@pytest.mark.parametrize("technique", ["offset", "offset_limited", "steep", "relief"])
+def test_no_technique_shadows_what_nothing_stands_over(technique):
+    """A gentle dome, lit steeply: where the view ray ended below it, there is still no shadow."""
+    along = np.linspace(0.0, np.pi, 48)
+    dome = 0.2 + 0.6 * np.outer(np.sin(along), np.sin(along))
+    heights = Map(dome.astype(np.float32)[:, :, None], False, "dome")
+    material = Material("dome", height=heights, normal=flat_normals())
+    thing = Object(material, scale=0.05, technique=technique, edge="clamp")
+    lights = (directional(30.0, 75.0),)
+    with_, without = (
+        render(Scene((thing,), lights=lights, shadows=kind), size=(96, 64), samples=1, engine="cpu")
+        for kind in ("hard", "none")
+    )
+    np.testing.assert_array_equal(with_.color, without.color)

@@ -22,6 +22,7 @@ from basrelief.lang import (
 from basrelief.lang import length as length_of
 from basrelief.shaders.camera import Camera, CameraRay, primary_ray
 from basrelief.shaders.gradients import Footprint, along, transferred
+from basrelief.shaders.height import height_at
 from basrelief.shaders.lighting import (
     Light,
     Shading,
@@ -101,12 +102,10 @@ class Meeting:
 
 @struct
 class Displaced:
-    """Where the ray ends: texture coordinates, how far beyond the polygon, the height there, and
-    how many heights were read."""
+    """Where the ray ends: texture coordinates, how far beyond the polygon, heights read."""
 
     uv: Vec2
     further: float
-    height: float
     reads: int
 
 
@@ -214,15 +213,15 @@ def displaced(field: HeightField, met: Meeting, depth: Depth, settings: Settings
 def with_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """As the technique says; with no depth not one height is read."""
     if depth.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, depth.level, 0)
+        return Displaced(met.point.uv, 0.0, 0)
     hit = displace(field, relief_ray(met, depth), settings)
-    return Displaced(hit.uv, beyond(met, depth, hit), hit.height, hit.reads)
+    return Displaced(hit.uv, beyond(met, depth, hit), hit.reads)
 
 
 @shader
 def without_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """On the polygon: a material without heights, or the technique `flat`."""
-    return Displaced(met.point.uv, 0.0, 1.0, 0)
+    return Displaced(met.point.uv, 0.0, 0)
 
 
 @slot
@@ -267,7 +266,10 @@ def self_shadowed(
     if light.z <= SHALLOWEST:
         return Reaching(0.0, 0)
     rise = to_texture(light.xy * (depth.scale / light.z), met.frame.aspect)
-    return shadow(field, ShadowRay(moved.uv, moved.height, rise), shadowing)
+    # from the surface itself: a technique may end the view ray below it
+    surface = height_at(field, moved.uv)
+    reaching = shadow(field, ShadowRay(moved.uv, surface, rise), shadowing)
+    return Reaching(reaching.share, reaching.reads + 1)
 
 
 @shader
