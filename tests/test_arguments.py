@@ -320,3 +320,12 @@ def test_any_scene_is_one_or_refused(texts: dict[str, Any]) -> None:
         thing = made.objects[0]
         assert np.isfinite([*thing.tiles, *thing.shift, thing.bias, thing.relief_scale]).all()
         assert made.background is None or np.isfinite(made.background).all()
+
+
+@pytest.mark.parametrize(("depth", "tile"), [(0.04, None), (None, 1.0)])
+def test_depth_and_tile_go_together(depth, tile):
+    with pytest.raises(InputError, match="go together"):
+        arguments.check_lengths(depth, tile, None)
+    arguments.check_lengths(0.04, 1.0, None)
+    with pytest.raises(InputError, match="not both"):
+        arguments.check_lengths(0.04, 1.0, 0.1)

@@ -91,7 +91,7 @@ def test_no_heights_for_a_technique(technique: str, tmp_path: Path, out: Path) -
         f"wall has no height map, which {technique} needs; "
         "add one, or draw it with the technique flat"
     )
-    assert "wall-flat.png" in done("render", folder, *DRAW)
+    assert "wall-flat-basrelief.png" in done("render", folder, *DRAW)
 
 
 def test_a_true_tie(tmp_path: Path, out: Path) -> None:
@@ -181,7 +181,7 @@ WRONG = {
     ),
     "behind the plane": ("--camera elevation=-20", "the camera is behind the plane, which has no"),
     "no such light": ("--light lamp", "--light lamp: begin with directional, point, spot"),
-    "no depth": ("--depth 0", "depth is a length above 0 metres, not 0"),
+    "no depth": ("--depth 0 --tile 1", "depth is a length above 0 metres, not 0"),
     "no such green": ("--normal-convention up", "normal_convention is one of auto, gl, dx"),
     "no such packing": ("--normal-packing bgr", "normal_packing is one of rgb, ag, rg"),
     "no such channel": ("--height-channel x", "height_channel is one of auto, r, g, b, a, lum"),
@@ -244,7 +244,7 @@ def test_a_folder_that_cannot_be_written(
     )  # fmt: skip
     told = "the folder . cannot be written; choose another place"
     assert refused_to_draw(bumps) == f"old.png: {told}"
-    assert refused("render", bumps, *DRAW) == f"bumps-relief.png: {told}"
+    assert refused("render", bumps, *DRAW) == f"bumps-relief-basrelief.png: {told}"
 
 
 def test_a_disk_that_is_full(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -297,7 +297,7 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
 def test_no_wgpu(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wgpu", None)
     line = refused_to_draw(bumps, "--engine", "gpu")
-    assert line == "the GPU engine needs wgpu; install it with: pip install 'basrelief[gpu]'"
+    assert line == "the GPU engine needs wgpu; install it with: pip install wgpu"
 
 
 def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:

@@ -293,7 +293,7 @@ def test_the_file_is_named_after_material_and_technique(
     technique: str, bumps: Path, here: Path
 ) -> None:
     chosen = () if technique == "relief" else ("--technique", technique)
-    assert done("render", bumps, *DRAW, *chosen).startswith(f"bumps-{technique}.png ")
+    assert done("render", bumps, *DRAW, *chosen).startswith(f"bumps-{technique}-basrelief.png ")
     assert os.listdir() == [f"bumps-{technique}.png"]
 
 
@@ -317,7 +317,7 @@ def test_without_heights_it_is_drawn_flat_with_a_note(tmp_path: Path, here: Path
     write_data(folder / "paper_Color.png", pixels)
     outcome = run("render", folder, *DRAW)
     assert outcome.code == 0
-    assert outcome.out.startswith("paper-flat.png ")
+    assert outcome.out.startswith("paper-flat-basrelief.png ")
     assert outcome.err == "note: paper has no height map, so it is drawn flat\n"
     assert run("render", folder, *DRAW, "--technique", "flat").err == ""
 

@@ -867,3 +867,11 @@ def test_any_folder_gives_a_material_or_one_clear_line(
         assert list(material.maps())
         json.dumps(describe(material))
     assert "\n" not in trouble
+
+
+@pytest.mark.parametrize("technique", ["relief", "parallax_occlusion"])
+def test_a_picture_that_was_drawn_here_is_no_map(tmp_path: Path, technique: str) -> None:
+    """`render` names its pictures so that the next run does not take one for heights."""
+    put(tmp_path, "wall_color.png", flat(90, 80, 70))
+    put(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
+    assert load(tmp_path).height is None

@@ -84,7 +84,9 @@ def test_it_draws_and_its_settings_turn_it(engine: str, here: Path) -> None:
     assert np.abs(pictures[0] - flat).max() < 1e-3
     assert np.abs(pictures[2] - drawn("my.py:sink", "--engine", engine)).max() == 0.0
     assert not (pictures[1] == pictures[2]).all()
-    assert done("render", "bumps", *DRAW, "--technique", "my.py:sink").startswith("bumps-sink.png")
+    assert done("render", "bumps", *DRAW, "--technique", "my.py:sink").startswith(
+        "bumps-sink-basrelief.png"
+    )
 
 
 def test_where_it_ends_is_known(here: Path) -> None:

@@ -335,7 +335,6 @@ def test_a_camera_behind_a_lone_plane_is_refused() -> None:
         Orbit(orthographic_height=NAN),
         Orbit(target=(NAN, 0.0, 0.0)),
         LookAt((0.0, 0.0, 0.0)),
-        LookAt((0.0, 2.0, 0.0)),
         LookAt((INF, 2.0, 0.0)),
         LookAt((1.0, 2.0)),  # type: ignore[arg-type]
     ],
@@ -472,3 +471,11 @@ def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -
     assert np.isfinite(frame.uv).all()
     assert not np.isnan(frame.depth).any()
     assert (frame.reads >= 0).all()
+
+
+def test_straight_down_needs_no_up() -> None:
+    """As an orbit's elevation of 90 does: the picture's top is where −z is."""
+    down = LookAt((0.0, 2.0, 0.0)).camera((8, 8))
+    assert tuple(down.right) == pytest.approx((1.0 * float(down.right.x), 0.0, 0.0), abs=1e-7)
+    assert float(down.right.x) > 0.0
+    assert float(down.down.z) > 0.0

@@ -141,6 +141,14 @@ def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dic
 # --- the whole -----------------------------------------------------------------------------------
 
 
+def check_lengths(depth: float | None, tile: float | None, scale: float | None) -> None:
+    """Raise InputError where --depth and --tile are not given together, or --scale beside them."""
+    if (depth is None) != (tile is None):
+        raise InputError("--depth and --tile go together: how deep, and how wide a tile, in metres")
+    if depth is not None and scale is not None:
+        raise InputError("--scale, or --depth and --tile, but not both: they say the same")
+
+
 def scene(
     material: Material,
     *,

@@ -150,6 +150,7 @@ def info(
 def techniques() -> None:
     """List the techniques, what each does and costs, its source, and its settings."""
     from basrelief.shaders.lighting import Shading
+    from basrelief.shaders.shadow import Shadowing
     from basrelief.shaders.surfaces.standard import Finish
     from basrelief.shaders.techniques import TECHNIQUES
 
@@ -157,7 +158,7 @@ def techniques() -> None:
         defaults = f"Defaults: --level {made.level:g} --projection {made.projection}"
         _list(made.name, [*_paragraphs(made.__doc__), defaults], made.settings)
     also = "--set turns these too, and bias (0.42), which goes with --projection biased:"
-    _list("with every technique", [also], Finish, Shading)
+    _list("with every technique", [also], Finish, Shading, Shadowing)
 
 
 def _paragraphs(doc: str | None) -> list[str]:
@@ -270,6 +271,7 @@ def render(
         from basrelief.rendering import render as draw
 
         pixels = arguments.size(size)
+        arguments.check_lengths(depth, tile, scale)
         material = _loaded(
             path, depth=depth, tile=tile, normal_convention=normal_convention,
             normal_packing=normal_packing, height_polarity=height_polarity,
@@ -284,7 +286,8 @@ def render(
             edge=edge, tiling=tiling, shift=shift, stretch=stretch,
         )  # fmt: skip
         drawn_with = scene.objects[0].drawn_with.name
-        target = output or Path(f"{material.name}-{drawn_with}.png")
+        # a name that `load` knows for one of ours, and takes for no map
+        target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
         check_target(target, bits)
         progress.task = f"drawing {material.name}"
         frame = draw(scene, size=pixels, samples=samples, engine=engine, progress=progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,6 +30,8 @@ __all__ = ["Frame", "Image", "program_of", "render"]
 
 Progress = Callable[[float], None]
 _LARGEST = 1 << 15
+_MOST_PIXELS = 1 << 27
+"""A frame of so many takes 4.4 GB."""
 _SOLID = 0.5
 """The least opacity that has a depth."""
 _BAND = 1 << 20
@@ -59,7 +62,7 @@ class Image:
         return encode_png(self._for_file(Path()))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """What was drawn, pixel by pixel; arrays are (height, width, …), row 0 at the top.
 
@@ -98,6 +101,10 @@ class Frame:
         """The picture."""
         return Image(self.color)
 
+    def __repr__(self) -> str:
+        height, width = self.depth.shape
+        return f"<Frame {width} × {height}, {self.engine}>"
+
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the picture; see `Image.save`."""
         return self.image.save(path, bits=bits, quality=quality)
@@ -123,7 +130,12 @@ def render(
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
     scene = _scene_of(what, options)
-    width, height = size
+    width, height = _checked_size(size)
+    if width * height > _MOST_PIXELS:
+        raise InputError(
+            f"a picture of {width} × {height} is over {_MOST_PIXELS // 10**6} million pixels; "
+            "draw it smaller, or in parts"
+        )
     if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
         raise InputError(f"a picture of {width} × {height}: give 1 to {_LARGEST} pixels a side")
     if not 1 <= samples <= 1024:
@@ -131,6 +143,14 @@ def render(
     scene.check_camera()
     runner = choose_engine(engine) if isinstance(engine, str) else engine
     return _Drawing(scene, (width, height), samples, runner, progress).frame()
+
+
+def _checked_size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = (operator.index(side) for side in size)
+    except (TypeError, ValueError):
+        raise InputError(f"size is {size!r}: give (width, height) in whole pixels") from None
+    return width, height
 
 
 def _scene_of(what: Any, options: dict[str, Any]) -> Scene:
@@ -168,7 +188,7 @@ def program_of(thing: Object, shading_model: str = "ggx", shadows: str = "none")
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
         edge.in_tile: getattr(edge, _map_edge(thing)),
-        pixel.inside: pixel.within_tile if thing.edge == "clip" else pixel.anywhere,
+        pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         pixel.displaced: pixel.with_relief if thing.has_relief else pixel.without_relief,
         pixel.unhidden: (
             pixel.self_shadowed if thing.has_relief and shadows != "none" else pixel.everything
@@ -190,7 +210,8 @@ def program_of(thing: Object, shading_model: str = "ggx", shadows: str = "none")
 
 
 def _map_edge(thing: Object) -> Edge:
-    return "wrap" if thing.edge == "wrap" else "clamp"
+    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
 def _maps(thing: Object) -> dict[str, Any]:

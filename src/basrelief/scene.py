@@ -108,7 +108,10 @@ class LookAt:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
         _in_reach(*self.position, *self.target)
-        return look(self.position, self.target, self.up, size=size, **lens)
+        along_y = self.position[0] == self.target[0] and self.position[2] == self.target[2]
+        # straight up or down no other y would do: the picture's top is then where −z is
+        up = (0.0, 0.0, -1.0) if along_y and self.up == (0.0, 1.0, 0.0) else self.up
+        return look(self.position, self.target, up, size=size, **lens)
 
 
 def _in_reach(*numbers: float) -> None:
@@ -428,8 +431,8 @@ def technique_named(name: str) -> Technique[..., Any]:
 
 def _default_lights() -> tuple[Light, ...]:
     return (
-        directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.6),
-        directional(120.0, 25.0, (0.8, 0.9, 1.0), 0.6),
+        directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.2),
+        directional(80.0, 20.0, (0.8, 0.9, 1.0), 0.8),
     )
 
 
@@ -488,7 +491,10 @@ class Scene:
             if _inside(thing, x, y, z):
                 raise InputError(f"the camera is inside the {thing.shape}; {advice}")
             if thing.shape == "plane" and z <= 0.0 and len(self.objects) == 1:
-                raise InputError(f"the camera is behind the plane, which has no back; {advice}")
+                raise InputError(
+                    "the camera is behind the plane, which has no back; lift it to the other "
+                    "side, for example --camera elevation=35"
+                )
 
 
 def _inside(thing: Object, x: float, y: float, z: float) -> bool:

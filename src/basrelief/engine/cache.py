@@ -20,7 +20,7 @@ _DIGEST = 32
 
 def cache_folder() -> Path:
     """Where compiled programs are kept; the variable BASRELIEF_CACHE overrides the place."""
-    if "BASRELIEF_CACHE" in os.environ:
+    if os.environ.get("BASRELIEF_CACHE"):
         return Path(os.environ["BASRELIEF_CACHE"])
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))

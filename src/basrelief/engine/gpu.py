@@ -36,9 +36,7 @@ def _request_adapter() -> Any:
     try:
         import wgpu
     except ImportError:
-        raise EngineError(
-            "the GPU engine needs wgpu; install it with: pip install 'basrelief[gpu]'"
-        ) from None
+        raise EngineError("the GPU engine needs wgpu; install it with: pip install wgpu") from None
     _leave_out_opengl()
     try:
         return wgpu.gpu.request_adapter_sync(power_preference="high-performance")

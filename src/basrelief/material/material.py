@@ -43,7 +43,7 @@ class Note:
         return f"{self.what}: {self.why}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Map:
     """One map: `pixels` (height, width, channels) of uint8, uint16 or float32.
 
@@ -68,6 +68,9 @@ class Map:
             raise InputError(
                 f"{self.source}: {bad} of its texels are NaN or infinite; mend the picture"
             )
+
+    def __repr__(self) -> str:
+        return f"<Map {self.source}, {self.width}×{self.height}×{self.channels}, {self.bits} bit>"
 
     @property
     def height(self) -> int:
@@ -111,7 +114,7 @@ class Map:
         return linear
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Material:
     """A surface as up to eight maps that lie over each other, each stretched over the whole tile.
 
@@ -149,6 +152,10 @@ class Material:
         for what, metres in (("depth", self.depth), ("tile", self.tile)):
             if metres is not None and not (math.isfinite(metres) and metres > 0):
                 raise InputError(f"{self.name}: {what} is a length above 0 metres, not {metres}")
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(kind for kind, _ in self.maps())
+        return f"<Material {self.name}: {kinds or 'no maps'}>"
 
     def maps(self) -> Iterator[tuple[str, Map]]:
         """The maps that are there, by name."""

@@ -133,7 +133,7 @@ def pixel(
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
     moved = displaced(field, met, depth, settings)
     distance = met.point.distance + moved.further
-    if distance <= 0.0 or not inside(moved.uv):
+    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     spot = Spot(moved.uv, met.footprint)
     surface = standard_surface(spot, finish, base_color, normal, response, emission)
@@ -316,22 +316,22 @@ def shading_point(
     )
 
 
-# --- the edge of the texture ---------------------------------------------------------------------
+# --- the edge of the object ----------------------------------------------------------------------
 
 
 @slot
-def inside(uv: Vec2) -> bool:
-    """Whether there is anything at displaced texture coordinates."""
+def inside(place: Vec2) -> bool:
+    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape."""
     raise NotImplementedError
 
 
 @shader
-def anywhere(uv: Vec2) -> bool:
+def anywhere(place: Vec2) -> bool:
     """The texture goes on for ever."""
     return True
 
 
 @shader
-def within_tile(uv: Vec2) -> bool:
-    """Only the one tile exists: what is displaced beyond it is not drawn."""
-    return min(uv.x, uv.y) >= 0.0 and max(uv.x, uv.y) <= 1.0
+def within(place: Vec2) -> bool:
+    """What is displaced beyond the shape's own edge is not drawn."""
+    return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
