@@ -294,7 +294,7 @@ def test_the_file_is_named_after_material_and_technique(
 ) -> None:
     chosen = () if technique == "relief" else ("--technique", technique)
     assert done("render", bumps, *DRAW, *chosen).startswith(f"bumps-{technique}-basrelief.png ")
-    assert os.listdir() == [f"bumps-{technique}.png"]
+    assert os.listdir() == [f"bumps-{technique}-basrelief.png"]
 
 
 def test_an_old_file_is_replaced(bumps: Path, here: Path) -> None:

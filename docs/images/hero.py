@@ -36,6 +36,7 @@ def scene() -> basrelief.Scene:
     )
     return basrelief.Scene(
         (ground, box, sphere, cylinder),
+        shadows="soft",
         camera=basrelief.Orbit(azimuth=8.0, elevation=22.0, distance=4.4, field_of_view=26.0),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from basrelief.engine import choose_engine
@@ -38,8 +38,16 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
         scenes = dict(_scenes(materials))
         programs = [program_of(scene.objects[0]) for scene in scenes.values()]
         list(pool.map(runner.compile, programs))
-    for name, scene in scenes.items():
-        yield render(scene, size=_SIZE, samples=4, engine=runner).save(folder / f"{name}.png")
+    # one picture is written while the next is drawn
+    with ThreadPoolExecutor(1) as writer:
+        under_way: Future[Path] | None = None
+        for name, scene in scenes.items():
+            frame = render(scene, size=_SIZE, samples=4, engine=runner)
+            if under_way is not None:
+                yield under_way.result()
+            under_way = writer.submit(frame.save, folder / f"{name}.png")
+        if under_way is not None:
+            yield under_way.result()
 
 
 def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:
