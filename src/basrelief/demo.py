@@ -21,13 +21,9 @@ COUNT = len(TECHNIQUES) + len(_SHAPES)
 
 def pictures(folder: Path, engine: str) -> Iterator[Path]:
     """Draw the pictures into a folder, naming each when it is done."""
-    runner = choose_engine(engine)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another") from None
-    # compiling and drawing the samples are independent: both at once
+    # looking for a GPU and drawing the samples are independent: both at once
     with ThreadPoolExecutor() as pool:
+        found = pool.submit(choose_engine, engine)
         materials = dict(
             zip(
                 ("bricks", "cobbles", "tiles", "gravel", "terrain"),
@@ -36,8 +32,13 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
             )
         )
         scenes = dict(_scenes(materials))
+        runner = found.result()
         programs = [program_of(scene.objects[0]) for scene in scenes.values()]
         list(pool.map(runner.compile, programs))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another") from None
     # one picture is written while the next is drawn
     with ThreadPoolExecutor(1) as writer:
         under_way: Future[Path] | None = None
