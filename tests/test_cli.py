@@ -251,7 +251,7 @@ def command_options(name: str) -> list[str]:
     [
         ("a.png", (), np.uint8, 0.5 / 255),
         ("a.PNG", ("--bits", "16"), np.uint16, 0.5 / 65535),
-        ("a.jpg", ("--quality", "100"), np.uint8, 5 / 255),
+        ("a.jpg", ("--quality", "100"), np.uint8, 3 / 255),
         ("a.jpeg", (), np.uint8, 25 / 255),
         ("a.webp", ("--quality", "100"), np.uint8, 0.5 / 255),
     ],
@@ -259,13 +259,24 @@ def command_options(name: str) -> list[str]:
 def test_formats_for_the_eye(
     file: str, extra: tuple[str, ...], dtype: type, close: float, bumps: Path, here: Path
 ) -> None:
-    printed = done("render", bumps, *DRAW, "-o", file, *extra)
+    # said in full, so that what is compressed does not change with what is drawn by default
+    said = (
+        *("--camera", "distance=1.8"),
+        *("--light", "directional,azimuth=-50,elevation=35,color=1/0.96/0.9,intensity=2.6"),
+        *("--light", "directional,azimuth=120,elevation=25,color=0.8/0.9/1,intensity=0.6"),
+    )
+    printed = done("render", bumps, *DRAW, *said, "-o", file, *extra)
     assert printed == f"{file}  (cpu: {choose_engine('cpu').device})\n"
     assert os.listdir() == [file]
     back = read_picture(file).pixels
     assert back.dtype == dtype
     most = np.iinfo(dtype).max
-    wanted = srgb_encode(np.clip(drawn(bumps)[:, :, :3], 0.0, 1.0))
+    lights = (
+        basrelief.directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.6),
+        basrelief.directional(120.0, 25.0, (0.8, 0.9, 1.0), 0.6),
+    )
+    color = drawn(bumps, camera=basrelief.Orbit(distance=1.8), lights=lights)
+    wanted = srgb_encode(np.clip(color[:, :, :3], 0.0, 1.0))
     assert np.abs(back / most - wanted).max() < close + 1e-6
 
 
@@ -344,6 +355,7 @@ def test_engine_auto_takes_a_real_gpu_alone(
     class GpuEngine(cpu.CpuEngine):
         name = "gpu"
 
+    monkeypatch.setattr(gpu, "_has_device", lambda: True)
     monkeypatch.setattr(gpu, "_request_adapter", Adapter)
     monkeypatch.setattr(gpu, "real_gpu", gpu.real_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
@@ -351,6 +363,19 @@ def test_engine_auto_takes_a_real_gpu_alone(
     monkeypatch.setattr(sys.modules["basrelief.rendering"], "choose_engine", fresh_choice)
     name = "cpu" if kind == "CPU" else "gpu"
     assert f"({name}: " in done("render", bumps, "--size", "8x8")
+
+
+def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    def started() -> Any:
+        raise AssertionError("a driver was started")
+
+    monkeypatch.setattr(gpu, "_request_adapter", started)
+    monkeypatch.setattr(gpu.sys, "platform", "linux")
+    monkeypatch.setattr(gpu, "_DEVICES", ("no-such-device*",))
+    assert not gpu.real_gpu.__wrapped__()
+    monkeypatch.setattr(gpu, "_DEVICES", ("null",))
+    with pytest.raises(AssertionError, match="was started"):
+        gpu.real_gpu.__wrapped__()
 
 
 def fresh_choice(name: str) -> Any:

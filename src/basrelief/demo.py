@@ -14,6 +14,7 @@ from basrelief.scene import Object, Orbit, Scene
 from basrelief.shaders.techniques import TECHNIQUES
 
 _SIZE = (640, 360)
+_SAMPLES = 3
 _SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
 COUNT = len(TECHNIQUES) + len(_SHAPES)
 """How many pictures there are."""
@@ -43,7 +44,7 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
     with ThreadPoolExecutor(1) as writer:
         under_way: Future[Path] | None = None
         for name, scene in scenes.items():
-            frame = render(scene, size=_SIZE, samples=4, engine=runner)
+            frame = render(scene, size=_SIZE, samples=_SAMPLES, engine=runner)
             if under_way is not None:
                 yield under_way.result()
             under_way = writer.submit(frame.save, folder / f"{name}.png")

@@ -8,11 +8,13 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
+import sys
 import tempfile
 import threading
 import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,9 +61,25 @@ def _leave_out_opengl() -> None:
         set_instance_extras(backends=["Primary"])
 
 
+_DEVICES = ("dri/renderD*", "nvidia[0-9]*", "nvhost*", "dxg", "kfd", "kgsl*", "mali*")
+"""Where Linux keeps graphics cards, those of Windows beneath it and of small boards included."""
+
+
+def _has_device() -> bool:
+    """Whether Linux shows any graphics device; elsewhere only a driver can tell.
+
+    Looking here first spares a machine without one the second that a software driver takes.
+    """
+    if not sys.platform.startswith("linux"):
+        return True
+    return any(next(Path("/dev").glob(pattern), None) for pattern in _DEVICES)
+
+
 @functools.cache
 def real_gpu() -> bool:
     """Whether there is a GPU that is not a program on the CPU."""
+    if not _has_device():
+        return False
     try:
         adapter = _request_adapter()
     except EngineError:

@@ -25,19 +25,25 @@ def times_power_of_two(x: float, n: int) -> float:
 
 
 @shader
-def exp(x: float) -> float:
-    """eˣ: to 2 units in the last place."""
-    held = min(max(x, -105.0), 89.0)
-    n = floor(held * 1.44269504088896 + 0.5)
-    # ln 2 in two parts, the first short enough for n · part to be exact
-    r = held - n * 0.693359375 + n * 2.12194440e-4
+def exponential_series(r: float) -> float:
+    """eʳ for |r| up to ½ ln 2."""
     p = 1.9875691500e-4
     p = p * r + 1.3981999507e-3
     p = p * r + 8.3334519073e-3
     p = p * r + 4.1665795894e-2
     p = p * r + 1.6666665459e-1
     p = p * r + 5.0000001201e-1
-    return times_power_of_two(p * r * r + r + 1.0, int(n))
+    return p * r * r + r + 1.0
+
+
+@shader
+def exp(x: float) -> float:
+    """eˣ: to 2 units in the last place."""
+    held = min(max(x, -105.0), 89.0)
+    n = floor(held * 1.44269504088896 + 0.5)
+    # ln 2 in two parts, the first short enough for n · part to be exact
+    r = held - n * 0.693359375 + n * 2.12194440e-4
+    return times_power_of_two(exponential_series(r), int(n))
 
 
 @shader
@@ -46,13 +52,7 @@ def exp2(x: float) -> float:
     held = min(max(x, -152.0), 129.0)
     n = floor(held + 0.5)
     r = (held - n) * 0.693147180559945
-    p = 1.9875691500e-4
-    p = p * r + 1.3981999507e-3
-    p = p * r + 8.3334519073e-3
-    p = p * r + 4.1665795894e-2
-    p = p * r + 1.6666665459e-1
-    p = p * r + 5.0000001201e-1
-    return times_power_of_two(p * r * r + r + 1.0, int(n))
+    return times_power_of_two(exponential_series(r), int(n))
 
 
 @shader

@@ -12,7 +12,6 @@ from basrelief.lang import Vec2, fract, saturate, shader, slot
 @slot
 def in_tile(uv: Vec2) -> Vec2:
     """Texture coordinates within the one tile that the maps hold, 0 to 1."""
-    raise NotImplementedError
 
 
 @shader

@@ -150,7 +150,6 @@ def ambient_light(point: ShadingPoint, shading: Shading) -> Vec3:
 @slot
 def reflectance(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
     """The radiance that the point sends to the viewer for one light, the cosine included."""
-    raise NotImplementedError
 
 
 @shader

@@ -206,7 +206,6 @@ def meet(ray: CameraRay, placement: Placement) -> Meeting:
 @slot
 def displaced(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
     """Where the ray ends: on the relief, or on the polygon itself."""
-    raise NotImplementedError
 
 
 @shader
@@ -234,7 +233,6 @@ def unhidden(
     shadowing: Shadowing,
 ) -> Reaching:
     """How much of a light, in a direction of object space, reaches the displaced point."""
-    raise NotImplementedError
 
 
 @shader
@@ -322,7 +320,6 @@ def shading_point(
 @slot
 def inside(place: Vec2) -> bool:
     """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape."""
-    raise NotImplementedError
 
 
 @shader

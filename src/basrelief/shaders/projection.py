@@ -15,7 +15,6 @@ SHALLOWEST = 1e-5
 @slot
 def projection(view: Vec3, bias: float) -> Vec2:
     """How far the ray moves along the surface while it falls by one, towards the viewer."""
-    raise NotImplementedError
 
 
 @shader

@@ -54,7 +54,6 @@ class Reaching:
 @slot
 def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
     """How much of a light reaches the start of the ray."""
-    raise NotImplementedError
 
 
 @shader

@@ -83,7 +83,6 @@ class Interval:
 @slot
 def shape(ray: ShapeRay) -> SurfacePoint:
     """The nearest point of the chosen shape's outside that the ray meets."""
-    raise NotImplementedError
 
 
 # --- the shapes ------------------------------------------------------------------------------

@@ -55,7 +55,6 @@ class Spot:
 @slot
 def base_color_of(map: Texture, spot: Spot) -> Vec4:
     """Linear colour, and opacity."""
-    raise NotImplementedError
 
 
 @shader
@@ -76,7 +75,6 @@ def plain_base_color(map: Texture, spot: Spot) -> Vec4:
 @slot
 def normal_of(map: Texture, spot: Spot, finish: Finish) -> Vec3:
     """The unit normal in tangent space, green up."""
-    raise NotImplementedError
 
 
 @shader
@@ -99,7 +97,6 @@ def plain_normal(map: Texture, spot: Spot, finish: Finish) -> Vec3:
 @slot
 def response_of(map: Texture, spot: Spot) -> Vec3:
     """Occlusion, roughness, metallic."""
-    raise NotImplementedError
 
 
 @shader
@@ -120,7 +117,6 @@ def plain_response(map: Texture, spot: Spot) -> Vec3:
 @slot
 def emission_of(map: Texture, spot: Spot) -> Vec3:
     """The light that the surface sends out by itself, linear."""
-    raise NotImplementedError
 
 
 @shader

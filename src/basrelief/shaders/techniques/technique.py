@@ -33,7 +33,6 @@ class Nothing:
 @slot
 def displace(field: HeightField, ray: Ray, settings: Settings) -> Hit:
     """Find where the view ray ends in the height field."""
-    raise NotImplementedError
 
 
 class Technique(Shader[P, R]):
