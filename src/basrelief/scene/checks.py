@@ -35,6 +35,15 @@ def within(what: str, value: float, low: float | None, high: float | None) -> No
         raise InputError(f"{what} is {value:g}: give a number {ends}")
 
 
+def record_of(record: Any, given: Any, owner: str) -> Any:
+    """A record of settings from itself, or from a mapping of the fields to change, checked."""
+    if isinstance(given, Mapping):
+        return checked_record(record, given, owner)
+    if not isinstance(given, record):
+        raise InputError(f"{owner} takes settings of type {record.__name__}")
+    return checked_record(record, {f.name: getattr(given, f.name) for f in fields(record)}, owner)
+
+
 def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
     """A record of settings with some fields changed; raises InputError for what does not fit."""
     assert is_record(record)

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.lang import Mat3, Vec2, Vec3
+from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
-from basrelief.scene.checks import FAR, NEAR, checked_record, one_of, within
+from basrelief.scene.checks import FAR, NEAR, one_of, record_of, within
 from basrelief.scene.transforms import LYING, OUTLINES, Transform, placed, sound
-from basrelief.shaders.pixel import Depth, Placement
+from basrelief.shaders.height import Smoothing
+from basrelief.shaders.meeting import Placement
+from basrelief.shaders.relief import Depth
+from basrelief.shaders.surfaces.landscape import Landscape
 from basrelief.shaders.surfaces.standard import Finish
+from basrelief.shaders.surfaces.surface import MapPlaces
 from basrelief.shaders.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.shaders.techniques.own import technique_from_file
 
@@ -27,6 +31,48 @@ _TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylind
 """Tiles around and along each shape so that a square tile stays about square."""
 
 
+@dataclass(frozen=True)
+class Tiling:
+    """How a map lies on a shape: `tiles` along u and v over the shape, then moved by `shift`."""
+
+    tiles: tuple[float, float] = (1.0, 1.0)
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    def checked(self, owner: str) -> Tiling:
+        """The same; raises InputError for numbers that make no tiling."""
+        if not all(NEAR <= abs(n) <= FAR for n in self.tiles):
+            raise InputError(f"{owner} {self.tiles}: give finite numbers other than 0")
+        if not all(abs(n) <= FAR for n in self.shift):
+            raise InputError(f"shift {self.shift}: give finite numbers")
+        return self
+
+    def beside(self, main: Tiling) -> Vec4:
+        """The ratio of tiles to those of another, and the shift that is left."""
+        ratio = (self.tiles[0] / main.tiles[0], self.tiles[1] / main.tiles[1])
+        left = (self.shift[k] - main.shift[k] * ratio[k] for k in (0, 1))
+        return Vec4(*ratio, *left)
+
+    def moved(self, u: float, v: float) -> Tiling:
+        """The same map, moved by a part of the shape's own texture coordinates."""
+        move = (self.tiles[0] * u, self.tiles[1] * v)
+        return replace(self, shift=(self.shift[0] + move[0], self.shift[1] + move[1]))
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A second material over the first: details on the standard surface, the high ground of a
+    landscape. Its colour and normals are used, `tiles` times over the shape."""
+
+    material: Material
+    tiling: Tiling = field(default_factory=lambda: Tiling((10.0, 10.0)))
+
+
+OWN_TILINGS = ("base_color", "normal", "response", "emission")
+"""The maps that may lie otherwise than the heights; response is occlusion, roughness, metallic."""
+SURFACES: dict[str, Any] = {"standard": Finish, "landscape": Landscape}
+"""The surfaces, each with the record of its numbers."""
+
+
 @dataclass(frozen=True, eq=False)
 class Object:
     """A shape with a material, and how its relief is drawn.
@@ -35,7 +81,17 @@ class Object:
     heights, and asking for one where there are none is an error. `settings` is its record, or a
     mapping of the fields to change. `scale` defaults to the material's, `level` and `projection`
     to the technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
-    `tiling` counts the tiles along u and v. Raises InputError for values out of range.
+    `heights` are read "sharp", from the finest level, or "smooth", as `smoothing` says. `fade` is
+    the distance from the camera, in world units, up to which the relief is whole, and that at which
+    it is gone.
+
+    `tiling` counts the tiles of all maps along u and v, `shift` moves them; `tilings` are those of
+    single maps (`OWN_TILINGS`). `mapping` lays the colour on from one side ("planar") or from three
+    ("triplanar"). `alpha` says what opacity means: "blend", "mask" (a cut-out) or "opaque";
+    `casts` whether the object casts shadows on others, "opaque" as if nothing were cut out of it.
+
+    `surface` is "standard" or "landscape", `finish` its record or a mapping of the fields to
+    change; `layer` lies over it. Raises InputError for values out of range.
     """
 
     material: Material
@@ -46,13 +102,49 @@ class Object:
     level: float | None = None
     projection: Literal["full", "biased", "limited"] | None = None
     bias: float = 0.42
+    heights: Literal["sharp", "smooth"] = "sharp"
+    smoothing: Any = field(default_factory=dict)
+    fade: tuple[float, float] | None = None
     edge: Literal["wrap", "clamp", "clip"] = "wrap"
     tiling: tuple[float, float] | None = None
     shift: tuple[float, float] = (0.0, 0.0)
-    finish: Finish = field(default_factory=Finish)
+    tilings: Mapping[str, Tiling] = field(default_factory=dict)
+    mapping: Literal["planar", "triplanar"] = "planar"
+    alpha: Literal["blend", "mask", "opaque"] = "blend"
+    casts: Literal["shape", "opaque", "none"] = "shape"
+    surface: Literal["standard", "landscape"] = "standard"
+    finish: Any = field(default_factory=dict)
+    layer: Layer | None = None
     transform: Transform | None = None
 
     def __post_init__(self) -> None:
+        self._choose_technique()
+        one_of("shape", self.shape, SHAPES)
+        one_of("projection", self.projection, (None, "full", "biased", "limited"))
+        one_of("heights", self.heights, ("sharp", "smooth"))
+        one_of("edge", self.edge, ("wrap", "clamp", "clip"))
+        one_of("mapping", self.mapping, ("planar", "triplanar"))
+        one_of("alpha", self.alpha, ("blend", "mask", "opaque"))
+        one_of("casts", self.casts, ("shape", "opaque", "none"))
+        one_of("surface", self.surface, tuple(SURFACES))
+        within("scale", self.relief_scale, 0.0, 10.0)
+        within("level", self.relief_level, 0.0, 1.0)
+        within("bias", self.bias, 0.0, 100.0)
+        self._check_fade()
+        self._check_tilings()
+        for name, record, owner in (
+            ("settings", self.drawn_with.settings, self.drawn_with.name),
+            ("smoothing", Smoothing, "the smoothing"),
+            ("finish", SURFACES[self.surface], f"the {self.surface} surface"),
+        ):
+            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
+        if not sound(self.to_world):
+            raise InputError(
+                "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
+                "and not flatten it to nothing"
+            )
+
+    def _choose_technique(self) -> None:
         if self.technique is None:
             chosen = flat if self.material.height is None else relief
             object.__setattr__(self, "technique", chosen)
@@ -63,32 +155,21 @@ class Object:
                 f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
                 "add one, or draw it with the technique flat"
             )
-        one_of("shape", self.shape, SHAPES)
-        one_of("projection", self.projection, (None, "full", "biased", "limited"))
-        one_of("edge", self.edge, ("wrap", "clamp", "clip"))
-        within("scale", self.relief_scale, 0.0, 10.0)
-        within("level", self.relief_level, 0.0, 1.0)
-        within("bias", self.bias, 0.0, 100.0)
-        checked_record(Finish, vars(self.finish), "the finish")
-        if not all(NEAR <= abs(n) <= FAR for n in self.tiles):
-            raise InputError(f"tiling {self.tiles}: give finite numbers other than 0")
-        if not all(abs(n) <= FAR for n in self.shift):
-            raise InputError(f"shift {self.shift}: give finite numbers")
-        object.__setattr__(self, "settings", self._settings())
-        if not sound(self.to_world):
-            raise InputError(
-                "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
-                "and not flatten it to nothing"
-            )
 
-    def _settings(self) -> Any:
-        record = self.drawn_with.settings
-        if isinstance(self.settings, Mapping):
-            return checked_record(record, self.settings, self.drawn_with.name)
-        if not isinstance(self.settings, record):
-            raise InputError(f"{self.drawn_with.name} takes settings of type {record.__name__}")
-        values = {f.name: getattr(self.settings, f.name) for f in fields(record)}
-        return checked_record(record, values, self.drawn_with.name)
+    def _check_fade(self) -> None:
+        if self.fade is None:
+            return
+        near, far = self.fade
+        if not 0.0 <= near < far <= FAR:
+            raise InputError(f"fade {near:g} to {far:g}: give two distances, the nearer first")
+
+    def _check_tilings(self) -> None:
+        self.main_tiling.checked("tiling")
+        for name, each in self.tilings.items():
+            one_of("a tiling of its own", name, OWN_TILINGS)
+            each.checked(f"tiling of {name}")
+        if self.layer is not None:
+            self.layer.tiling.checked("tiling of the layer")
 
     @property
     def drawn_with(self) -> Technique[..., Any]:
@@ -152,12 +233,46 @@ class Object:
             _columns(matrix[:3, :3]),
             Vec2(*self.tiles),
             Vec2(*self.shift),
-            self.material.proportion,
+            self._normals_proportion(),
         )
+
+    def _normals_proportion(self) -> float:
+        """Width ÷ height, on a tile of the heights, of what the normals take for a square."""
+        own = self.tilings.get("normal")
+        if own is None or self.material.normal is None:
+            return self.material.proportion
+        ratio = own.beside(self.main_tiling)
+        return self.material.proportion * abs(float(ratio.x / ratio.y))
 
     def depth(self) -> Depth:
         """The shaders' record of how deep the relief is."""
-        return Depth(self.relief_scale, self.relief_level, self.bias)
+        return Depth(self.relief_scale, self.relief_level, self.bias, *(self.fade or (0.0, 0.0)))
+
+    @property
+    def main_tiling(self) -> Tiling:
+        """How the heights lie, and every map that has no tiling of its own."""
+        return Tiling(self.tiles, self.shift)
+
+    def map_places(self) -> MapPlaces:
+        """The shaders' record of how each map lies beside the heights."""
+        main = self.main_tiling
+        own = {name: self.tilings.get(name, main).beside(main) for name in OWN_TILINGS}
+        if self.layer is None:
+            return MapPlaces(**own, layer=main.beside(main), layer_slant=1.0)
+        over = self.layer.tiling.beside(main)
+        stretch = abs(float(over.y / over.x))
+        slant = stretch * self._normals_proportion() / self.layer.material.proportion
+        return MapPlaces(**own, layer=over, layer_slant=slant)
+
+    def scrolled(self, u: float, v: float = 0.0) -> Object:
+        """The same object, all its maps moved by a part of the shape's own coordinates."""
+        layer = self.layer
+        return replace(
+            self,
+            shift=self.main_tiling.moved(u, v).shift,
+            tilings={name: each.moved(u, v) for name, each in self.tilings.items()},
+            layer=layer and replace(layer, tiling=layer.tiling.moved(u, v)),
+        )
 
 
 def _columns(matrix: NDArray[Any]) -> Mat3:

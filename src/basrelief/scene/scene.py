@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR, checked_record, one_of
+from basrelief.scene.checks import FAR, one_of, record_of, within
 from basrelief.scene.lights import directional
 from basrelief.scene.objects import Object
 from basrelief.scene.views import LookAt, Orbit
 from basrelief.shaders.camera import Camera
+from basrelief.shaders.fog import Fog
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
 
@@ -29,29 +30,55 @@ def _default_lights() -> tuple[Light, ...]:
 class Scene:
     """Objects, a camera, lights; `shading_model` is "ggx" (metallic-roughness) or "phong".
 
-    `shadows` are those that a relief casts on itself: "none", "hard" or "soft".
+    `shadows` are "none", "hard" or "soft": those of a relief on itself, and, where there are
+    several objects, those that they cast on one another; these fall on the relief, or, with
+    `shadows_on="polygon"`, on the polygons, as where an engine's displacement does not reach them.
+    `shadow_map` is how many texels a side a light's depth map has.
 
-    `background` is a linear colour, or None for transparent.
+    `occlusion` acts on ambient light ("ambient"), or on every light, the more the flatter it comes
+    ("directional"). `fog` is "none", "linear", "exponential" or "exponential_squared", its numbers
+    `air`. `background` is a linear colour, or None for transparent. `shading`, `shadowing` and
+    `air` are records, or mappings of the fields to change. Raises InputError for values out of
+    range.
     """
 
     objects: tuple[Object, ...]
     camera: Orbit | LookAt = field(default_factory=Orbit)
     lights: tuple[Light, ...] = field(default_factory=_default_lights)
-    shading: Shading = field(default_factory=Shading)
+    shading: Any = field(default_factory=dict)
     shading_model: Literal["ggx", "phong"] = "ggx"
     shadows: Literal["none", "hard", "soft"] = "none"
-    shadowing: Shadowing = field(default_factory=Shadowing)
+    shadows_on: Literal["relief", "polygon"] = "relief"
+    shadow_map: int = 1024
+    shadowing: Any = field(default_factory=dict)
+    occlusion: Literal["ambient", "directional"] = "ambient"
+    fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
+    air: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = (0.05, 0.055, 0.065)
 
     def __post_init__(self) -> None:
         one_of("shading_model", self.shading_model, ("ggx", "phong"))
         one_of("shadows", self.shadows, ("none", "hard", "soft"))
-        checked_record(Shading, vars(self.shading), "the shading")
+        one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
+        one_of("occlusion", self.occlusion, ("ambient", "directional"))
+        one_of("fog", self.fog, ("none", "linear", "exponential", "exponential_squared"))
+        within("shadow_map", self.shadow_map, 16, 8192)
+        for name, record, owner in (
+            ("shading", Shading, "the shading"),
+            ("shadowing", Shadowing, "the shadows"),
+            ("air", Fog, "the fog"),
+        ):
+            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
         ground = (0.0,) * 3 if self.background is None else self.background
         if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
         object.__setattr__(self, "objects", tuple(self.objects))
         object.__setattr__(self, "lights", tuple(self.lights))
+
+    @property
+    def casts(self) -> bool:
+        """Whether objects cast shadows on one another."""
+        return self.shadows != "none" and len(self.objects) > 1
 
     def shader_camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height), framing the first object."""
