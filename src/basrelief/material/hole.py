@@ -19,7 +19,7 @@ from basrelief.material.material import Map, Material, Note
 DEPTH = 0.3
 """How deep the hole is, as a fraction of the tile's width: about half as deep as it is wide."""
 
-STRENGTH = 2.4
+STRENGTH = 2.8
 """The dust's strength when the hole is open; from 1 on full dust breaks even what has no crack."""
 
 SOFTNESS = 0.45

@@ -15,7 +15,7 @@ WIND = (0.35, -0.2)
 GREENS = np.array(
     [[0.37, 0.50, 0.18], [0.44, 0.56, 0.22], [0.31, 0.43, 0.16], [0.51, 0.59, 0.27]], np.float32
 )
-DRY, SOIL = (0.68, 0.61, 0.37), (0.24, 0.21, 0.13)
+DRY, SOIL = (0.68, 0.61, 0.37), (0.25, 0.27, 0.14)
 
 
 def grass(canvas: Canvas) -> Relief:
@@ -50,13 +50,14 @@ class _Meadow:
         """A tuft somewhere in each square of a grid, its blades around it and with the wind."""
         down = self.canvas.rows(TUFTS)
         random = self.random
+        finest = 0.7 / self.canvas.width  # a thinner blade would fall between the texels
         for row in range(down):
             for column in range(TUFTS):
                 at = (np.array([column, row]) + random.uniform(0, 1, 2)) / (TUFTS, down)
                 around = random.uniform(0, 2 * np.pi)
                 for blade in range(BLADES):
                     angle = around + (blade + random.uniform(-0.4, 0.4)) * 2 * np.pi / BLADES
-                    self._lay(_Blade(random, at * (1, self.canvas.aspect), angle))
+                    self._lay(_Blade(random, at * (1, self.canvas.aspect), angle, finest))
 
     def _lay(self, blade: _Blade) -> None:
         middle, (reach_x, reach_y) = blade.middle, blade.reach
@@ -79,11 +80,13 @@ class _Meadow:
 class _Blade:
     """A blade that rises from its root and arches over, folded along its middle."""
 
-    def __init__(self, random: np.random.Generator, root: np.ndarray, angle: float) -> None:
+    def __init__(
+        self, random: np.random.Generator, root: np.ndarray, angle: float, finest: float
+    ) -> None:
         way = np.array([np.cos(angle) + WIND[0], np.sin(angle) + WIND[1]])
         self.length = random.uniform(0.035, 0.095) * float(np.hypot(*way))
         self.way = (way / np.hypot(*way)).astype(np.float32)
-        self.half = random.uniform(0.0026, 0.0050)
+        self.half = max(random.uniform(0.0026, 0.0050), finest)
         self.bend = random.uniform(-0.35, 0.35)
         self.top = random.uniform(0.45, 1.0)
         self.middle = root + self.way * (self.length / 2)

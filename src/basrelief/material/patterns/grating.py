@@ -57,13 +57,12 @@ class _Bars:
         self.bevel = canvas.softness(0.006)
         down = canvas.rows(NARROW)
         x = _to_nearest(canvas.x * WIDE + shift_x) / np.float32(WIDE)
-        y = _to_nearest(canvas.y * (down / canvas.aspect) + shift_y) * np.float32(
-            canvas.aspect / down
-        )
+        pitch = np.float32(canvas.aspect / down)
+        y = _to_nearest(canvas.y / pitch + shift_y) * pitch
         self._lay(HALF_NARROW - np.abs(y), TOP_NARROW, HALF_NARROW)  # round
         # how far right of the brace's middle: it falls by the tile's height over its width
-        right = _to_nearest(canvas.x - canvas.y / np.float32(canvas.aspect) + np.float32(shift))
-        across = np.abs(right) / np.float32(np.hypot(1, 1 / canvas.aspect))
+        right = _to_nearest(canvas.x - canvas.y / np.float32(canvas.aspect) + shift)
+        across = np.abs(right) * np.float32(canvas.aspect / np.hypot(canvas.aspect, 1))
         before = self.height
         self._lay(HALF_BRACE - across, TOP_BRACE, self.bevel)
         self.is_brace = (self.height > before).astype(np.float32)

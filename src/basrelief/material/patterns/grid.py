@@ -11,8 +11,8 @@ TILE, DEPTH = 0.1, 0.0004
 ACROSS = 2
 HEAVY, LIGHT = 0.020, 0.009
 """Half the width of the lines around the tile, and of those within, in widths of the tile."""
-NOTCH = 0.13
-"""The side of the triangle in each cell's corner, in widths of the tile."""
+NOTCH = (0.26, 0.10)
+"""The sides of the triangle in each cell's corner, along x and y, in widths of the tile."""
 INK, PAPER = 0.16, 0.80
 MEAN = 0.5
 
@@ -57,7 +57,11 @@ def _notches(canvas: Canvas) -> Plane:
     x = (canvas.x * ACROSS % 1) / ACROSS - np.float32(2.6 * HEAVY)
     y = canvas.y * np.float32(down / canvas.aspect) % 1 * np.float32(canvas.aspect / down)
     y = y - np.float32(2.6 * HEAVY)
-    inside = np.minimum(np.minimum(x, y), (NOTCH - x - y) / np.float32(2**0.5))
+    across, down_by = NOTCH
+    slope = (1 - x / np.float32(across) - y / np.float32(down_by)) / np.float32(
+        np.hypot(1 / across, 1 / down_by)
+    )
+    inside = np.minimum(np.minimum(x, y), slope)
     return smoothstep(-soft, soft, inside)
 
 
