@@ -6,10 +6,10 @@ import numpy as np
 
 from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade, smoothstep
 
-TILE, DEPTH = 0.5, 0.03
-TUFTS = 20
+TILE, DEPTH = 0.3, 0.02
+TUFTS = 14
 """Tufts across; each has BLADES blades."""
-BLADES = 8
+BLADES = 10
 WIND = (0.35, -0.2)
 """What bends all blades one way, against a blade's own direction of length 1."""
 GREENS = np.array(
@@ -19,7 +19,7 @@ DRY, SOIL = (0.68, 0.61, 0.37), (0.25, 0.27, 0.14)
 
 
 def grass(canvas: Canvas) -> Relief:
-    """Half a metre of turf, 3 cm from the soil to the tips of the blades."""
+    """30 cm of turf, 2 cm from the soil to the tips of the blades."""
     meadow = _Meadow(canvas)
     meadow.grow()
     patches = canvas.noise("patches", 3, octaves=4)
@@ -84,9 +84,9 @@ class _Blade:
         self, random: np.random.Generator, root: np.ndarray, angle: float, finest: float
     ) -> None:
         way = np.array([np.cos(angle) + WIND[0], np.sin(angle) + WIND[1]])
-        self.length = random.uniform(0.035, 0.095) * float(np.hypot(*way))
+        self.length = random.uniform(0.055, 0.135) * float(np.hypot(*way))
         self.way = (way / np.hypot(*way)).astype(np.float32)
-        self.half = max(random.uniform(0.0026, 0.0050), finest)
+        self.half = max(random.uniform(0.0042, 0.0078), finest)
         self.bend = random.uniform(-0.35, 0.35)
         self.top = random.uniform(0.45, 1.0)
         self.middle = root + self.way * (self.length / 2)

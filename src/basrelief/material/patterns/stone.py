@@ -9,7 +9,7 @@ from basrelief.material.patterns.cells import cells
 
 TILE, DEPTH = 2.0, 0.16
 BLOCKS, CHIPS = 5, 17
-GREY, WARM, DARK = (0.55, 0.54, 0.53), (0.64, 0.56, 0.47), (0.30, 0.28, 0.28)
+GREY, WARM, DARK = (0.57, 0.56, 0.55), (0.60, 0.56, 0.51), (0.30, 0.28, 0.28)
 LICHEN, PALE = (0.57, 0.56, 0.43), (0.70, 0.69, 0.65)
 
 
@@ -31,7 +31,7 @@ def stone(canvas: Canvas) -> Relief:
     height = 0.10 * swell + facets + flakes * (1 - 0.4 * worn) + 0.05 * rough + 0.010 * grain
     height -= 0.30 * cleft + 0.06 * smoothstep(0.12, 0.0, chip.border) * worn
 
-    layers = canvas.noise("layers", 4, octaves=6, gain=0.65)
+    layers = canvas.noise("layers", 8, octaves=5, gain=0.65)
     color = mix(GREY, WARM, smoothstep(-0.2, 1.2, layers + block.draw(-0.9, 0.9)))
     color = shade(color, 1 + 0.06 * rough + 0.08 * grain + chip.draw(-0.10, 0.10))
     seam = smoothstep(0.045, 0.0, block.border) * (0.25 + 0.75 * worn)
