@@ -14,14 +14,15 @@ HEAVY, LIGHT = 0.020, 0.009
 NOTCH = (0.26, 0.10)
 """The sides of the triangle in each cell's corner, along x and y, in widths of the tile."""
 INK, PAPER = 0.16, 0.80
-MEAN = 0.5
+MEAN = 0.214041
+"""Half of sRGB's range in linear light: the grey of a detail map that changes nothing."""
 
 
 def grid(canvas: Canvas) -> Relief:
     """Cells of 5 cm, each with its upper left corner filled in, so that mirrored maps show.
 
-    Colour and fine normals alone, for a detail map. In linear light the colour is ½ on average: it
-    keeps the brightness of what it is multiplied with, when the product is doubled.
+    Colour and fine normals alone, for a detail map. The colour is middle grey on average: as a
+    second layer it keeps the brightness of what lies below.
     """
     ink = np.maximum(_lines(canvas), _notches(canvas))
     grain = canvas.noise("grain", 64, octaves=2)
@@ -66,7 +67,7 @@ def _notches(canvas: Canvas) -> Plane:
 
 
 def _with_mean(light: np.ndarray) -> np.ndarray:
-    """Linear greys, held to 0…1, whose mean is ½: the paper's brightness gives way."""
+    """Linear greys, held to 0…1, of a mean: the paper's brightness gives way."""
     factor = 1.0
     for _ in range(4):  # what is clipped off is missing in the mean
         factor *= MEAN / float(np.clip(light * factor, 0, 1).mean())
