@@ -210,7 +210,9 @@ def program_of(thing: Object, shading_model: str = "ggx", shadows: str = "none")
 
 
 def _map_edge(thing: Object) -> Edge:
-    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
