@@ -270,7 +270,9 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
 
 
 def _map_edge(thing: Object) -> Edge:
-    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
