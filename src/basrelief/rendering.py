@@ -242,7 +242,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
-        edge.in_tile: getattr(edge, _map_edge(thing)),
+        **_edges(_map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
         # whole, as for a light; what is seen may fade
@@ -271,6 +271,15 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     return bindings
 
 
+def _edges(beyond: Edge) -> dict[Any, Any]:
+    """What lies beyond a map, for coordinates and for cells."""
+    return {
+        edge.in_tile: getattr(edge, beyond),
+        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
+        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
+    }
+
+
 def _map_edge(thing: Object) -> Edge:
     # mirrored tiles lie before the map's own
     within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
@@ -285,6 +294,7 @@ def _maps(thing: Object) -> dict[str, Any]:
     over = thing.layer and thing.layer.material
     return {
         "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
+        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
         "base_color": pyramids.base_color(material, beyond),
         "normal": pyramids.normal(material, beyond, thing.relief_scale),
         "response": pyramids.response(material, beyond),
