@@ -276,7 +276,6 @@ def render(
     """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
         from basrelief import arguments, film
-        from basrelief.engine import choose_engine
 
         pixels = arguments.size(size)
         motions = arguments.motions_from(motion or [], frames)
@@ -299,9 +298,8 @@ def render(
         target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
-        runner = choose_engine(engine)
         drawn = film.frames(
-            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=runner,
+            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
             progress=progress,
         )  # fmt: skip
         made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
@@ -311,8 +309,9 @@ def render(
     if scene.background is None and target.suffix.lower() == ".mp4":
         note = "note: MP4 has no transparency, so the film is laid over the usual background"
         print(note, file=sys.stderr)
-    files = f"{made[0]}" if len(made) == 1 else f"{made[0]} … {made[-1]}"
-    print(f"{files}  ({runner.name}: {runner.device})")
+    # the first and the last of many
+    files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
+    print(f"{files}  ({made.engine})")
 
 
 @app.command()

@@ -20,15 +20,15 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine
 from basrelief.errors import InputError
 from basrelief.material import Material
 from basrelief.motion import Moment, Motion, Orbiting, moved
-from basrelief.picture import check_place, check_target, encode_light, write_whole
+from basrelief.picture import WRITABLE, check_place, check_target, encode_light, write_whole
 from basrelief.rendering import Frame, Progress, render, scene_of
 from basrelief.scene import BACKGROUND, Object, Scene
 
-__all__ = ["FILMS", "check_film", "frames", "write_film"]
+__all__ = ["FILMS", "Written", "check_film", "frames", "write_film"]
 
 Light = NDArray[np.float32]
 """A picture, (height, width, 4), linear, alpha last and not multiplied in."""
@@ -74,10 +74,9 @@ def frames(
         at(number).check_camera()
 
     def drawn() -> Iterator[Frame]:
-        runner = choose_engine(engine) if isinstance(engine, str) else engine
         for number in range(count):
             told = _share_of_all(progress, number, count)
-            yield render(at(number), size=size, samples=samples, engine=runner, progress=told)
+            yield render(at(number), size=size, samples=samples, engine=engine, progress=told)
 
     return drawn()
 
@@ -99,6 +98,14 @@ def _rate(fps: float) -> Fraction:
 
 
 # --- writing -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Written:
+    """The files of a film in their order, one for a film as such, and the engine that drew it."""
+
+    files: tuple[Path, ...]
+    engine: str
 
 
 @dataclass(frozen=True)
@@ -124,8 +131,8 @@ def write_film(
     count: int | None = None,
     bits: int | None = None,
     quality: int = 95,
-) -> list[Path]:
-    """Write a film as the suffix says, and return the files.
+) -> Written:
+    """Write a film as the suffix says.
 
     `.mp4` (H.264), `.gif` and `.webp` are one file, written whole or not at all; those two loop for
     ever. Any other suffix is that of `Image.save`: pictures with numbers from 1, rock-0001.png and
@@ -152,10 +159,11 @@ def write_film(
     shown = itertools.chain([first], shown)
     kind = _film_for(path, known)
     if kind is None:
-        return _write_numbered(path, shown, known, bits=bits, quality=quality)
+        files = _write_numbered(path, shown, known, bits=bits, quality=quality)
+        return Written(files, first.engine)
     pictures = _pictures(shown, size, path)
     write_whole(path, lambda partial: _through_av(kind, partial, pictures, size, fps, quality))
-    return [path]
+    return Written((path,), first.engine)
 
 
 def check_film(
@@ -177,10 +185,15 @@ def check_film(
     _check_count(count)
     rate = _rate(fps)
     kind = _film_for(path, count)
+    suffix = path.suffix
     if kind is None:
+        if count > 1 and suffix.lower() not in WRITABLE:
+            known = " ".join(dict.fromkeys([*FILMS, *WRITABLE]))
+            raise InputError(f"{path}: {suffix or 'no suffix'} names no film; use one of {known}")
         check_target(_numbered(path, 1, count), bits)
         return
-    suffix = path.suffix
+    if count == 1:
+        raise InputError(f"{path}: a film has more than one picture; give it more, as --frames 120")
     if bits not in (None, 8):
         raise InputError(f"{path}: {suffix} films hold 8 bits a channel, not {bits}")
     if not 1 <= quality <= 100:
@@ -219,11 +232,11 @@ def _check_av(path: Path, kind: _Film) -> None:
 
 def _write_numbered(
     path: Path, shown: Iterator[Frame], count: int, *, bits: int | None, quality: int
-) -> list[Path]:
-    return [
+) -> tuple[Path, ...]:
+    return tuple(
         frame.save(_numbered(path, number, count), bits=bits, quality=quality)
         for number, frame in enumerate(shown, 1)
-    ]
+    )
 
 
 def _numbered(path: Path, number: int, count: int) -> Path:
