@@ -348,6 +348,8 @@ def _palette(
         codes = encode_light(picture)
         kept.write(codes.tobytes())
         source.push(_frame(codes, number, rate, _HUNDREDTH))
+        # asked for what it cannot have yet, the filter takes the picture in and lets it go
+        list(_pulled(graph))
     source.push(None)
     palette = graph.pull().reformat(format="rgba")
     palette.pts, palette.time_base = 0, _HUNDREDTH
