@@ -520,7 +520,7 @@ def test_without_the_codec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_ctrl_c(bumps: Path, here: Path) -> None:
     """A long film, stopped when the first of it is on the disk."""
-    arguments = ("render", bumps, "--size", "640x360", "--frames", "3000", "--engine", "cpu")
+    arguments = ("render", bumps, *DRAW, "--frames", "100000")
     with subprocess.Popen(
         [*COMMAND, *map(str, arguments), "-o", "a.mp4"],
         stdout=subprocess.PIPE,
