@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import HeightField, IVec2, Texture, bound
+from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound
 from basrelief.lang.types import leaf_values
 from basrelief.material import SAMPLES, Material, sample
 from basrelief.picture import srgb_encode
 from basrelief.rendering import Frame, program_of, render, values_of
 from basrelief.scene import SHAPES, Object, Orbit, Scene, directional, point, spot
+from basrelief.shaders.cast import CastView
 from basrelief.shaders.pixel import Pixel, pixel
 from basrelief.shaders.techniques import TECHNIQUES
 
@@ -151,7 +152,10 @@ def test_python_computes_the_same_pixel_as_the_cpu(technique: str, shape: str) -
     program, values = program_of(thing), values_of(thing, scene, (40, 24))
     planes = cpu().run(program, values, (40, 24))
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    unread = {"emission": nothing, "response": nothing, "field": HeightField([np.zeros((1, 1))])}
+    zero = HeightField([np.zeros((1, 1))])
+    maps = ("emission", "response", "layer_color", "layer_normal")
+    others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
+    unread = {**dict.fromkeys(maps, nothing), **others}
     for x, y in [(20, 12), (15, 9), (24, 14), (0, 0)]:
         with bound(program.bindings):
             one = pixel(IVec2(x, y), **{**unread, **values})

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from basrelief.cameras import look
-from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound
+from basrelief.lang import Buffer, HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound
 from basrelief.lang.frontend import analyse
 from basrelief.shaders import pixel as pixels
 from basrelief.shaders import shapes
 from basrelief.shaders.camera import primary_ray
+from basrelief.shaders.cast import CastView
 from basrelief.shaders.gradients import Footprint, along, level_of_detail, transferred
-from basrelief.shaders.pixel import Placement, meet
+from basrelief.shaders.meeting import Placement, meet
 from basrelief.shaders.shapes import shape
 
 SIZE = (40, 22)
@@ -148,15 +149,18 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     from basrelief.scene import Object, Orbit, Scene
 
     spots = []
-    wrapped = pixels.standard_surface
+    wrapped = pixels.surface_at
 
     def recording(spot, *rest):
         spots.append(spot)
         return wrapped(spot, *rest)
 
-    monkeypatch.setattr(pixels, "standard_surface", recording)
+    monkeypatch.setattr(pixels, "surface_at", recording)
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    unread = {"field": HeightField([np.zeros((1, 1))]), "response": nothing, "emission": nothing}
+    zero = HeightField([np.zeros((1, 1))])
+    maps = ("emission", "response", "layer_color", "layer_normal")
+    others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
+    unread = {**dict.fromkeys(maps, nothing), **others}
     seen = {}
     for technique in ("flat", "relief"):
         thing = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)

@@ -205,7 +205,7 @@ def test_sizes_and_formats_do_not_matter(
 def test_every_map_is_found_and_shaped(tmp_path: Path) -> None:
     put(tmp_path, "a_color.png", flat(200, 100, 50))
     put(tmp_path, "a_normal.png", eight(leaning(hills())))
-    for name in ("height", "ao", "roughness", "metallic", "opacity"):
+    for name in ("height", "ao", "roughness", "metallic", "opacity", "detail_mask"):
         put(tmp_path, f"a_{name}.png")
     put(tmp_path, "a_emission.png", flat(9, 8, 7))
     material = load(tmp_path, depth=0.1, tile=2.0)

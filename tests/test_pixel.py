@@ -673,7 +673,8 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 # --- what is in a program -------------------------------------------------------------------------
 
 PARALLAX = {
-    "corners", "with_relief", "relief_ray", "beyond", "height_at", "march", "chord", "at",
+    "corners", "with_relief", "relief_ray", "beyond", "height_at", "height_under", "sharp", "march",
+    "chord", "at",
     "steps_by_angle", "step_count", "shifted", "to_texture", "full", "biased", "limited",
     *(name for name in TECHNIQUES),
 }  # fmt: skip
@@ -681,7 +682,7 @@ PARALLAX = {
 
 def functions(thing: Object, model: str = "ggx") -> set[str]:
     """The names of all functions in what the GPU and the CPU compile."""
-    program = program_of(thing, model)
+    program = program_of(thing, Scene((thing,), shading_model=model))
     wgsl = print_wgsl(program.module, program.edge)
     llvm = print_llvm(program.module, 8)
     names = set(re.findall(r"\bfn (\w+)\(", wgsl))

@@ -11,7 +11,7 @@ import pytest
 from basrelief import rendering
 from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import EngineError, InputError
-from basrelief.lang import HeightField, IVec2, Texture, bound, setting, shader, struct
+from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.picture import read_picture, srgb_decode, write_picture
 from basrelief.rendering import program_of, render, sample_places, values_of
@@ -24,10 +24,10 @@ from basrelief.scene import (
     placed,
     turned,
 )
-from basrelief.shaders.height import height_at
+from basrelief.shaders.cast import CastView
 from basrelief.shaders.lighting import Shading
 from basrelief.shaders.pixel import pixel
-from basrelief.shaders.techniques import TECHNIQUES, Hit, Nothing, Ray, at, technique
+from basrelief.shaders.techniques import TECHNIQUES, Hit, Nothing, Ray, at, height_under, technique
 
 CPU = CpuEngine()
 SIZE = (64, 36)
@@ -125,7 +125,7 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(BRICKS, (32769, 1)), "a picture of 32769 × 1"),
         (lambda: drawn(BRICKS, samples=0), "0 samples a pixel: give 1 to 1024"),
         (lambda: drawn(BRICKS, samples=1025), "1025 samples a pixel"),
-        (lambda: drawn(BRICKS, tecnique="relief"), "no option 'tecnique'; there are bias, edge"),
+        (lambda: drawn(BRICKS, tecnique="relief"), "no option 'tecnique'; there are alpha, bias"),
         (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already said by the"),
         (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already said by the"),
         (lambda: drawn(42), "cannot draw a int: give a folder, material or scene"),
@@ -424,7 +424,7 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
     """Go down by the height found where the ray comes in, again and again."""
     height = ray.level
     for _ in range(settings.times):
-        height = lifted(ray, height_at(field, ray.uv), settings.strength)
+        height = lifted(ray, height_under(field, ray, ray.level), settings.strength)
     return Hit(at(ray, height), height, True, settings.times)
 
 
@@ -487,10 +487,13 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
     made = scene.objects[0]
     program, values = program_of(made), values_of(made, scene, SIZE)
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
+    maps = ("emission", "response", "layer_color", "layer_normal")
+    others = {"distances": HeightField([np.zeros((1, 1))]), "views": Buffer((), CastView)}
+    unread = {**dict.fromkeys(maps, nothing), **others}
     frame = drawn(scene)
     for x, y in ((32, 18), (28, 20), (36, 16)):
         with bound(program.bindings):
-            one = pixel(IVec2(x, y), **{"emission": nothing, "response": nothing, **values})
+            one = pixel(IVec2(x, y), **{**unread, **values})
         assert one.hit == frame.hit[y, x]
         assert [*one.uv] == [*frame.uv[y, x]]
         assert one.depth == frame.depth[y, x]
@@ -501,8 +504,8 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
     """C14: FILE.py:NAME."""
     file = tmp_path / "mine.py"
     file.write_text(
-        "from basrelief.lang import HeightField, setting, struct\n"
-        "from basrelief.shaders.height import height_at\n"
+        "from basrelief.lang import Buffer, HeightField, setting, struct\n"
+        "from basrelief.shaders.height import height_under\n"
         "from basrelief.shaders.techniques import Hit, Ray, at, technique\n\n\n"
         "@struct\n"
         "class Mine:\n"
@@ -511,7 +514,7 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
         "@technique(level=0.5)\n"
         "def mine(field: HeightField, ray: Ray, settings: Mine) -> Hit:\n"
         "    '''One read.'''\n"
-        "    height = ray.level - height_at(field, ray.uv) * settings.strength\n"
+        "    height = ray.level - height_under(field, ray, ray.level) * settings.strength\n"
         "    return Hit(at(ray, height), height, True, 1)\n"
     )
     scene = own_scene(times=1, strength=1.5)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from basrelief.errors import InputError
-from basrelief.material import SAMPLES, Map, Material, sample
+from basrelief.material import SAMPLES, Map, Material, hole, sample
 from basrelief.material.evidence import agreement
 from basrelief.material.patterns import cells as cells_module
 from basrelief.material.patterns.bricks import _Wall as Wall
@@ -15,6 +19,9 @@ from basrelief.material.patterns.cells import cells
 from basrelief.material.samples import normals, occlusion
 
 SIZE = 128
+RELIEFS = [name for name in SAMPLES if name not in ("grid", "hole")]
+"""All but the detail map, which has no heights, and the hole, which has no normals."""
+METALS = {"tiles", "circuit", "grating"}
 
 
 @pytest.fixture(scope="module")
@@ -34,18 +41,19 @@ def shrunk(values: np.ndarray, times: int) -> np.ndarray:
     return blocks.mean(axis=(1, 3))
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", RELIEFS)
 def test_all_maps_are_there(name: str, drawn: dict[str, Material]) -> None:
     material = drawn[name]
     kinds = {kind for kind, _ in material.maps()}
     assert kinds >= {"base_color", "normal", "height", "occlusion", "roughness"}
-    assert ("metallic" in kinds) == (name == "tiles")
+    assert ("metallic" in kinds) == (name in METALS)
+    assert ("opacity" in kinds) == (name == "grating")
     assert {(each.height, each.width) for _, each in material.maps()} == {(SIZE, SIZE)}
     assert material.height is not None
     assert material.height.bits == 16
     assert material.height_range == (0, 1)
     assert material.scale is not None
-    assert 0.01 < material.scale < 0.2
+    assert 0.01 < material.scale <= 0.2
 
 
 @pytest.mark.parametrize("name", SAMPLES)
@@ -53,12 +61,13 @@ def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
     """Colours vary, nothing is clipped away, and roughness keeps off a perfect mirror."""
     material = drawn[name]
     assert material.base_color is not None
-    assert material.roughness is not None
     color = material.base_color.pixels
     assert color.std() > 8
-    assert ((color == 0) | (color == 255)).mean() < 0.02
-    assert material.roughness.range()[0] > 0.03
-    assert heights(material).std() > 0.05
+    assert ((color == 0) | (color == 255)).mean() < (0.7 if name == "dust" else 0.02)
+    if material.roughness is not None:
+        assert material.roughness.range()[0] > 0.03
+    if material.height is not None:
+        assert heights(material).std() > 0.05
 
 
 @pytest.mark.parametrize("name", SAMPLES)
@@ -104,16 +113,18 @@ def test_the_seed_decides(name: str, drawn: dict[str, Material]) -> None:
 def test_a_larger_picture_shows_the_same(name: str, drawn: dict[str, Material]) -> None:
     large = sample(name, 2 * SIZE)
     assert large.base_color is not None
-    assert large.height is not None
     assert drawn[name].base_color is not None
     small = drawn[name].base_color.pixels / 255  # type: ignore[union-attr]
     same = np.corrcoef(shrunk(large.base_color.pixels / 255, 2).ravel(), small.ravel())[0, 1]
     assert same > 0.8
+    if large.height is None:
+        return
     relief = shrunk(large.height.linear(), 2)[:, :, 0]
-    assert np.corrcoef(relief.ravel(), heights(drawn[name]).ravel())[0, 1] > 0.9
+    alike = 0.75 if name == "grass" else 0.9  # its blades are no wider than a texel here
+    assert np.corrcoef(relief.ravel(), heights(drawn[name]).ravel())[0, 1] > alike
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", RELIEFS)
 def test_a_strip_keeps_the_proportions(name: str) -> None:
     """Twice as wide as high: maps of that size, still without a seam, stones as wide as high."""
     material = sample(name, (64, 128))
@@ -122,7 +133,7 @@ def test_a_strip_keeps_the_proportions(name: str) -> None:
     assert steps[0] <= 1.15 * steps[1:].max()
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", [name for name in SAMPLES if name != "dust"])  # which is round
 @pytest.mark.parametrize("mirror", [np.fliplr, np.flipud, np.transpose])
 def test_no_mirror_leaves_it_the_same(name: str, mirror, drawn: dict[str, Material]) -> None:  # type: ignore[no-untyped-def]
     assert drawn[name].base_color is not None
@@ -130,7 +141,7 @@ def test_no_mirror_leaves_it_the_same(name: str, mirror, drawn: dict[str, Materi
     assert np.corrcoef(color.ravel(), mirror(color).ravel())[0, 1] < 0.9
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", RELIEFS)
 def test_normals_fit_the_heights_and_the_scale(name: str, drawn: dict[str, Material]) -> None:
     """Slopes taken from the stored heights, here, give the stored normals."""
     material = drawn[name]
@@ -167,7 +178,169 @@ def test_impossible_requests_are_refused() -> None:
         sample("bricks", 8, seed=-1)
 
 
+# --- samples for special ends
+
+
+def test_a_detail_grid_keeps_the_brightness_of_what_lies_below() -> None:
+    """Colour and normals alone; the mean is middle grey; lines are dark, and a corner is marked."""
+    for size in (64, 128, (96, 48)):
+        grid = sample("grid", size)
+        assert {kind for kind, _ in grid.maps()} == {"base_color", "normal"}
+        assert grid.scale is None
+        assert grid.base_color is not None
+        light = grid.base_color.linear()
+        assert light.mean() == pytest.approx(0.214, abs=0.003)
+    cell = sample("grid", 128).base_color.linear()[:64, :64, 0]  # type: ignore[union-attr]
+    assert cell[0].max() < 0.1
+    assert cell[8:20, 8:20].mean() < 0.2 < 0.22 < cell[44:56, 44:56].mean()
+    assert cell[8:20, 44:56].mean() > 0.22
+
+
+@pytest.mark.parametrize("size", [128, (50, 33), (64, 160)])
+def test_a_grating_is_open_where_it_is_lowest(size: int | tuple[int, int]) -> None:
+    grating = sample("grating", size)
+    assert grating.opacity is not None
+    opacity = grating.opacity.pixels[:, :, 0]
+    assert set(np.unique(opacity)) == {0, 255}
+    relief = heights(grating)
+    assert ((opacity == 0) == (relief == 0)).all()
+    assert relief[opacity > 0].min() > 0.15
+    assert 0.3 < (opacity == 0).mean() < 0.6
+
+
+def test_noise_is_grey_and_its_grey_is_the_height() -> None:
+    noise = sample("noise", 64)
+    assert noise.base_color is not None
+    assert noise.base_color.pixels / 255 == pytest.approx(
+        np.repeat(heights(noise)[:, :, None], 3, 2), abs=0.003
+    )
+
+
+@pytest.mark.parametrize("size", [64, (40, 90), (90, 40)])
+def test_dust_and_cracks_leave_the_border_whole(size: int | tuple[int, int]) -> None:
+    dust, cracks = heights(sample("dust", size)), heights(sample("cracks", size))
+    for side in (np.s_[0], np.s_[-1], np.s_[:, 0], np.s_[:, -1]):
+        assert (dust[side] == 0).all()
+        assert cracks[side].min() > 0.85
+    middle = tuple(np.s_[n // 2 - 4 : n // 2 + 4] for n in dust.shape)
+    assert dust[middle].mean() > 0.7
+    assert cracks[middle].mean() < 0.7
+
+
+# --- the hole
+
+
+@pytest.fixture(scope="module")
+def ground() -> tuple[Material, Material]:
+    return sample("cracks", (48, 64)), sample("dust", (48, 64))
+
+
+def test_a_closed_hole_is_a_whole_surface(ground: tuple[Material, Material]) -> None:
+    closed = hole(*ground, 0)
+    assert (heights(closed) == 1).all()
+    assert closed.base_color is not None
+    assert ground[0].base_color is not None
+    assert (closed.base_color.pixels == ground[0].base_color.pixels).all()
+    assert closed.normal is None
+    assert closed.occlusion is None
+    assert closed.roughness is ground[0].roughness
+
+
+@given(one=st.floats(0, 1), other=st.floats(0, 1))
+def test_as_a_hole_opens_nothing_rises(
+    ground: tuple[Material, Material], one: float, other: float
+) -> None:
+    less, more = (hole(*ground, opening) for opening in sorted((one, other)))
+    assert less.height is not None
+    assert more.height is not None
+    assert (more.height.pixels <= less.height.pixels).all()
+    assert less.base_color is not None
+    assert more.base_color is not None
+    assert (more.base_color.pixels <= less.base_color.pixels).all()
+
+
+def test_a_hole_is_what_its_formula_says() -> None:
+    """Cracks of the heights 0, ½ and 1 under dust of 1, half open: 1.4 − h beyond the limit."""
+    cracks = plain([[0, 0.5, 1]], "ground")
+    sunk = heights(hole(cracks, plain([[1, 1, 1]], "dust"), 0.5))[0]
+    assert sunk == pytest.approx(np.exp(-np.array([1.4, 0.9, 0.4]) / 0.45), abs=1e-5)
+    assert (heights(hole(cracks, plain([[0, 0, 0]], "dust"), 1)) == 1).all()
+
+
+def test_cracks_open_before_the_ground_between_them_falls(
+    ground: tuple[Material, Material],
+) -> None:
+    cracks, dust = heights(ground[0]), heights(ground[1])
+    near = dust > 0.5
+    little, much = heights(hole(*ground, 0.15)), heights(hole(*ground, 1))
+    assert (little[near & (cracks > 0.5)] == 1).all()
+    assert (little[near & (cracks < 0.2)] < 1).any()
+    assert much[dust > 0.9].max() < 0.05
+    assert (much[dust < 0.2] > 0.5).mean() > 0.9
+
+
+def test_holes_that_cannot_be(ground: tuple[Material, Material]) -> None:
+    cracks, dust = ground
+    for opening in (-0.1, 1.1, float("nan")):
+        with pytest.raises(InputError, match=r"opening is 0 \(whole\) to 1 \(open\), not"):
+            hole(cracks, dust, opening)
+    with pytest.raises(InputError, match="one size, not 64 × 48 and 8 × 8 texels"):
+        hole(cracks, sample("dust", 8), 0.5)
+    with pytest.raises(InputError, match="grid has no height map"):
+        hole(sample("grid", 8), dust, 0.5)
+
+
+def test_a_hole_in_a_surface_of_floats_without_colour_or_size() -> None:
+    opened = hole(plain([[1.0]], "ground"), plain([[1.0]], "dust"), 1)
+    assert opened.base_color is None
+    assert opened.scale is None
+    bright = Map(np.full((1, 1, 3), 4, np.float32), False, "bright")
+    shaded = hole(replace(plain([[1.0]], "ground"), base_color=bright), plain([[1.0]], "dust"), 0.5)
+    depth = np.exp(-0.4 / 0.45)
+    assert shaded.base_color is not None
+    assert shaded.base_color.pixels[0, 0] == pytest.approx(4 * depth ** np.array([1.5, 2, 2.5]))
+
+
+def test_the_sample_of_a_hole_is_settled() -> None:
+    material = sample("hole", 64)
+    assert material.name == "hole"
+    assert material.scale == pytest.approx(0.3)
+    assert {kind for kind, _ in material.maps()} == {"base_color", "height", "roughness"}
+    assert heights(material).min() < 0.1
+    assert "opened by 0.6" in str(material.notes[-1])
+
+
+def plain(values: list[list[float]], name: str) -> Material:
+    relief = np.array(values, np.float32)[:, :, None]
+    return Material(name, height=Map(relief, False, name))
+
+
 # --- what samples are made of
+
+
+def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
+    canvas = Canvas(20, 30, 0)
+    for x, y, reach in ((0.01, 0.6, 0.1), (0.98, 0.02, 0.2), (0.5, 0.3, 0.9)):
+        window = canvas.around(x, y, reach)
+        rows, columns = (each.ravel() for each in window.there)
+        assert len(set(rows)) == len(rows) <= 20
+        assert len(set(columns)) == len(columns) <= 30
+        off = canvas.x[0, columns] - window.x.ravel() - x
+        assert off == pytest.approx(np.round(off), abs=1e-5)
+        assert window.x.max() >= min(reach - 1 / 30, 0.45)
+        assert window.x.min() <= -min(reach - 1 / 30, 0.45)
+
+
+def test_distances_in_a_window() -> None:
+    window = Canvas(100, 100, 0).around(0.505, 0.505, 0.1)
+    column, row = np.argmin(np.abs(window.x)), np.argmin(np.abs(window.y))
+    to_line = window.to_segment(0.05, 0)
+    assert to_line[row, column + 5] == pytest.approx(0, abs=1e-6)
+    assert to_line[row + 3, column + 2] == pytest.approx(0.03, abs=1e-6)
+    assert to_line[row, column - 4] == pytest.approx(0.04, abs=1e-6)
+    to_box = window.to_box(0.05, 0.02)
+    assert to_box[row, column] == pytest.approx(-0.02, abs=1e-6)
+    assert to_box[row + 6, column + 8] == pytest.approx(0.05, abs=1e-6)
 
 
 def test_a_ramp_of_heights_has_the_slope_of_its_scale() -> None:

@@ -11,6 +11,7 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering import program_of, render
 from basrelief.scene import Object, Orbit, Scene, directional
 from basrelief.shaders import edge
+from basrelief.shaders.height import sharp, surface_height
 from basrelief.shaders.shadow import Shadowing, ShadowRay, hard, soft
 
 COLUMNS = 128
@@ -30,14 +31,14 @@ def test_the_shadow_of_a_wall_ends_where_the_light_passes_over_it(rise, height):
     """A light that is met after moving by `rise` while rising by 1 clears a wall of height 1."""
     reach = 0.5 - rise * (1.0 - height)
     texel = 1.0 / COLUMNS
-    with bound({edge.in_tile: edge.clamp}):
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
         for u, lit in ((reach - 1.5 * texel, 0.0), (reach + 1.5 * texel, 1.0)):
             ray = ShadowRay(Vec2(u, 0.5), height, Vec2(rise, 0.0))
             assert hard(wall(), ray, FINE).share == lit
 
 
 def test_on_the_far_side_a_wall_casts_nothing():
-    with bound({edge.in_tile: edge.clamp}):
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
         ray = ShadowRay(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
         assert hard(wall(), ray, FINE).share == 1.0
         assert soft(wall(), ray, FINE).share == 1.0
@@ -45,7 +46,7 @@ def test_on_the_far_side_a_wall_casts_nothing():
 
 def test_a_soft_shadow_is_darkest_at_the_wall():
     settings = Shadowing(shadow_steps=64, shadow_softness=2.0, shadow_offset=0.0)
-    with bound({edge.in_tile: edge.clamp}):
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
         shares = [
             float(soft(wall(), ShadowRay(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
             for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
@@ -56,7 +57,7 @@ def test_a_soft_shadow_is_darkest_at_the_wall():
 
 
 def test_reads_are_counted_and_bounded():
-    with bound({edge.in_tile: edge.clamp}):
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
         free = ShadowRay(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
         assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
         blocked = ShadowRay(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
@@ -95,7 +96,7 @@ def test_shadows_fall_away_from_the_light(engine):
 def test_a_program_without_shadows_has_none_in_it():
     thing = Object(sample("bricks", 16))
     without = print_wgsl(program_of(thing).module, "wrap")
-    within = print_wgsl(program_of(thing, shadows="soft").module, "wrap")
+    within = print_wgsl(program_of(thing, Scene((thing,), shadows="soft")).module, "wrap")
     for word in ("self_shadowed", "ShadowRay", "shadow_steps"):
         assert word not in without
         assert word in within

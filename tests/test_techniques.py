@@ -1,6 +1,6 @@
 """Techniques, run as plain Python on surfaces whose hit is known in closed form.
 
-A closed form stands in for `height_at`, and records the places that are read; the ray says at
+A closed form stands in for the surface, and records the places that are read; the ray says at
 which of its heights each of them lies.
 """
 
@@ -23,8 +23,20 @@ from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.shaders import edge, projection
 from basrelief.shaders.gradients import Footprint
-from basrelief.shaders.pixel import Depth, Meeting, displaced, relief_ray, with_relief
+from basrelief.shaders.height import Smoothing, sharp, surface_height
+from basrelief.shaders.meeting import Meeting
 from basrelief.shaders.projection import projection as projected
+from basrelief.shaders.ray import at
+from basrelief.shaders.relief import (
+    Depth,
+    as_deep,
+    depth_seen,
+    displaced,
+    finest,
+    lod_seen,
+    relief_ray,
+    with_relief,
+)
 from basrelief.shaders.shapes import FAR, SurfacePoint
 from basrelief.shaders.tangent import Frame
 from basrelief.shaders.techniques import (
@@ -32,8 +44,8 @@ from basrelief.shaders.techniques import (
     Hit,
     Nothing,
     Ray,
-    at,
     displace,
+    fixed_length,
     flat,
     offset,
     offset_limited,
@@ -43,6 +55,7 @@ from basrelief.shaders.techniques import (
 )
 from basrelief.shaders.techniques.march import (
     MOST_READS,
+    FixedLength,
     Layers,
     March,
     Relief,
@@ -57,6 +70,7 @@ from basrelief.shaders.techniques.technique import Settings
 Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
 
+PLAIN = {lod_seen: finest, depth_seen: as_deep}
 ROUNDING = 3e-6
 """What float32 may add to texture coordinates and heights of about one."""
 
@@ -71,13 +85,14 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
     """Let techniques read a closed form; yields the list of the places read."""
     places: list[tuple[float, float]] = []
 
-    def read(field: HeightField, uv: Vec2) -> np.float32:
+    def read(field: HeightField, ray: Ray, height: float) -> np.float32:
+        uv = at(ray, height)
         places.append((float(uv.x), float(uv.y)))
         return np.float32(form(float(uv.x), float(uv.y)))
 
     with pytest.MonkeyPatch.context() as patch:
         for module in MODULES:
-            patch.setattr(module, "height_at", read)
+            patch.setattr(module, "height_under", read)
         yield places
 
 
@@ -131,6 +146,7 @@ def everywhere(steps: int = 10):
             (steep, Steps(steps)),
             (parallax_occlusion, March(steps, steps)),
             (relief, Relief(steps, steps, 12)),
+            (fixed_length, FixedLength(400, 0.01)),
         )
     ]
 
@@ -330,7 +346,7 @@ def test_a_real_height_field_is_met_as_its_closed_form_is() -> None:
     ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), level=0.5)
     # 0.5 + 0.6 (u − ½) − 0.3 (v − ½) = h with (u, v) = (0.6 + 0.15 d, 0.55 − 0.2 d), d = 0.5 − h
     d = (0.5 - (0.5 + 0.6 * 0.1 - 0.3 * 0.05)) / (1 + 0.6 * 0.15 + 0.3 * 0.2)
-    with bound({edge.in_tile: edge.clamp}):
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
         hit = parallax_occlusion(field, ray, March(10, 10))
     assert_ends(hit, ray, 0.5 - d, 1e-5)
 
@@ -457,7 +473,7 @@ def test_steps_by_texels_are_the_texels_passed_over(columns, rows, fall, per_tex
     field = field_of_size(columns, rows)
     settings = March(4, 20, per_texel)
     assert step_count(field, ray_of(fall=fall), settings) == steps
-    with bound({edge.in_tile: edge.wrap}):
+    with bound({edge.in_tile: edge.wrap, surface_height: sharp}):
         hit = parallax_occlusion(field, ray_of(fall=fall), settings)
     assert hit.reads == steps
 
@@ -476,7 +492,7 @@ VIEWS = [
 def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
     """The ray that the whole pixel makes of a view vector in tangent space."""
     with bound({projection.projection: getattr(projection, kind)}):
-        return relief_ray(meeting(view, aspect), Depth(scale, level, bias))
+        return relief_ray(meeting(view, aspect), Depth(scale, level, bias), 0.0, 0.0)
 
 
 def meeting(view, aspect: float = 1.0) -> Meeting:
@@ -612,9 +628,10 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
         projection.projection: getattr(projection, kind),
         displace: technique,
         displaced: with_relief,
+        **PLAIN,
     }
     with bound(bindings), surface(level_surface(0.7)):
-        end = displaced(EMPTY, meeting(view), Depth(0.1, level, bias), settings)
+        end = displaced(EMPTY, meeting(view), Depth(0.1, level, bias), Smoothing(), settings)
     height = level if technique is flat else 0.7
     wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
@@ -632,9 +649,9 @@ def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it(
 @pytest.mark.parametrize(("technique", "settings"), everywhere())
 def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
     """C2."""
-    bindings = {projection.projection: projection.full, displace: technique}
+    bindings = {projection.projection: projection.full, displace: technique, **PLAIN}
     with bound(bindings), surface(level_surface(0.7)) as places:
-        end = with_relief(EMPTY, meeting(VIEWS[3]), Depth(0.0, 0.5, 0.42), settings)
+        end = with_relief(EMPTY, meeting(VIEWS[3]), Depth(0.0, 0.5, 0.42), Smoothing(), settings)
     assert places == []
     assert end.reads == 0
     assert end.further == 0
@@ -656,7 +673,7 @@ def tracing(at: IVec2, field: HeightField, settings: Settings) -> Hit:
 @pytest.mark.parametrize(("technique", "settings"), everywhere(9))
 def test_the_cpu_computes_the_same_bits_as_python(technique, settings) -> None:
     field = HeightField([np.random.default_rng(7).random((11, 17)) ** 2], "wrap")
-    bindings = {displace: technique, edge.in_tile: edge.wrap}
+    bindings = {displace: technique, edge.in_tile: edge.wrap, surface_height: sharp}
     program = Program(tracing, bindings, "wrap")
     planes = CpuEngine().run(program, {"field": field, "settings": settings}, (23, 11))
     for x, y in [(0, 0), (22, 10), (11, 3), (4, 9), (17, 6), (15, 5)]:

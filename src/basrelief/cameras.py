@@ -17,6 +17,9 @@ from basrelief.shaders.camera import Camera
 
 __all__ = ["look", "orbit"]
 
+NARROWEST = 1e-3
+"""The least field of view in degrees: below it a pixel's width is lost in 32 bits."""
+
 _Vector = NDArray[np.float64]
 
 
@@ -104,8 +107,11 @@ def _half_height(field_of_view: float | None, orthographic_height: float | None)
     if (field_of_view is None) == (orthographic_height is None):
         raise InputError("give a camera either field_of_view or orthographic_height")
     if field_of_view is not None:
-        if not 0.0 < field_of_view < 180.0:
-            raise InputError(f"field_of_view is {field_of_view}: give degrees between 0 and 180")
+        if not NARROWEST <= field_of_view < 180.0:
+            raise InputError(
+                f"field_of_view is {field_of_view}: give degrees between 0 and 180, "
+                f"{NARROWEST:g} at least"
+            )
         return math.tan(math.radians(field_of_view) / 2.0)
     assert orthographic_height is not None
     if not 0.0 < orthographic_height < math.inf:

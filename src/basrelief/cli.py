@@ -129,6 +129,7 @@ def info(
     metallic: FileOption = None,
     emission: FileOption = None,
     opacity: FileOption = None,
+    layer_mask: FileOption = None,
 ) -> None:
     """Say which maps were found, what was decided about them, and why."""
     import json as json_text
@@ -141,7 +142,7 @@ def info(
             normal_packing=normal_packing, height_polarity=height_polarity,
             height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
             normal=normal, height=height, occlusion=occlusion, roughness=roughness,
-            metallic=metallic, emission=emission, opacity=opacity,
+            metallic=metallic, emission=emission, opacity=opacity, layer_mask=layer_mask,
         )  # fmt: skip
     print(json_text.dumps(describe(material), indent=2) if json else report(material))
 
@@ -272,6 +273,7 @@ def render(
     metallic: FileOption = None,
     emission: FileOption = None,
     opacity: FileOption = None,
+    layer_mask: FileOption = None,
 ) -> None:
     """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
@@ -285,7 +287,7 @@ def render(
             normal_packing=normal_packing, height_polarity=height_polarity,
             height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
             normal=normal, height=height, occlusion=occlusion, roughness=roughness,
-            metallic=metallic, emission=emission, opacity=opacity,
+            metallic=metallic, emission=emission, opacity=opacity, layer_mask=layer_mask,
         )  # fmt: skip
         scene = arguments.scene(
             material, settings=setting or [], camera=camera, lights=light or [],

@@ -15,7 +15,8 @@ from typing import Protocol
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
-from basrelief.scene import LookAt, Object, Orbit, Scene, turned, within
+from basrelief.scene import LookAt, Object, Orbit, Scene, turned
+from basrelief.scene.checks import within
 from basrelief.shaders.lighting import DIRECTIONAL, Light
 
 __all__ = ["MOTIONS", "Lighting", "Moment", "Motion", "Orbiting", "Scrolling", "moved"]
@@ -160,8 +161,8 @@ def _light_round(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
 
 
 def _shifted(thing: Object, along: tuple[float, float]) -> Object:
-    far = [s + a * t for s, a, t in zip(thing.shift, along, thing.tiles, strict=True)]
-    if thing.edge == "wrap":
-        # a whole tile further is the same picture, and small numbers keep their digits
-        far = [math.fmod(each, 1.0) for each in far]
-    return replace(thing, shift=(far[0], far[1]))
+    moved = thing.scrolled(*along)
+    if thing.edge != "wrap":
+        return moved
+    # a whole tile further is the same picture, and small numbers keep their digits
+    return replace(moved, shift=(math.fmod(moved.shift[0], 1.0), math.fmod(moved.shift[1], 1.0)))

@@ -1,5 +1,6 @@
 """Materials: from files, by the conventions of their makers, or procedural."""
 
+from basrelief.material.hole import hole
 from basrelief.material.load import load
 from basrelief.material.material import MAPS, Map, Material, Note
 from basrelief.material.report import describe, report
@@ -12,6 +13,7 @@ __all__ = [
     "Material",
     "Note",
     "describe",
+    "hole",
     "load",
     "report",
     "sample",

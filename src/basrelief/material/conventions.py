@@ -88,6 +88,7 @@ _SPELLINGS: Mapping[str, Meaning] = {
     "metallic metalness metal metall metalic mtl": _one("metallic"),
     "emission emissive emit emissivecolor emissioncolor glow": _one("emission"),
     "opacity alpha transparency cutout": _one("opacity"),
+    "detailmask layermask": _one("layer_mask"),
     "normalheight normalh nh nrmh normaldisplacement normaldisp": _NORMAL_HEIGHT,
     "albedotransparency albedoalpha albedoopacity coloropacity coloralpha": _COLOR_OPACITY,
     "basecoloralpha basecoloropacity diffusealpha": _COLOR_OPACITY,

@@ -72,12 +72,13 @@ def load(
     metallic: PathLike | None = None,
     emission: PathLike | None = None,
     opacity: PathLike | None = None,
+    layer_mask: PathLike | None = None,
 ) -> Material:
     """Load a material.
 
     `path` is a folder with one set of maps; or one picture, which brings along the files beside it
     that belong to it by their names; or `sample:` and the name of a procedural sample; or None
-    when all maps are named. The last eight arguments name a file for one map, whatever names say.
+    when all maps are named. The last nine arguments name a file for one map, whatever names say.
 
     `normal_convention`: is green up ("gl") or down ("dx")? "auto" asks the name, then compares
     with the heights. `height_polarity`: is white high ("height") or deep ("depth")? "auto" asks
@@ -97,7 +98,17 @@ def load(
         kind: Path(file)
         for kind, file in zip(
             MAPS,
-            (base_color, normal, height, occlusion, roughness, metallic, emission, opacity),
+            (
+                base_color,
+                normal,
+                height,
+                occlusion,
+                roughness,
+                metallic,
+                emission,
+                opacity,
+                layer_mask,
+            ),
             strict=True,
         )
         if file is not None
@@ -149,7 +160,7 @@ class _Builder:
         for kind in ("base_color", "emission"):
             if kind in choices:
                 self.add_color(kind, choices[kind])
-        for kind in ("occlusion", "roughness", "metallic", "opacity"):
+        for kind in ("occlusion", "roughness", "metallic", "opacity", "layer_mask"):
             if kind in choices:
                 self.add_scalar(kind, choices[kind])
         if "normal" in choices:

@@ -26,6 +26,7 @@ MAPS = {
     "metallic": 1,
     "emission": 3,
     "opacity": 1,
+    "layer_mask": 1,
 }
 """The maps of a material, and how many channels each has."""
 
@@ -116,13 +117,14 @@ class Map:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Material:
-    """A surface as up to eight maps that lie over each other, each stretched over the whole tile.
+    """A surface as up to nine maps that lie over each other, each stretched over the whole tile.
 
     `base_color` and `emission` (3 channels, colours), `normal` (3: x, y, z from −1…1 stored as
     0…1, green up), `height` (1: 0…1, 1 the highest), `occlusion`, `roughness`, `metallic`,
-    `opacity` (1: 0…1). A map that is missing is None. `depth` is how far the heights reach, from
-    0 to 1, and `tile` how wide the maps are (along u), both in metres. `notes` are the decisions
-    taken on the way. Maps may differ in size, not in proportions; single texels fit everywhere.
+    `opacity`, and `layer_mask`, how much there is of a second layer (1: 0…1). A map that is missing
+    is None. `depth` is how far the heights reach, from 0 to 1, and `tile` how wide the maps are
+    (along u), both in metres. `notes` are the decisions taken on the way. Maps may differ in size,
+    not in proportions; single texels fit everywhere.
 
     Raises InputError, naming the map's source, when a map has the wrong number of channels, when
     heights leave 0…1, when proportions disagree, and when depth or tile is not positive.
@@ -137,6 +139,7 @@ class Material:
     metallic: Map | None = None
     emission: Map | None = None
     opacity: Map | None = None
+    layer_mask: Map | None = None
     depth: float | None = None
     tile: float | None = None
     notes: tuple[Note, ...] = ()

@@ -51,7 +51,7 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
             pixels = _fractions(color)
             channels = [_resized(pixels[:, :, k : k + 1], shape) for k in range(3)]
         alpha = None if opacity is None else _resized(_fractions(opacity), shape)
-        return _texture([*channels, alpha], edge)
+        return _texture([*channels, alpha], edge, cut_out=alpha is not None)
 
     return _once(material, ("base color", edge), make)
 
@@ -75,15 +75,15 @@ def normal(material: Material, edge: Edge, scale: float) -> Texture | None:
 
 
 def response(material: Material, edge: Edge) -> Texture | None:
-    """Occlusion, roughness and metallic in one texture, None where the material has none."""
-    maps = (material.occlusion, material.roughness, material.metallic)
+    """Occlusion, roughness, metallic and the layer's mask in one texture, None without any."""
+    maps = (material.occlusion, material.roughness, material.metallic, material.layer_mask)
     if all(m is None for m in maps):
         return None
 
     def make() -> Texture:
         shape = _largest(*maps)
         channels = []
-        for one, missing in zip(maps, (1.0, 0.8, 0.0), strict=True):
+        for one, missing in zip(maps, (1.0, 0.8, 0.0, 1.0), strict=True):
             if one is None:
                 channels.append(np.full(shape, round(missing * _UNIT), np.uint16))
             else:
@@ -158,8 +158,8 @@ def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.u
     return one
 
 
-def _texture(channels: list[Any], edge: Edge) -> Texture:
-    """A pyramid of four channels; a missing last one is all ones."""
+def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Texture:
+    """A pyramid of four channels; a missing last one is all ones, of a cut-out it is opacity."""
     height, width = channels[0].shape
     first = np.full((height, width, 4), _UNIT, np.uint16)
     for index, channel in enumerate(channels):
@@ -167,9 +167,7 @@ def _texture(channels: list[Any], edge: Edge) -> Texture:
             first[:, :, index] = channel
     levels = [first]
     while max(levels[-1].shape[:2]) > 1:
-        levels.append(
-            _next_level(levels[-1], cut_out=channels[-1] is not None and len(channels) == 4)
-        )
+        levels.append(_next_level(levels[-1], cut_out=cut_out))
     return Texture(levels, edge)
 
 

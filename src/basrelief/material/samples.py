@@ -6,17 +6,23 @@ differ by one, since elementary functions are rounded differently.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
+from basrelief.material.hole import hole
 from basrelief.material.material import Map, Material, Note
 from basrelief.material.patterns import PATTERNS, Canvas, Relief
+from basrelief.material.patterns.canvas import to_unit
 
-SAMPLES = tuple(PATTERNS)
+SAMPLES = (*PATTERNS, "hole")
 """The names that `sample` knows."""
+
+OPENING = 0.6
+"""How far the sample `hole` is open."""
 
 LARGEST = 16384
 
@@ -29,38 +35,46 @@ def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Mater
     normals have 16 bits. `depth` and `tile` are set, and the normals fit their `scale`.
     Raises InputError for an unknown name, or a size that is not 1 to 16384.
     """
-    if name not in PATTERNS:
+    if name not in SAMPLES:
         raise InputError(f"there is no sample {name!r}; choose one of {', '.join(SAMPLES)}")
     height, width = (size, size) if isinstance(size, int) else size
     if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
         raise InputError(f"sample {name}: a side has 1 to {LARGEST} texels, not {height}×{width}")
     if seed < 0:
         raise InputError(f"sample {name}: a seed is a whole number from 0 up, not {seed}")
-    relief = PATTERNS[name](Canvas(height, width, seed))
-    return _material(name, seed, relief)
+    if name == "hole":
+        cracks, dust = (sample(part, (height, width), seed) for part in ("cracks", "dust"))
+        return replace(hole(cracks, dust, OPENING), name=name)
+    return _material(name, seed, PATTERNS[name](Canvas(height, width, seed)))
 
 
 def _material(name: str, seed: int, relief: Relief) -> Material:
-    heights = _to_unit(relief.height)
+    heights = to_unit(relief.height)
     scale = relief.depth / relief.tile
 
     def map_of(kind: str, values: NDArray[Any], bits: int = 8, srgb: bool = False) -> Map:
         return Map(_codes(values, bits), srgb, f"sample {name}, {kind}")
 
-    shadow = occlusion(heights, scale)
-    return Material(
+    def plane_of(kind: str, values: NDArray[Any] | None, bits: int = 8) -> Map | None:
+        return None if values is None else map_of(kind, values[:, :, None], bits)
+
+    material = Material(
         name,
         base_color=map_of("base colour", relief.color, srgb=True),
         normal=map_of("normal", normals(heights, scale) * 0.5 + 0.5, bits=16),
-        height=map_of("height", heights[:, :, None], bits=16),
-        occlusion=map_of("occlusion", shadow[:, :, None]),
-        roughness=map_of("roughness", relief.roughness[:, :, None]),
-        metallic=None
-        if relief.metallic is None
-        else map_of("metallic", relief.metallic[:, :, None]),
-        depth=relief.depth,
+        opacity=plane_of("opacity", relief.opacity),
         tile=relief.tile,
         notes=(Note(f"procedural sample {name}", f"drawn from seed {seed}"),),
+    )
+    if relief.detail:
+        return material
+    return replace(
+        material,
+        height=plane_of("height", heights, bits=16),
+        occlusion=plane_of("occlusion", occlusion(heights, scale)),
+        roughness=plane_of("roughness", relief.roughness),
+        metallic=plane_of("metallic", relief.metallic),
+        depth=relief.depth,
     )
 
 
@@ -94,12 +108,6 @@ def occlusion(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32
         mean = np.fft.irfft2(spectrum * blur, s=heights.shape)
         closed += np.maximum(mean - heights, 0) * scale / radius
     return (1 / (1 + 0.6 * closed)).astype(np.float32)
-
-
-def _to_unit(values: NDArray[Any]) -> NDArray[np.float64]:
-    values = values.astype(np.float64)
-    low, high = values.min(), values.max()
-    return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
 
 
 def _codes(values: NDArray[Any], bits: int) -> NDArray[Any]:

@@ -7,7 +7,10 @@ camera's fields from where it stands and what it looks at.
 
 from __future__ import annotations
 
-from basrelief.lang import Vec2, Vec3, dot, shader, sqrt, struct
+from basrelief.lang import Vec2, Vec3, copysign, dot, shader, sqrt, struct
+
+NEAREST = 1e-6
+"""The least depth that a position is divided by, in world units."""
 
 
 @struct
@@ -71,3 +74,23 @@ def change_of_unit(unit: Vec3, change: Vec3) -> Vec3:
     Igehy's equation 8 after taking |d| out: d/dx (d ÷ |d|) = (d′ − û (û · d′)) ÷ |d|.
     """
     return change - unit * dot(unit, change)
+
+
+@shader
+def seen_from(camera: Camera, position: Vec3) -> Vec3:
+    """The other way round: the place in the picture where a position is seen, and how far along
+    that place's ray it is; the distance is below 0 behind a camera in perspective."""
+    offset = position - camera.position
+    deep = dot(offset, camera.forward)
+    # the same plane that `primary_ray` spans: one unit deep, or through the camera
+    across = offset - camera.forward * deep
+    distance = deep
+    if camera.perspective > 0.5:
+        across = offset / max(abs(deep), NEAREST)
+        distance = copysign(sqrt(dot(offset, offset)), deep)
+    spanned = across - camera.corner
+    return Vec3(
+        dot(spanned, camera.right) / dot(camera.right, camera.right),
+        dot(spanned, camera.down) / dot(camera.down, camera.down),
+        distance,
+    )

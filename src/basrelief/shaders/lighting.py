@@ -106,6 +106,12 @@ class Shading:
     shininess: float = setting(
         default=10.0, doc="exponent of Phong's highlight", low=1.0, high=1000.0
     )
+    directional_occlusion: float = setting(
+        default=1.0,
+        doc="how much occlusion acts on lights, where it has a direction",
+        low=0.0,
+        high=1.0,
+    )
 
 
 # --- light arriving --------------------------------------------------------------------------

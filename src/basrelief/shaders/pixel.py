@@ -6,23 +6,23 @@ from basrelief.lang import (
     Buffer,
     HeightField,
     IVec2,
-    Mat3,
     Texture,
     Vec2,
     Vec3,
     Vec4,
-    clamp,
+    dot,
+    mix,
     normalize,
+    saturate,
     shader,
     slot,
-    sqrt,
     struct,
     transpose,
 )
-from basrelief.lang import length as length_of
-from basrelief.shaders.camera import Camera, CameraRay, primary_ray
-from basrelief.shaders.gradients import Footprint, along, transferred
-from basrelief.shaders.height import height_at
+from basrelief.shaders.camera import CameraRay, primary_ray
+from basrelief.shaders.cast import CastView, reaching_past_others
+from basrelief.shaders.fog import Fog, fogged
+from basrelief.shaders.height import Smoothing
 from basrelief.shaders.lighting import (
     Light,
     Shading,
@@ -31,50 +31,21 @@ from basrelief.shaders.lighting import (
     arriving,
     reflectance,
 )
-from basrelief.shaders.projection import SHALLOWEST, projection
-from basrelief.shaders.ray import Hit, Ray
-from basrelief.shaders.shadow import Reaching, Shadowing, ShadowRay, shadow
-from basrelief.shaders.shapes import ShapeRay, SurfacePoint, shape
-from basrelief.shaders.surfaces.standard import Finish, Spot, Surface, standard_surface
-from basrelief.shaders.tangent import Frame, frame_of, from_tangent, to_tangent, to_texture
-from basrelief.shaders.techniques.technique import Settings, displace
+from basrelief.shaders.meeting import Meeting, Placement, View, meet
+from basrelief.shaders.relief import Depth, Displaced, displaced, slope_of, unhidden
+from basrelief.shaders.shadow import Shadowing
+from basrelief.shaders.surfaces.surface import (
+    MapPlaces,
+    Spot,
+    Surface,
+    SurfaceSettings,
+    surface_at,
+)
+from basrelief.shaders.tangent import from_tangent
+from basrelief.shaders.techniques.technique import Settings
 
-
-@struct
-class View:
-    """The camera, and where within each pixel this picture samples: (½, ½) is the middle."""
-
-    camera: Camera
-    sample: Vec2
-
-
-@struct
-class Placement:
-    """Where the object is, and how its texture lies on it.
-
-    A world point p is `to_object @ (p − origin)` in object space; `to_world` is the inverse. The
-    shape's own texture coordinates are multiplied by `tiling`, then `shift` is added. `proportion`
-    is the width of the maps ÷ their height in texels, for which their normals were made.
-    """
-
-    origin: Vec3
-    to_object: Mat3
-    to_world: Mat3
-    tiling: Vec2
-    shift: Vec2
-    proportion: float
-
-
-@struct
-class Depth:
-    """How deep the relief is: `scale` is the whole range as a fraction of a tile's width.
-
-    `level` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
-    """
-
-    scale: float
-    level: float
-    bias: float
+SOLID = 0.5
+"""The least opacity that has a depth, and casts a shadow."""
 
 
 @struct
@@ -89,208 +60,123 @@ class Pixel:
     reads: int
 
 
-@struct
-class Meeting:
-    """Where the view ray meets the object: the polygon's point, its frame, the view, the pixel."""
-
-    point: SurfacePoint
-    frame: Frame
-    view: Vec3
-    falling: float
-    footprint: Footprint
-
-
-@struct
-class Displaced:
-    """Where the ray ends: texture coordinates, how far beyond the polygon, heights read."""
-
-    uv: Vec2
-    further: float
-    reads: int
-
-
 @shader
 def pixel(
     at: IVec2,
     view: View,
     placement: Placement,
     depth: Depth,
+    smoothing: Smoothing,
     settings: Settings,
-    finish: Finish,
+    finish: SurfaceSettings,
+    places: MapPlaces,
     shading: Shading,
     shadowing: Shadowing,
+    fog: Fog,
     field: HeightField,
     base_color: Texture,
     normal: Texture,
     response: Texture,
     emission: Texture,
+    layer_color: Texture,
+    layer_normal: Texture,
     lights: Buffer[Light],
+    distances: HeightField,
+    views: Buffer[CastView],
 ) -> Pixel:
     """Find the object, displace the texture, read its maps there, and light it."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
     met = meet(ray, placement)
     if not met.point.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
-    moved = displaced(field, met, depth, settings)
+    moved = displaced(field, met, depth, smoothing, settings)
     distance = met.point.distance + moved.further
     if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    spot = Spot(moved.uv, met.footprint)
-    surface = standard_surface(spot, finish, base_color, normal, response, emission)
+    spot = spot_on(field, met, moved, depth)
+    surface = surface_at(
+        spot, finish, places, base_color, normal, response, emission, layer_color, layer_normal
+    )
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     point = shading_point(ray, placement, met, surface, distance)
+    receiving = receiver(point, ray, met)
     color = ambient_light(point, shading) + point.emission
     reads = moved.reads
     for k in range(len(lights)):
         # every light falls on the displaced point, read from the displaced maps
         incoming = arriving(lights[k], point.position)
         towards = placement.to_object @ incoming.direction
-        reaching = unhidden(field, met, moved, depth, towards, shadowing)
-        color = color + reflectance(point, shading, incoming) * reaching.share
+        reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
+        share = reaching.share * reaching_past_others(distances, views, k, receiving)
+        share = share * openness(point, moved.height, incoming.direction, shading)
+        color = color + reflectance(point, shading, incoming) * share
         reads = reads + reaching.reads
+    color = fogged(color, distance, fog)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
+
+
+# --- a depth map ---------------------------------------------------------------------------------
+
+
+@struct
+class Reach:
+    """How far a ray goes until it meets the object, in world units; `hit` says whether it does."""
+
+    depth: float
+    hit: bool
+
+
+@shader
+def reach(
+    at: IVec2,
+    view: View,
+    placement: Placement,
+    depth: Depth,
+    smoothing: Smoothing,
+    settings: Settings,
+    finish: SurfaceSettings,
+    places: MapPlaces,
+    field: HeightField,
+    base_color: Texture,
+    normal: Texture,
+    response: Texture,
+    emission: Texture,
+    layer_color: Texture,
+    layer_normal: Texture,
+) -> Reach:
+    """The pixel of a depth map: the same object, relief and opacity, and no light."""
+    ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
+    met = meet(ray, placement)
+    if not met.point.found:
+        return Reach(0.0, False)
+    moved = displaced(field, met, depth, smoothing, settings)
+    distance = met.point.distance + moved.further
+    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
+        return Reach(0.0, False)
+    surface = surface_at(
+        spot_on(field, met, moved, depth), finish, places, base_color, normal, response, emission,
+        layer_color, layer_normal,
+    )  # fmt: skip
+    return Reach(distance, surface.opacity >= SOLID)
 
 
 # --- the steps -----------------------------------------------------------------------------------
 
 
 @shader
-def meet(ray: CameraRay, placement: Placement) -> Meeting:
-    """Meet the object in its own space, where the relief is set: it scales with the object."""
-    origin = placement.to_object @ (ray.origin - placement.origin)
-    direction = placement.to_object @ ray.direction
-    met = shape(ShapeRay(origin, direction))
-    along_u = met.along_u / placement.tiling.x
-    along_v = met.along_v / placement.tiling.y
-    frame = frame_of(met.normal, along_u, along_v)
-    # with a unit direction, so that a large object is no different from a small one
-    falling = length_of(direction)
-    unit = direction / falling
-    away = met.distance * falling
-    right = transferred(
-        away,
-        unit,
-        met.normal,
-        placement.to_object @ ray.origin_dx,
-        placement.to_object @ ray.direction_dx / falling,
+def spot_on(field: HeightField, met: Meeting, moved: Displaced, depth: Depth) -> Spot:
+    """The place on the relief where the ray ended."""
+    slope = slope_of(field, moved, met, depth)
+    return Spot(
+        uv=moved.uv,
+        footprint=met.footprint,
+        height=moved.height,
+        found=moved.found,
+        slope=slope.normal,
+        deep=slope.deep,
+        aspect=met.frame.aspect,
     )
-    down = transferred(
-        away,
-        unit,
-        met.normal,
-        placement.to_object @ ray.origin_dy,
-        placement.to_object @ ray.direction_dy / falling,
-    )
-    tiled = met.uv * placement.tiling + placement.shift
-    point = SurfacePoint(
-        found=met.found,
-        distance=met.distance,
-        position=met.position,
-        normal=met.normal,
-        along_u=along_u,
-        along_v=along_v,
-        uv=tiled,
-        leave=met.leave,
-        radius=met.radius,
-    )
-    return Meeting(
-        point=point,
-        frame=frame,
-        view=to_tangent(frame, -unit),
-        falling=falling,
-        footprint=Footprint(along(right, along_u, along_v), along(down, along_u, along_v)),
-    )
-
-
-@slot
-def displaced(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
-    """Where the ray ends: on the relief, or on the polygon itself."""
-
-
-@shader
-def with_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
-    """As the technique says; with no depth not one height is read."""
-    if depth.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, 0)
-    hit = displace(field, relief_ray(met, depth), settings)
-    return Displaced(hit.uv, beyond(met, depth, hit), hit.reads)
-
-
-@shader
-def without_relief(field: HeightField, met: Meeting, depth: Depth, settings: Settings) -> Displaced:
-    """On the polygon: a material without heights, or the technique `flat`."""
-    return Displaced(met.point.uv, 0.0, 0)
-
-
-@slot
-def unhidden(
-    field: HeightField,
-    met: Meeting,
-    moved: Displaced,
-    depth: Depth,
-    towards: Vec3,
-    shadowing: Shadowing,
-) -> Reaching:
-    """How much of a light, in a direction of object space, reaches the displaced point."""
-
-
-@shader
-def everything(
-    field: HeightField,
-    met: Meeting,
-    moved: Displaced,
-    depth: Depth,
-    towards: Vec3,
-    shadowing: Shadowing,
-) -> Reaching:
-    """All of it: no self-shadow."""
-    return Reaching(1.0, 0)
-
-
-@shader
-def self_shadowed(
-    field: HeightField,
-    met: Meeting,
-    moved: Displaced,
-    depth: Depth,
-    towards: Vec3,
-    shadowing: Shadowing,
-) -> Reaching:
-    """What the relief leaves of it; nothing of a light behind the polygon."""
-    light = to_tangent(met.frame, normalize(towards))
-    if depth.scale <= 0.0:
-        return Reaching(1.0, 0)
-    if light.z <= SHALLOWEST:
-        return Reaching(0.0, 0)
-    rise = to_texture(light.xy * (depth.scale / light.z), met.frame.aspect)
-    # from the surface itself: a technique may end the view ray below it
-    surface = height_at(field, moved.uv)
-    reaching = shadow(field, ShadowRay(moved.uv, surface, rise), shadowing)
-    return Reaching(reaching.share, reaching.reads + 1)
-
-
-@shader
-def relief_ray(met: Meeting, depth: Depth) -> Ray:
-    """The ray that a technique follows: the chosen projection, in texture coordinates."""
-    move = projection(met.view, depth.bias) * -depth.scale
-    fall = to_texture(move, met.frame.aspect)
-    return Ray(met.point.uv, fall, depth.level, met.view.z)
-
-
-@shader
-def beyond(met: Meeting, depth: Depth, hit: Hit) -> float:
-    """How much further than the polygon the true ray goes to reach the hit's height.
-
-    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
-    The relief of a curved surface is that of its tangent plane, which near the outline runs far
-    from the shape: what is pushed in stays within it, what is raised within a shell around it.
-    """
-    width = depth.scale * met.frame.width
-    further = (depth.level - hit.height) * width / (max(met.view.z, SHALLOWEST) * met.falling)
-    shell = (1.0 - depth.level) * width
-    before = sqrt(shell * (2.0 * met.point.radius + shell)) / met.falling
-    return clamp(further, -before, met.point.leave - met.point.distance)
 
 
 @shader
@@ -332,3 +218,49 @@ def anywhere(place: Vec2) -> bool:
 def within(place: Vec2) -> bool:
     """What is displaced beyond the shape's own edge is not drawn."""
     return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
+
+
+# --- where other objects' shadows fall -----------------------------------------------------------
+
+
+@slot
+def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
+    """The place, in world space, on which the shadows of other objects fall."""
+
+
+@shader
+def on_the_relief(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
+    """Where the surface is seen."""
+    return point.position
+
+
+@shader
+def on_the_polygon(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
+    """On the polygon, as where displacement does not reach the shadows: they float above it."""
+    return ray.origin + ray.direction * met.point.distance
+
+
+# --- occlusion with a direction ------------------------------------------------------------------
+
+
+@slot
+def openness(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
+    """How much of a light's direction the surroundings leave open."""
+
+
+@shader
+def open_to_all(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
+    """All of it: occlusion acts on ambient light alone."""
+    return 1.0
+
+
+@shader
+def open_from_above(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
+    """The occlusion map mixed with depth and N · L, a cheap likeness of soft shadows.
+
+    Light along the normal reaches everything; the flatter it comes, the less reaches what is
+    occluded and what is deep. After S. Halliwell, Parallax Offset, 2014, who gives no formula.
+    """
+    sheltered = point.occlusion * height
+    left = mix(sheltered, 1.0, saturate(dot(point.normal, direction)))
+    return mix(1.0, left, shading.directional_occlusion)

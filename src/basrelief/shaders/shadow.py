@@ -7,7 +7,7 @@ Surface Rendering, 2006, for the soft form.
 from __future__ import annotations
 
 from basrelief.lang import HeightField, Vec2, saturate, setting, shader, slot, struct
-from basrelief.shaders.height import height_at
+from basrelief.shaders.height import surface_height
 
 MOST_READS = 4096
 """However many steps are asked for, no light takes more."""
@@ -35,12 +35,14 @@ class Shadowing:
 class ShadowRay:
     """The way to a light: while it rises through the whole range, from 0 to 1, it moves by `rise`.
 
-    It leaves `uv` at `height`.
+    It leaves `uv` at `height`; heights are read as the view ray reads them (`shaders.height`).
     """
 
     uv: Vec2
     height: float
     rise: Vec2
+    lod: float = 0.0
+    fade: float = 0.0
 
 
 @struct
@@ -64,7 +66,7 @@ def hard(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
     reads = 0
     for k in range(count):
         risen = (float(k) + 1.0) * step
-        surface = height_at(field, ray.uv + ray.rise * risen)
+        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
         reads = reads + 1
         if surface > ray.height + risen + shadowing.shadow_offset:
             return Reaching(0.0, reads)
@@ -80,7 +82,7 @@ def soft(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
     for k in range(count):
         share = (float(k) + 1.0) / float(count)
         risen = (float(k) + 1.0) * step
-        surface = height_at(field, ray.uv + ray.rise * risen)
+        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
         above = surface - ray.height - risen - shadowing.shadow_offset
         darkest = max(darkest, above * (1.0 - share))
     return Reaching(1.0 - saturate(darkest * shadowing.shadow_softness), count)

@@ -26,8 +26,10 @@ Color = tuple[float, float, float]
 class Relief:
     """What a pattern draws; the rest is derived. Planes are (height, width).
 
-    `height` is any float range; `color` (height, width, 3) are sRGB values 0 to 1; `roughness` and
-    `metallic` 0 to 1. `depth` and `tile`, in metres, are the full height range and the width.
+    `height` is any float range; `color` (height, width, 3) are sRGB values 0 to 1; `roughness`,
+    `metallic` and `opacity` 0 to 1. `depth` and `tile`, in metres, are the full height range and
+    the width. Of a `detail` only the colour and the normals are kept: it lies over other maps,
+    whose relief it follows.
     """
 
     height: Plane
@@ -36,6 +38,36 @@ class Relief:
     depth: float
     tile: float
     metallic: Plane | None = None
+    opacity: Plane | None = None
+    detail: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """The texels around a point: `there` indexes a plane, `x` (1, w) and `y` (h, 1) lead to them.
+
+    Both are counted from the point, in widths of the picture. No texel occurs twice.
+    """
+
+    there: tuple[NDArray[np.intp], ...]
+    x: Plane
+    y: Plane
+
+    def to_segment(self, x: float, y: float) -> Plane:
+        """The distance from the straight line between the point and the point (x, y) from it."""
+        square = max(x * x + y * y, 1e-12)
+        along = np.clip(
+            (self.x * np.float32(x) + self.y * np.float32(y)) / np.float32(square), 0, 1
+        )
+        distance: Plane = np.hypot(self.x - along * np.float32(x), self.y - along * np.float32(y))
+        return distance
+
+    def to_box(self, x: float, y: float) -> Plane:
+        """The signed distance from a box around the point with the half sides x and y."""
+        out_x, out_y = np.abs(self.x) - np.float32(x), np.abs(self.y) - np.float32(y)
+        outside = np.hypot(np.maximum(out_x, 0), np.maximum(out_y, 0))
+        distance: Plane = outside + np.minimum(np.maximum(out_x, out_y), 0)
+        return distance
 
 
 @dataclass(frozen=True)
@@ -64,6 +96,26 @@ class Canvas:
         step = 2 if even else 1
         return max(step, step * round(columns * self.height / self.width / step))
 
+    @property
+    def aspect(self) -> float:
+        """How far y reaches: height ÷ width."""
+        return self.height / self.width
+
+    def around(self, x: float, y: float, reach: float, reach_y: float | None = None) -> Window:
+        """The texels within reach of the point (x, y), along x and y, over the edges too."""
+        reach_y = reach if reach_y is None else reach_y
+        columns = _near(x * self.width, reach * self.width, self.width)
+        rows = _near(y * self.width, reach_y * self.width, self.height)
+        return Window(
+            np.ix_(rows % self.height, columns % self.width),
+            ((columns + 0.5) / self.width - x).astype(np.float32)[None, :],
+            ((rows + 0.5) / self.width - y).astype(np.float32)[:, None],
+        )
+
+    def softness(self, width: float) -> float:
+        """A width for an edge to be soft over: not less than a texel, so that edges do not jag."""
+        return max(width, 1 / self.width)
+
     def random(self, name: str) -> np.random.Generator:
         """Random numbers of their own for each name."""
         return np.random.default_rng([self.seed, zlib.crc32(name.encode())])
@@ -89,6 +141,13 @@ class Canvas:
         return unit
 
 
+def _near(middle: float, reach: float, count: int) -> NDArray[np.intp]:
+    """Texels within reach of a place on a periodic line of `count`, each of them once."""
+    if 2 * reach + 2 >= count:
+        return int(np.floor(middle - count / 2)) + np.arange(count)
+    return np.arange(int(np.floor(middle - reach)), int(np.floor(middle + reach)) + 2)
+
+
 _TO_UNIT_DEVIATION = 3**0.5 / 0.4794
 """Uniform −1…1 deviates by 1/√3; a cubic B-spline keeps 151/315 of the variance per axis."""
 
@@ -103,6 +162,13 @@ def _spline(texels: int, cells: int) -> NDArray[np.float64]:
     for offset, piece in zip((-1, 0, 1, 2), pieces, strict=True):
         np.add.at(weights, (np.arange(texels), (cell + offset) % cells), piece / 6)
     return weights
+
+
+def to_unit(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Values stretched to 0…1; all ½ where they are one and the same."""
+    values = values.astype(np.float64)
+    low, high = values.min(), values.max()
+    return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
 
 
 def smoothstep(low: float, high: float, values: Any) -> Plane:

@@ -64,16 +64,10 @@ class _Heap:
                 self._lay(_Pebble(random, middle / (across, down), radius / across, rest))
 
     def _lay(self, pebble: _Pebble) -> None:
-        height, width = self.height.shape
-        aspect = height / width
-        middle_x, middle_y = pebble.middle[0] * width, pebble.middle[1] * height
-        reach = pebble.long * width
-        columns = np.arange(int(middle_x - reach), int(middle_x + reach) + 2)
-        rows = np.arange(int(middle_y - reach), int(middle_y + reach) + 2)
-        x = ((columns + 0.5) / width - pebble.middle[0]).astype(np.float32)[None, :]
-        y = ((rows + 0.5) / width - pebble.middle[1] * aspect).astype(np.float32)[:, None]
-        there = np.ix_(rows % height, columns % width)
-        top = pebble.top(x, y)
+        middle_x, middle_y = pebble.middle
+        window = self.canvas.around(middle_x, middle_y * self.canvas.aspect, pebble.long)
+        there = window.there
+        top = pebble.top(window.x, window.y)
         over = top > self.height[there]
         self.height[there] = np.where(over, top, self.height[there])
         self.color[there] = np.where(over[:, :, None], pebble.color, self.color[there])

@@ -7,7 +7,8 @@ missed; where nothing is met the last position is the result.
 from __future__ import annotations
 
 from basrelief.lang import HeightField, Vec2, length, mix, saturate, setting, shader, size, struct
-from basrelief.shaders.height import height_at
+from basrelief.shaders.height import height_under
+from basrelief.shaders.projection import SHALLOWEST
 from basrelief.shaders.ray import Hit, Ray, at
 from basrelief.shaders.techniques.technique import technique
 
@@ -49,6 +50,16 @@ class Relief:
         default=32, doc="steps when looking along the surface", low=1, high=4096
     )
     search_steps: int = setting(default=5, doc="halvings of the last step", low=0, high=24)
+
+
+@struct
+class FixedLength:
+    """Settings of a march whose steps are all of one length."""
+
+    steps: int = setting(default=300, doc="steps at most", low=1, high=4096)
+    step_length: float = setting(
+        default=0.01, doc="length of a step along the ray, in tile widths", low=1e-5, high=1.0
+    )
 
 
 @struct
@@ -105,8 +116,22 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     for _ in range(rounds):
         half = half * 0.5
         height = height + (half if below else -half)
-        below = height <= height_at(field, at(ray, height))
+        below = height <= height_under(field, ray, height)
     return Hit(at(ray, height), height, found, end.reads + rounds)
+
+
+@technique(most_reads=300)
+def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
+    """March in steps of one length along the ray, then weigh the last two places.
+
+    Goes as deep as its steps reach: what lies further is not found, and the last place stays.
+    Cost: up to `steps` reads. Habrador, Advanced shaders in Unity: 3. Parallax mapping.
+    """
+    step = settings.step_length * max(ray.cosine, SHALLOWEST) / ray.scale
+    end = layers(field, ray, settings.steps, step)
+    found = end.height <= end.surface
+    height = chord(end) if found else end.height
+    return Hit(at(ray, height), height, found, end.reads)
 
 
 # --- what the marches share ----------------------------------------------------------------------
@@ -114,11 +139,16 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
 
 @shader
 def march(field: HeightField, ray: Ray, steps: int) -> Layers:
+    """Go down through all of the range in a number of steps."""
+    return layers(field, ray, steps, 1.0 / float(min(max(steps, 1), MOST_READS)))
+
+
+@shader
+def layers(field: HeightField, ray: Ray, steps: int, step: float) -> Layers:
     """Go down layer by layer, to the first that is not above the surface, or to the last."""
     count = min(max(steps, 1), MOST_READS)
-    step = 1.0 / float(count)
     height = 1.0
-    surface = height_at(field, at(ray, height))
+    surface = height_under(field, ray, height)
     height_before = height
     surface_before = surface
     k = 1
@@ -126,7 +156,7 @@ def march(field: HeightField, ray: Ray, steps: int) -> Layers:
         height_before = height
         surface_before = surface
         height = 1.0 - float(k) * step
-        surface = height_at(field, at(ray, height))
+        surface = height_under(field, ray, height)
         k = k + 1
     return Layers(height, surface, height_before, surface_before, step, k)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from basrelief.lang import HeightField, clamp, setting, shader, struct
-from basrelief.shaders.height import height_at
+from basrelief.shaders.height import height_under
 from basrelief.shaders.ray import Hit, Ray
 from basrelief.shaders.techniques.technique import Nothing, technique
 
@@ -47,6 +47,6 @@ def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """One read, one shift, each component held to the most allowed."""
-    height = height_at(field, ray.uv)
+    height = height_under(field, ray, ray.level)
     most = settings.max_offset
     return Hit(ray.uv + clamp(ray.fall * (ray.level - height), -most, most), height, True, 1)

@@ -1,0 +1,129 @@
+"""Scenes: what is drawn, from where, in what light."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from basrelief.errors import InputError
+from basrelief.scene.checks import FAR, one_of, record_of, within
+from basrelief.scene.lights import directional
+from basrelief.scene.objects import Object
+from basrelief.scene.views import LookAt, Orbit
+from basrelief.shaders.camera import Camera
+from basrelief.shaders.fog import Fog
+from basrelief.shaders.lighting import Light, Shading
+from basrelief.shaders.shadow import Shadowing
+
+BACKGROUND = (0.05, 0.055, 0.065)
+"""What is behind the objects unless a scene says otherwise: a dark grey, linear."""
+
+
+def _default_lights() -> tuple[Light, ...]:
+    return (
+        directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.2),
+        directional(80.0, 20.0, (0.8, 0.9, 1.0), 0.8),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Objects, a camera, lights; `shading_model` is "ggx" (metallic-roughness) or "phong".
+
+    `shadows` are "none", "hard" or "soft": those of a relief on itself, and, where there are
+    several objects, those that they cast on one another; these fall on the relief, or, with
+    `shadows_on="polygon"`, on the polygons, as where an engine's displacement does not reach them.
+    `shadow_map` is how many texels a side a light's depth map has.
+
+    `occlusion` acts on ambient light ("ambient"), or on every light, the more the flatter it comes
+    ("directional"). `fog` is "none", "linear", "exponential" or "exponential_squared", its numbers
+    `air`. `background` is a linear colour, or None for transparent. `shading`, `shadowing` and
+    `air` are records, or mappings of the fields to change. Raises InputError for values out of
+    range.
+    """
+
+    objects: tuple[Object, ...]
+    camera: Orbit | LookAt = field(default_factory=Orbit)
+    lights: tuple[Light, ...] = field(default_factory=_default_lights)
+    shading: Any = field(default_factory=dict)
+    shading_model: Literal["ggx", "phong"] = "ggx"
+    shadows: Literal["none", "hard", "soft"] = "none"
+    shadows_on: Literal["relief", "polygon"] = "relief"
+    shadow_map: int = 1024
+    shadowing: Any = field(default_factory=dict)
+    occlusion: Literal["ambient", "directional"] = "ambient"
+    fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
+    air: Any = field(default_factory=dict)
+    background: tuple[float, float, float] | None = BACKGROUND
+
+    def __post_init__(self) -> None:
+        one_of("shading_model", self.shading_model, ("ggx", "phong"))
+        one_of("shadows", self.shadows, ("none", "hard", "soft"))
+        one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
+        one_of("occlusion", self.occlusion, ("ambient", "directional"))
+        one_of("fog", self.fog, ("none", "linear", "exponential", "exponential_squared"))
+        within("shadow_map", self.shadow_map, 16, 8192)
+        for name, record, owner in (
+            ("shading", Shading, "the shading"),
+            ("shadowing", Shadowing, "the shadows"),
+            ("air", Fog, "the fog"),
+        ):
+            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
+        ground = (0.0,) * 3 if self.background is None else self.background
+        if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
+            raise InputError(f"background {ground}: give three finite numbers from 0, or None")
+        object.__setattr__(self, "objects", tuple(self.objects))
+        object.__setattr__(self, "lights", tuple(self.lights))
+
+    @property
+    def casts(self) -> bool:
+        """Whether objects cast shadows on one another."""
+        return self.shadows != "none" and len(self.objects) > 1
+
+    def shader_camera(self, size: tuple[int, int]) -> Camera:
+        """The shaders' camera for a picture of (width, height), framing the first object."""
+        camera = self.camera
+        if isinstance(camera, Orbit) and camera.distance is None and self.objects:
+            camera = camera.framing(self.objects[0].outline(), size)
+        return camera.camera(size)
+
+    def from_far_to_near(self, size: tuple[int, int]) -> list[Object]:
+        """The objects by the distance of their middles, so that what is nearer is laid over."""
+        eye = np.array([*self.shader_camera(size).position], np.float64)
+        away = [float(np.linalg.norm(thing.to_world[:3, 3] - eye)) for thing in self.objects]
+        order = sorted(range(len(away)), key=lambda index: -away[index])
+        return [self.objects[index] for index in order]
+
+    def with_camera(self, camera: Orbit | LookAt) -> Scene:
+        """The same scene from elsewhere."""
+        return replace(self, camera=camera)
+
+    def check_camera(self) -> None:
+        """Raise InputError where the camera stands inside an object, or behind a lone plane."""
+        eye = np.array([*self.shader_camera((1, 1)).position, 1.0], np.float64)
+        for thing in self.objects:
+            x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
+            advice = "move it away, for example --camera distance=3"
+            if _inside(thing, x, y, z):
+                raise InputError(f"the camera is inside the {thing.shape}; {advice}")
+            if thing.shape == "plane" and z <= 0.0 and len(self.objects) == 1:
+                raise InputError(
+                    "the camera is behind the plane, which has no back; lift it to the other "
+                    "side, for example --camera elevation=35"
+                )
+
+
+def _inside(thing: Object, x: float, y: float, z: float) -> bool:
+    match thing.shape:
+        case "plane":
+            above = (1.0 - thing.relief_level) * thing.relief_scale / abs(thing.tiles[0])
+            raised = above if thing.has_relief else 0.0
+            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= raised
+        case "box":
+            return max(abs(x), abs(y), abs(z)) <= 0.5
+        case "sphere":
+            return math.hypot(x, y, z) <= 0.5
+    return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
