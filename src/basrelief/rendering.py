@@ -141,7 +141,7 @@ def render(
     `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what` does not fix them.
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
-    scene = _scene_of(what, options)
+    scene = scene_of(what, options)
     width, height = _checked_size(size)
     if width * height > _MOST_PIXELS:
         raise InputError(
@@ -165,7 +165,11 @@ def _checked_size(size: Any) -> tuple[int, int]:
     return width, height
 
 
-def _scene_of(what: Any, options: dict[str, Any]) -> Scene:
+def scene_of(what: Any, options: dict[str, Any]) -> Scene:
+    """The scene that `render` draws for what it is given; uses the options up.
+
+    Raises InputError for an option that there is not, or that `what` already says.
+    """
     if isinstance(what, str | Path):
         what = load(what)
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
