@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from scenes import alternate
+
 import basrelief
 from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import EngineError
 from basrelief.rendering import program_of, values_of
-from scenes import alternate
 
 PLANE = basrelief.turned("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
 CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)
@@ -80,8 +81,9 @@ def on_cpu() -> dict[str, float]:
 
 def on_gpu() -> tuple[str, dict[str, float]]:
     """The device, and seconds a dispatch by timestamps, the frame left on the GPU."""
-    from basrelief.engine.gpu import GpuEngine
     from gpu_kernel import milliseconds
+
+    from basrelief.engine.gpu import GpuEngine
 
     engine, found = GpuEngine(), {}
     for name, (scene_of, size) in CASES.items():
