@@ -20,7 +20,6 @@ import numpy as np
 from scenes import alternate
 
 from basrelief import bake
-from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
 from basrelief.rendering import edges_of
@@ -124,8 +123,11 @@ def main() -> None:
     given = wanted.parse_args()
     size, texels = ((3840, 2160), 4096) if given.large else ((1920, 1080), 1024)
     steps = 32 if given.cpu else 64
+    engine: Any
     if given.cpu:
-        engine: Any = CpuEngine()
+        from basrelief.engine.cpu import CpuEngine
+
+        engine = CpuEngine()
     else:
         from basrelief.engine.gpu import GpuEngine
 
@@ -154,7 +156,7 @@ def timed(
 ) -> dict[str, float]:
     """Seconds of each technique, in turn in one run."""
     every = {name: {**values, "settings": settings} for name, (_, settings) in made.items()}
-    if isinstance(engine, CpuEngine):
+    if engine.name == "cpu":
         return alternate(
             {n: lambda n=n: engine.run(made[n][0], every[n], size) for n in made}, runs=5
         )
