@@ -50,8 +50,7 @@ def heights_alone(name: str) -> basrelief.Material:
 
 def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    few = {name: TECHNIQUES[name] for name in ("flat", "offset")}
-    monkeypatch.setattr(demo, "TECHNIQUES", few)
+    monkeypatch.setattr(demo, "_SHOWN", ["flat", "offset"])
     monkeypatch.setattr(demo, "_SHAPES", (("cobbles", "sphere"),))
     monkeypatch.setattr(demo, "_SIZE", (24, 18))
     monkeypatch.setattr(demo, "sample", heights_alone)
@@ -71,7 +70,7 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_demo_knows_how_many_pictures_there_are() -> None:
     samples = {name: basrelief.sample(name, 4) for name in basrelief.material.SAMPLES}
     scenes = dict(demo._scenes(samples))
-    assert len(scenes) == demo.COUNT == len(TECHNIQUES) + 4
+    assert len(scenes) == demo.COUNT == len(TECHNIQUES) - 1 + 4
     assert {scene.objects[0].shape for scene in scenes.values()} == set(basrelief.scene.SHAPES)
 
 
