@@ -212,7 +212,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
     bindings = {
         **_bindings_of(thing),
         relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
-        relief.depth_seen: relief.as_deep if thing.fade is None else relief.fading,
+        relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
         shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
         lighting.reflectance: getattr(lighting, scene.shading_model),
         cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
@@ -245,6 +245,8 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
         edge.in_tile: getattr(edge, _map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
+        # whole, as for a light; what is seen may fade
+        relief.depth_seen: relief.as_deep,
         relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
         relief.slope_of: relief.of_heights if three else relief.unasked,
         height.surface_height: height.smooth if smooth else height.sharp,
