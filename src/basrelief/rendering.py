@@ -272,7 +272,9 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
 
 
 def _map_edge(thing: Object) -> Edge:
-    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
@@ -334,9 +336,9 @@ def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
         others = [each for index, each in enumerate(whose) if index != own and each is not None]
         nearest = functools.reduce(np.minimum, others, np.full((1, 1), FAR_AWAY, np.float32))
         stack = np.broadcast_to(nearest, (max(len(views), 1) * side, side))
-        found.append(
-            {"distances": HeightField([stack], "clamp"), "views": Buffer(listed, CastView)}
-        )
+        # a program has one edge for all its maps; depth maps are read within theirs alone
+        distances = HeightField([stack], _map_edge(scene.objects[own]))
+        found.append({"distances": distances, "views": Buffer(listed, CastView)})
     return found
 
 
