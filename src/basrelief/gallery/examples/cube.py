@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from basrelief import LookAt, Object, Scene, point
 from basrelief.gallery.page import Headline, Page, Panel, sample
 
-CAMERA = LookAt(position=(1.05, 0.95, 1.5), target=(0.0, -0.05, 0.0), field_of_view=40.0)
+CAMERA = LookAt(position=(1.15, 1.0, 1.65), target=(0.0, -0.03, 0.0), field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Literal
 
 from basrelief import Object, Orbit, Scene, directional, placed
 from basrelief.gallery.page import Page, Panel, sample
@@ -14,15 +15,15 @@ CAMERA = Orbit(azimuth=28.0, elevation=38.0, distance=1.15, field_of_view=40.0)
 
 def panels(texels: int) -> Iterator[Panel]:
     """A grating over cobbles: closed, cut out, and with shadows."""
-    below = placed((0.0, -0.3, 0.0)) @ LYING @ placed(scale=2.0)
+    below = placed((0.0, -0.25, 0.0)) @ LYING @ placed(scale=2.0)
     ground = Object(
         sample("cobbles", texels), scale=0.03, tiling=(3.0, 3.0), transform=below, casts="none"
     )
     closed = Object(sample("grating", texels), alpha="opaque")
     cut = replace(closed, alpha="mask")
-    lights = (directional(-50.0, 50.0, intensity=2.5),)
+    lights = (directional(-50.0, 66.0, intensity=2.4),)
 
-    def scene(grating: Object, shadows: str = "none") -> Scene:
+    def scene(grating: Object, shadows: Literal["none", "hard"] = "none") -> Scene:
         return Scene((grating, ground), camera=CAMERA, lights=lights, shadows=shadows)
 
     yield Panel("nothing cut out", scene(closed))

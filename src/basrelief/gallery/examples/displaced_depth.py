@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from basrelief import Object, Orbit, Scene, directional, placed
 from basrelief.gallery.page import Page, Panel, sample
 
 CAMERA = Orbit(azimuth=15.0, elevation=26.0, distance=1.25, field_of_view=36.0)
-LIGHT = directional(-62.0, 38.0, intensity=2.4)
+LIGHT = directional(115.0, 42.0, intensity=2.6)
 
 
 def panels(texels: int) -> Iterator[Panel]:
@@ -26,8 +27,8 @@ def panels(texels: int) -> Iterator[Panel]:
         tiling=(2.0, 4.0),
     )
 
-    def scene(ground: Object, **options: str) -> Scene:
-        return Scene((ground, ball, pole), camera=CAMERA, lights=(LIGHT,), **options)  # type: ignore[arg-type]
+    def scene(ground: Object, **options: Any) -> Scene:
+        return Scene((ground, ball, pole), camera=CAMERA, lights=(LIGHT,), **options)
 
     flat = replace(stones, technique="flat", settings={})
     yield Panel("flat: they cut the polygon", scene(flat))

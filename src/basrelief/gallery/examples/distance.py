@@ -8,7 +8,7 @@ from basrelief import LookAt, Object, Orbit, Scene, placed
 from basrelief.gallery.page import Page, Panel, sample
 from basrelief.scene import LYING
 
-ACROSS = LookAt(position=(0.0, 0.5, 3.4), target=(0.0, 0.0, 1.2), field_of_view=40.0)
+ACROSS = LookAt(position=(0.0, 0.5, 3.4), target=(0.0, -0.05, 1.6), field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:

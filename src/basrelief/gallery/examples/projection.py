@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
@@ -10,23 +11,19 @@ from basrelief.gallery.page import Page, Panel, sample
 CAMERA = Orbit(azimuth=20.0, elevation=20.0, distance=0.85, field_of_view=36.0)
 
 
+WAYS: dict[str, dict[str, Any]] = {
+    "limited": {"projection": "limited"},
+    "bias 0: the true projection": {"projection": "biased", "bias": 0.0},
+    "bias 0.42": {"projection": "biased", "bias": 0.42},
+}
+
+
 def panels(texels: int) -> Iterator[Panel]:
     """Limited, true (bias 0) and biased by 0.42: first the offset, then the march."""
     bricks = sample("bricks", texels)
     for technique, settings in (("offset", {}), ("parallax_occlusion", {"max_steps": 64})):
-        for caption, projection, bias in (
-            ("limited", "limited", 0.0),
-            ("bias 0: the true projection", "biased", 0.0),
-            ("bias 0.42", "biased", 0.42),
-        ):
-            thing = Object(
-                bricks,
-                technique=technique,
-                settings=settings,
-                scale=0.06,
-                projection=projection,
-                bias=bias,
-            )
+        for caption, way in WAYS.items():
+            thing = Object(bricks, technique=technique, settings=settings, scale=0.06, **way)
             yield Panel(f"{technique}, {caption}", Scene((thing,), camera=CAMERA))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
 
-CAMERA = Orbit(azimuth=25.0, elevation=28.0, distance=1.3, field_of_view=40.0)
+CAMERA = Orbit(azimuth=25.0, elevation=28.0, distance=1.6, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:

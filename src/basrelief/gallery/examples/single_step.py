@@ -28,7 +28,7 @@ def panels(texels: int) -> Iterator[Panel]:
             Scene(
                 (thing,),
                 camera=CAMERA,
-                lights=(point((-0.5, 0.6, 0.3), intensity=0.7, falloff=1.0),),
+                lights=(point((-0.5, 0.6, 0.3), intensity=1.5, falloff=1.0),),
                 shading_model="phong",
                 shading={"specular": 0.15},
             ),

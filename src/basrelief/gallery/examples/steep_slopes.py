@@ -8,21 +8,28 @@ from typing import Literal
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
+from basrelief.scene import Tiling
 
 CAMERA = Orbit(azimuth=32.0, elevation=34.0, distance=1.1, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Grass on steep hills, planar and tri-planar, with many steps so that slopes are smooth."""
+    """Stones on steep hills, planar and tri-planar, with many steps so that slopes are smooth."""
     hills = replace(
         sample("noise", texels),
-        name="noise with bricks",
-        base_color=sample("bricks", texels).base_color,
+        name="noise with cobbles",
+        base_color=sample("cobbles", texels).base_color,
         roughness=None,
     )
     ways: tuple[Literal["planar", "triplanar"], ...] = ("planar", "triplanar")
     for mapping in ways:
-        thing = Object(hills, settings={"max_steps": 64}, scale=0.6, mapping=mapping)
+        thing = Object(
+            hills,
+            settings={"max_steps": 64},
+            scale=0.9,
+            mapping=mapping,
+            tilings={"base_color": Tiling((2.0, 2.0))},
+        )
         yield Panel(f"{mapping} colour", Scene((thing,), camera=CAMERA))
 
 
@@ -31,7 +38,7 @@ PAGE = Page(
     title="Stretched texels on steep slopes",
     source="halliwell",
     rows={"H7": "tri-planar colour in tangent space"},
-    look="On the steep sides planar bricks are drawn out into streaks; tri-planar ones keep "
+    look="On the steep sides planar stones are drawn out into streaks; tri-planar ones keep "
     "their size.",
     article="At great heights texels on slopes are pulled in ways they were never meant to be; "
     "tri-planar mapping in tangent space might mend it.",

@@ -36,6 +36,7 @@ PAGE = Page(
     look="At 0.03 the stones gain depth; at 0.1 their edges smear, at 0.3 they are torn apart.",
     article="The effect works at low strength only; the displacement soon becomes too great and "
     "rips the surface apart.",
-    ours="The same. The cobbles are rounder than the article's rock, so they smear before they tear.",
+    ours="The same. The cobbles are rounder than the article's rock, so they smear before "
+    "they tear.",
     panels=panels,
 )
