@@ -39,7 +39,7 @@ def first_hits(
     """The first place at which each ray is not above the surface.
 
     `heights` (h, w) within 0 to 1, texel centres at (i + ½) ÷ N; `uv` (n, 2) where the rays are at
-    height 1; `fall` (n, 2) how far they move while they fall to 0. What lies beyond the map: `edge`.
+    height 1; `fall` (n, 2) how far they move while they fall to 0; `edge` what lies beyond the map.
     Raises ValueError for heights outside 0 to 1, and for what is not finite.
     """
     field = np.asarray(heights, np.float64)
@@ -113,7 +113,7 @@ class _Walk:
         span = leave - enter
         past = c + span * (b + span * a) <= 0.0
         within = s <= span
-        # where rounding hides the root of a ray that is below at the far wall, the wall is the place
+        # where rounding hides the root of a ray that ends below, the far wall is the place
         met = np.where(within, enter + s, np.where(past, leave, np.nan))
         return np.where(c <= 0.0, enter, met)
 
