@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from basrelief import LookAt, Object, Scene, point
 from basrelief.gallery.page import Headline, Page, Panel, sample
 
-CAMERA = LookAt(position=(1.15, 1.0, 1.65), target=(0.0, -0.03, 0.0), field_of_view=40.0)
+CAMERA = LookAt(position=(1.25, 1.1, 1.8), target=(0.0, -0.06, 0.0), field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
@@ -50,6 +50,6 @@ PAGE = Page(
     "that the picture is not dark on a page.",
     panels=panels,
     headline=Headline(
-        (640, 480), "over 60 frames a second, 4 to 20 samples, on a GeForce 8600M GT, 2006"
+        (640, 480), "over 60 frames a second, 4 to 20 samples, on a laptop with a GeForce 8600M GT"
     ),
 )

@@ -51,7 +51,6 @@ def panels(texels: int) -> Iterator[Panel]:
     for seconds in (0, 4):
         moved = land(texels).scrolled(SPEED * seconds / UNITS)
         yield Panel(f"after {seconds} seconds", seen(moved), "u scrolls ¼ unit a second")
-    yield Panel("twice the height", seen(land(texels, 2.0)))
     yield Panel("five times the height", seen(land(texels, 5.0)))
     yield Panel("rays that meet nothing are white", seen(land(texels, 2.0), LOW))
 
@@ -61,7 +60,7 @@ PAGE = Page(
     title="A landscape inside a quad",
     source="habrador",
     rows={
-        "L1": "300 steps of a hundredth of a unit; height 1, 2 and 5; Lambert's light",
+        "L1": "300 steps of a hundredth of a unit; height 1, then 5; Lambert's light",
         "L2": "the hit is a weighted average of the last two places",
         "L3": "grass below, stone above, blended by height; noise at 0.2, colours at 0.4",
         "L4": "water below the grey 0.4",

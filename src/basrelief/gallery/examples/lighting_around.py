@@ -11,6 +11,7 @@ from basrelief import Finish, Map, Material, Object, Orbit, Scene, directional
 from basrelief.gallery.page import Page, Panel, sample
 
 CAMERA = Orbit(azimuth=-25.0, elevation=34.0, distance=1.0, field_of_view=38.0)
+STRONG = Finish(normal_strength=2.0)
 LIGHTS = (directional(150.0, 35.0, intensity=2.0), directional(-60.0, 40.0, intensity=1.0))
 
 
@@ -30,8 +31,7 @@ def panels(texels: int) -> Iterator[Panel]:
     steps = (
         ("colour, displaced", bare, flat_lit),
         ("with normals", bare, Finish()),
-        ("with strong normals", bare, Finish(normal_strength=2.0)),
-        ("with occlusion", replace(bare, occlusion=circuit.occlusion), Finish()),
+        ("with strong normals and occlusion", replace(bare, occlusion=circuit.occlusion), STRONG),
         ("with roughness and metal", circuit, Finish()),
         ("with emission", glowing(circuit), Finish()),
     )

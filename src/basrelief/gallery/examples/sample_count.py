@@ -11,7 +11,7 @@ CAMERA = Orbit(azimuth=25.0, elevation=24.0, distance=0.95, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """4 to 20 samples by the angle, 4 to 6, and the steps of 6 without interpolation."""
+    """4 to 20 samples by the angle, and 4 to 6."""
     for most in (20, 6):
         thing = Object(
             sample("cobbles", texels),

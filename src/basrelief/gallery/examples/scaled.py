@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from basrelief import LookAt, Object, Scene, placed, turned
 from basrelief.gallery.page import Page, Panel, sample
 
-EYE = (0.75, 0.85, 1.75)
+EYE = (0.8, 0.9, 1.85)
 
 
 def box(texels: int, scale: tuple[float, float, float], eye: tuple[float, float, float]) -> Scene:

@@ -44,8 +44,8 @@ PAGE = Page(
     title="Six shadings of the same ground",
     source="halliwell",
     rows={
-        "H8": "six shadings from the front, the same six at a skew",
         "H1": "the stock offset: h·height − height ÷ 2, z + 0.42",
+        "H8": "six shadings from the front, the same six at a skew",
         "H2": "8 to 32 steps by the angle, then 5 halvings; the article gives no numbers",
         "H3": "the self-shadow of the march",
         "H5": "occlusion that acts on light, the more the flatter it comes",

@@ -27,11 +27,11 @@ PAGE = Page(
     title="Parallax at a reasonable strength, and beyond",
     source="catlike",
     rows={
-        "C1": "heights come from the G channel, undecoded: black is low, white is high",
+        "C7": "heights above one half move towards the viewer, those below away",
+        "C1": "heights are linear, whatever channel they come from: black is low, white is high",
         "C2": "0, 0.03, 0.1 and 0.3; at 0 not one height is read",
         "C5": "colour, normals, occlusion and roughness move together",
         "C6": "the offset is the view's xy, undivided",
-        "C7": "heights above one half move towards the viewer, those below away",
     },
     look="At 0.03 the stones gain depth; at 0.1 their edges smear, at 0.3 they are torn apart.",
     article="The effect works at low strength only; the displacement soon becomes too great and "
