@@ -23,6 +23,7 @@ from basrelief.picture import read_picture
 from basrelief.rendering import render
 from command_line import done, refused
 from goldens import GOLDEN, SIZE, golden, share_apart, strip
+from test_demo import commands
 from test_features import COUNTS
 
 MOST_APART = 0.005
@@ -88,7 +89,7 @@ def test_a_missing_golden_says_how_to_make_it() -> None:
 def test_every_golden_has_a_page_and_all_are_small() -> None:
     files = [*GOLDEN.iterdir()]
     assert {file.name for file in files} == {f"{name}.png" for name in PAGES}
-    assert sum(file.stat().st_size for file in files) < 3_000_000
+    assert sum(file.stat().st_size for file in files) < 3 * 2**20
 
 
 def test_costs_are_what_the_pages_say() -> None:
@@ -226,6 +227,23 @@ def test_only_our_own_files_are_written_over(tmp_path: Path) -> None:
     (tmp_path / "index.html").write_text("<p>mine</p>")
     assert "index.html: is there, and not a page of the gallery" in refused(*command)
     assert (tmp_path / "index.html").read_text() == "<p>mine</p>"
+
+
+def test_commands_that_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def listened(folder: Path, pages: list[Page], engine: object, *numbers: object) -> Path:
+        asked.append((len(pages), numbers[:2]))
+        return folder / "index.html"
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.gallery.folder.write", listened)
+    for line in commands("docs/command-line.md"):
+        if line.startswith("basrelief gallery"):
+            assert done(*line.split()[1:]) == "OUT/index.html\n"
+    of_halliwell = sum(page.source == "halliwell" for page in PAGES.values())
+    small, large = ((480, 270), 4), ((960, 540), 16)
+    assert asked == [(len(PAGES), small), (of_halliwell, small), (2, large)]
 
 
 def test_what_cannot_be_drawn_is_one_line(tmp_path: Path) -> None:

@@ -18,8 +18,8 @@ def panels(texels: int) -> Iterator[Panel]:
             sample("bricks", texels),
             technique=technique,
             scale=0.06,
-            tiling=(6.0, 2.0),
-            transform=placed(scale=(6.0, 2.0, 1.0)),
+            tiling=(6.0, 6.0),
+            transform=placed(scale=6.0),
         )
         lights = (directional(60.0, 50.0, intensity=2.4),)
         yield Panel(caption, Scene((wall,), camera=CAMERA, lights=lights))

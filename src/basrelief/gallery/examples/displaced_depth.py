@@ -9,8 +9,10 @@ from typing import Any
 from basrelief import Object, Orbit, Scene, directional, placed
 from basrelief.gallery.page import Page, Panel, sample
 
-CAMERA = Orbit(azimuth=15.0, elevation=26.0, distance=1.25, field_of_view=36.0)
-LIGHT = directional(115.0, 42.0, intensity=2.6)
+CAMERA = Orbit(
+    azimuth=15.0, elevation=32.0, distance=1.05, target=(0.0, 0.0, 0.05), field_of_view=36.0
+)
+LIGHT = directional(80.0, 40.0, intensity=2.6)
 
 
 def panels(texels: int) -> Iterator[Panel]:
@@ -23,7 +25,7 @@ def panels(texels: int) -> Iterator[Panel]:
     pole = Object(
         tiles,
         shape="cylinder",
-        transform=placed((-0.12, 0.1, -0.05), (0.07, 0.5, 0.07)),
+        transform=placed((0.0, 0.05, -0.12), (0.07, 0.34, 0.07)),
         tiling=(2.0, 4.0),
     )
 
@@ -47,8 +49,8 @@ PAGE = Page(
     rows={
         "C18": "ball and pole are cut by the stones, and cast their shadows into the joints",
     },
-    look="Where ball and pole meet the ground; then the edges of their shadows, which float over "
-    "the stones in one picture and bend over them in the next.",
+    look="Where ball and pole meet the ground; then the pole's shadow, a straight bar that floats "
+    "over the stones in one picture and bends over them in the next.",
     article="Shadows and intersections of other objects ignore the relief; writing the depth of "
     "each fragment would mend both, at a price.",
     ours="Both are here. Our shadows are read from distances that each light sees, drawn anew for "
