@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from basrelief.engine import choose_engine
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
+    from basrelief.presets import PRESETS, Preset, preset
     from basrelief.rendering import Frame, Image, render
     from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
     from basrelief.scene import turned as turned
@@ -29,6 +30,7 @@ _HOMES = {
     "basrelief.engine": ("choose_engine",),
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
+    "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
     "basrelief.scene": (
         "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
@@ -40,10 +42,10 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image", "InputError",
-    "Light", "LookAt", "Map", "Material", "Object", "Orbit", "Ray", "Scene", "Shading",
-    "__version__", "choose_engine", "directional", "load", "placed", "point", "render", "sample",
-    "setting", "shader", "spot", "struct", "technique", "turned",
+    "PRESETS", "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image",
+    "InputError", "Light", "LookAt", "Map", "Material", "Object", "Orbit", "Preset", "Ray", "Scene",
+    "Shading", "__version__", "choose_engine", "directional", "load", "placed", "point", "preset",
+    "render", "sample", "setting", "shader", "spot", "struct", "technique", "turned",
 ]  # fmt: skip
 
 

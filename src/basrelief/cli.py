@@ -163,7 +163,11 @@ def presets() -> None:
         made = preset(name)
         print(name)
         for text in (made.about, f"After {made.source}."):
-            print(textwrap.fill(text, 78, initial_indent="  ", subsequent_indent="  "))
+            print(
+                textwrap.fill(
+                    text, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False
+                )
+            )
         print()
 
 
@@ -218,7 +222,8 @@ def render(
     ] = "1280x720",
     samples: Annotated[int, typer.Option(help="Samples a pixel.", rich_help_panel="Picture")] = 4,
     bits: Annotated[
-        int | None, typer.Option(help="Bits a channel: 8, or 16 for PNG.", rich_help_panel="Picture")
+        int | None,
+        typer.Option(help="Bits a channel: 8, or 16 for PNG.", rich_help_panel="Picture"),
     ] = None,
     quality: Annotated[
         int, typer.Option(min=1, max=100, help="Of JPEG and WebP.", rich_help_panel="Picture")

@@ -132,10 +132,10 @@ class Further:
     ]
 
 
-_PANELS = {Maps: "Maps", Further: "Further objects"}
+_PANELS: dict[type[Any], str] = {Maps: "Maps", Further: "Further objects"}
 
 
-def names_of(group: type) -> tuple[str, ...]:
+def names_of(group: type[Any]) -> tuple[str, ...]:
     """The names of a group's options."""
     return tuple(inspect.get_annotations(group))
 
@@ -165,7 +165,7 @@ def taking(*groups: Any) -> Callable[[Callable[..., None]], Callable[..., None]]
     return wrap
 
 
-def _parameters(group: type) -> list[inspect.Parameter]:
+def _parameters(group: type[Any]) -> list[inspect.Parameter]:
     """A group's options as parameters; each class is imported whole, so its types are known."""
     made = []
     for name, annotation in get_type_hints(group, include_extras=True).items():

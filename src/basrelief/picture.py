@@ -34,6 +34,7 @@ __all__ = [
     "srgb_encode",
     "write_data",
     "write_picture",
+    "write_whole",
 ]
 
 LOSSY = frozenset({".jfif", ".jp2", ".jpeg", ".jpg", ".webp"})
@@ -282,7 +283,7 @@ def write_picture(
     stored = {8: "uint8", 16: "uint16"}[bits] if kind.encoded else {16: "half", 32: "float"}[bits]
     if path.suffix.lower() == ".exr" and pixels.shape[2] == 4:
         pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR's alpha is multiplied in, by its definition
-    _replace(path, lambda partial: _write(partial, pixels, stored, quality))
+    write_whole(path, lambda partial: _write(partial, pixels, stored, quality))
     return path
 
 
@@ -306,7 +307,7 @@ def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
         raise InputError(f"{path}: cannot hold an array of {pixels.dtype}, shape {pixels.shape}")
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: {stored} data is written to {', '.join(suffixes)}")
-    _replace(path, lambda partial: _write(partial, pixels, stored, 100))
+    write_whole(path, lambda partial: _write(partial, pixels, stored, 100))
     return path
 
 
@@ -375,8 +376,11 @@ def _check_place(path: Path) -> None:
         raise InputError(f"{path}: the folder {folder} cannot be written; choose another place")
 
 
-def _replace(path: Path, write: Callable[[Path], None]) -> None:
-    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole."""
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole.
+
+    Raises InputError where the place, or an OSError of `write`, does not let it.
+    """
     _check_place(path)
     partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
     try:
