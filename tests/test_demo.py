@@ -16,7 +16,7 @@ from basrelief.shaders.techniques import TECHNIQUES
 from command_line import done, environment, write_heights
 
 REPOSITORY = Path(__file__).parent.parent
-PAGES = ("README.md", "docs/command-line.md")
+PAGES = ("README.md", "docs/command-line.md", "docs/presets.md")
 SMALL = ["--size", "24x18", "--samples", "1"]
 
 
@@ -104,7 +104,7 @@ def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_every_command_is_shown() -> None:
     shown = {line.split()[1] for line in commands("docs/command-line.md")}
-    assert shown == {"render", "info", "techniques", "demo"}
+    assert shown == {"render", "info", "techniques", "presets", "demo"}
     assert len(commands("README.md")) >= 5
 
 

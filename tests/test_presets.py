@@ -80,7 +80,7 @@ def test_each_number_says_where_it_is_from(name: str) -> None:
     """Every number in a preset's file has a comment: the article's, the landscape's, or chosen."""
     file = Path(basrelief.__file__).parent / "presets" / f"{name}.toml"
     for line in file.read_text().splitlines():
-        key, sign, rest = line.partition(" = ")
+        _, sign, rest = line.partition(" = ")
         if sign and rest[0] in "0123456789[":
             comment = rest.partition("#")[2]
             assert "article's" in comment or "chosen" in comment or "landscape's" in comment, line
@@ -217,15 +217,15 @@ def test_the_clamped_offset() -> None:
 @pytest.mark.parametrize("elevation", [90.0, 40.0, -20.0])
 def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
     """G9: (0.1 + 0.5 · n·l) times the colour, on a flat surface in a light of intensity 1."""
-    color = np.array([[[1.0, 0.5, 0.25]]], np.float32)
-    material = bumpy(1.0, base_color=Map(color, False, "made up"))
-    light = basrelief.directional(30.0, elevation)
-    frame = basrelief.render(
-        material, preset="gamedev", lights=[light], camera=Orbit(elevation=70.0), **SMALL
-    )
+    material = bumpy(1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white"))
+    said = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
+    tinted = {"finish": {"base_color": (1.0, 0.5, 0.25)}}
+    frame = basrelief.render(material, preset="gamedev", **said, **tinted, **SMALL)
     facing = max(0.0, np.sin(np.radians(elevation)))
     wanted = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
-    assert frame.color[frame.hit][:, :3] == pytest.approx(np.tile(wanted, (frame.hit.sum(), 1)))
+    assert frame.color[frame.hit][:, :3] == pytest.approx(
+        np.tile(wanted, (frame.hit.sum(), 1)), abs=1e-6
+    )
 
 
 def test_gamedev_takes_the_lamp_as_it_is() -> None:
@@ -541,3 +541,14 @@ def test_techniques_of_presets_are_those_of_the_library() -> None:
     for name in NAMES:
         thing = preset(name).values["object"]
         assert technique_named(thing["technique"]).name == thing["technique"]
+
+
+def test_the_example_of_the_page(tmp_path: Path) -> None:
+    page = (Path(__file__).parent.parent / "docs" / "presets.md").read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(page.partition("```toml\n")[2].partition("```")[0])
+    scene = preset(path).scene(bumpy())
+    assert scene.objects[0].tilings == {"base_color": Tiling((2, 2))}
+    assert scene.camera == Orbit(20, 25)
+    for name in NAMES:
+        assert f"| `{name}` |" in page

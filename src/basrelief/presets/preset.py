@@ -13,6 +13,7 @@ import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.material import MAPS, Map, Material, load
+from basrelief.material.load import Reading
 from basrelief.picture import write_whole
 from basrelief.presets import checks
 from basrelief.presets.toml import written
@@ -199,6 +200,7 @@ class Preset:
         bumpy = Material(
             "any", height=Map(np.array([[[0.0], [1.0]]], np.float32), False, "made up")
         )
+        Reading(**{key: each for key, each in self._table("maps").items() if key not in MAPS})
         ours = self._ours()
         if "layer" in ours:
             ours["layer"] = self._layer(bumpy)
