@@ -16,6 +16,7 @@ import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.material import Map, Material, load
+from basrelief.motion import MOTIONS, Motion, Orbiting, Scrolling
 from basrelief.presets import NOTHING, Preset, preset, scene_of
 from basrelief.scene import (
     OWN_TILINGS,
@@ -128,6 +129,28 @@ def light_from(text: str) -> Light:
     if made is None:
         raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
+
+
+def motions_from(texts: Sequence[str], frames: int, preset: Preset = NOTHING) -> tuple[Motion, ...]:
+    """Motions from "orbit" or "scroll,u=0.1,v=0.2".
+
+    Without any a film scrolls as its preset says, or else goes round its object.
+    """
+    if frames == 1:
+        if texts:
+            raise InputError(f"--motion {texts[0]}: one picture does not move; add --frames 120")
+        return ()
+    usual = Scrolling(*preset.scroll) if any(preset.scroll) else Orbiting()
+    return tuple(_motion_from(text) for text in texts) or (usual,)
+
+
+def _motion_from(text: str) -> Motion:
+    name, *parts = text.split(",")
+    kind = MOTIONS.get(name.strip())
+    if kind is None:
+        raise InputError(f"--motion {text}: begin with {', '.join(MOTIONS)}")
+    made: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
+    return made
 
 
 def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dict[str, Any]:

@@ -214,7 +214,10 @@ def render(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="The picture: png, jpg, webp, exr …", rich_help_panel="Picture"
+            "-o",
+            "--output",
+            help="The picture: png, jpg, webp, exr …, or mp4, gif.",
+            rich_help_panel="Picture",
         ),
     ] = None,
     size: Annotated[
@@ -226,21 +229,37 @@ def render(
         typer.Option(help="Bits a channel: 8, or 16 for PNG.", rich_help_panel="Picture"),
     ] = None,
     quality: Annotated[
-        int, typer.Option(min=1, max=100, help="Of JPEG and WebP.", rich_help_panel="Picture")
+        int, typer.Option(min=1, max=100, help="Of JPEG, WebP and MP4.", rich_help_panel="Picture")
     ] = 95,
+    frames: Annotated[
+        int,
+        typer.Option(
+            help="Above 1 a film (mp4, gif, webp), or numbered pictures.", rich_help_panel="Picture"
+        ),
+    ] = 1,
+    fps: Annotated[
+        float, typer.Option(help="Pictures a second in a film.", rich_help_panel="Picture")
+    ] = 30.0,
+    motion: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="orbit · light · scroll, u=0.25, v=0: what moves in a film; repeat.",
+            metavar="NAME,NAME=VALUE…",
+            rich_help_panel="Picture",
+        ),
+    ] = None,
     engine: EngineOption = "auto",
     **given: Any,
 ) -> None:
-    """Draw a material."""
+    """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
-        from basrelief import arguments
-        from basrelief.picture import check_target
-        from basrelief.rendering import render as draw
+        from basrelief import arguments, film
 
         pixels = arguments.size(size)
         maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
         arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
         chosen = arguments.preset_from(given.pop("preset"))
+        motions = arguments.motions_from(motion or [], frames, chosen)
         material = _loaded(path, **{**chosen.maps, **_said(maps)})
         scene = arguments.scene(
             material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
@@ -248,14 +267,22 @@ def render(
         drawn_with = scene.objects[0].drawn_with.name
         # a name that `load` knows for one of ours, and takes for no map
         target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
-        check_target(target, bits)
+        film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
-        frame = draw(scene, size=pixels, samples=samples, engine=engine, progress=progress)
-        frame.save(target, bits=bits, quality=quality)
+        drawn = film.frames(
+            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
+            progress=progress,
+        )  # fmt: skip
+        made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
     if material.height is None and given["technique"] is None:
         note = f"note: {material.name} has no height map, so it is drawn flat"
         print(note, file=sys.stderr)
-    print(f"{target}  ({frame.engine})")
+    if scene.background is None and target.suffix.lower() == ".mp4":
+        note = "note: MP4 has no transparency, so the film is laid over the usual background"
+        print(note, file=sys.stderr)
+    # the first and the last of many
+    files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
+    print(f"{files}  ({made.engine})")
 
 
 @app.command()

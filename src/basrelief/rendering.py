@@ -146,7 +146,7 @@ def render(
     a material drawn.
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
-    scene = _scene_of(what, options, preset)
+    scene = scene_of(what, {**options, "preset": preset})
     width, height = _checked_size(size)
     if width * height > _MOST_PIXELS:
         raise InputError(
@@ -170,7 +170,12 @@ def _checked_size(size: Any) -> tuple[int, int]:
     return width, height
 
 
-def _scene_of(what: Any, options: dict[str, Any], preset: str | Path | Preset | None) -> Scene:
+def scene_of(what: Any, options: dict[str, Any]) -> Scene:
+    """The scene that `render` draws for what it is given; uses the options up.
+
+    Raises InputError for an option that there is not, or that `what` already says.
+    """
+    preset = options.pop("preset", None)
     chosen = preset_named(preset) if isinstance(preset, str | Path) else preset or NOTHING
     if isinstance(what, str | Path):
         what = load(what, **chosen.maps)
@@ -209,7 +214,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
     bindings = {
         **_bindings_of(thing),
         relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
-        relief.depth_seen: relief.as_deep if thing.fade is None else relief.fading,
+        relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
         shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
         lighting.reflectance: getattr(lighting, scene.shading_model),
         cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
@@ -240,9 +245,11 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
-        edge.in_tile: getattr(edge, _map_edge(thing)),
+        **_edges(_map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
+        # whole, as for a light; what is seen may fade
+        relief.depth_seen: relief.as_deep,
         relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
         relief.slope_of: relief.of_heights if three else relief.unasked,
         height.surface_height: height.smooth if smooth else height.sharp,
@@ -267,8 +274,19 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     return bindings
 
 
+def _edges(beyond: Edge) -> dict[Any, Any]:
+    """What lies beyond a map, for coordinates and for cells."""
+    return {
+        edge.in_tile: getattr(edge, beyond),
+        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
+        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
+    }
+
+
 def _map_edge(thing: Object) -> Edge:
-    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
@@ -279,6 +297,7 @@ def _maps(thing: Object) -> dict[str, Any]:
     over = thing.layer and thing.layer.material
     return {
         "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
+        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
         "base_color": pyramids.base_color(material, beyond),
         "normal": pyramids.normal(material, beyond, thing.relief_scale),
         "response": pyramids.response(material, beyond),
@@ -330,9 +349,9 @@ def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
         others = [each for index, each in enumerate(whose) if index != own and each is not None]
         nearest = functools.reduce(np.minimum, others, np.full((1, 1), FAR_AWAY, np.float32))
         stack = np.broadcast_to(nearest, (max(len(views), 1) * side, side))
-        found.append(
-            {"distances": HeightField([stack], "clamp"), "views": Buffer(listed, CastView)}
-        )
+        # a program has one edge for all its maps; depth maps are read within theirs alone
+        distances = HeightField([stack], _map_edge(scene.objects[own]))
+        found.append({"distances": distances, "views": Buffer(listed, CastView)})
     return found
 
 

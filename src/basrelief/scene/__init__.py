@@ -16,12 +16,12 @@ from basrelief.scene.objects import (
     Tiling,
     technique_named,
 )
-from basrelief.scene.scene import Scene
+from basrelief.scene.scene import BACKGROUND, Scene
 from basrelief.scene.transforms import LYING, placed, turned
 from basrelief.scene.views import LookAt, Orbit
 
 __all__ = [
-    "LYING", "OWN_TILINGS", "SHAPES", "SURFACES", "Layer", "LookAt", "Object", "Orbit", "Scene",
-    "Tiling", "checked_record", "directional", "placed", "point", "spot", "technique_named",
-    "turned",
+    "BACKGROUND", "LYING", "OWN_TILINGS", "SHAPES", "SURFACES", "Layer", "LookAt", "Object",
+    "Orbit", "Scene", "Tiling", "checked_record", "directional", "placed", "point", "spot",
+    "technique_named", "turned",
 ]  # fmt: skip
