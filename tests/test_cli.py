@@ -257,9 +257,10 @@ def test_further_objects(bumps: Path, here: Path) -> None:
 
 def test_casting_none(bumps: Path, here: Path) -> None:
     """What casts no shadow leaves the others as bright as they were."""
-    above = ("--shadows", "hard", "--add", "box,position=0/0.6/0,size=0.2,casts=none")
-    with_it = drawn_by_command(bumps, *DRAW, *above)
-    shadow = drawn_by_command(bumps, *DRAW, *above[:-1], "box,position=0/0.6/0,size=0.2")
+    above = "box,position=0/0.3/0,size=0.4"
+    noon = ("--shadows", "hard", "--light", "directional,elevation=85")
+    with_it = drawn_by_command(bumps, *DRAW, *noon, "--add", f"{above},casts=none")
+    shadow = drawn_by_command(bumps, *DRAW, *noon, "--add", above)
     assert (shadow <= with_it).all()
     assert (shadow < with_it).any()
     found = drawn_by_command(bumps, *DRAW, "--casts", "opaque")

@@ -331,6 +331,17 @@ def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert found == pytest.approx(wanted[..., : found.shape[2]])
 
 
+def test_a_film_scrolls_as_its_preset_says() -> None:
+    from basrelief.arguments import motions_from
+    from basrelief.motion import Lighting, Orbiting, Scrolling
+
+    assert motions_from([], 9, preset("habrador")) == (Scrolling(0.25, 0.0),)
+    assert motions_from(["light"], 9, preset("habrador")) == (Lighting(),)
+    assert motions_from([], 9, preset("gamedev")) == (Orbiting(),)
+    frames = basrelief.frames("sample:bricks", [Orbiting()], count=2, preset="gamedev", **SMALL)
+    assert len(list(frames)) == 2
+
+
 # --- files of one's own ---------------------------------------------------------------------------
 
 

@@ -231,7 +231,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    # a light's distance is not that over which the relief fades
+    # a relief that fades does so with the distance from the camera, not from a light
     bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
     if thing.casts == "opaque":
         bindings[standard.opacity_of] = standard.opaque
