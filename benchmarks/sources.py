@@ -3,18 +3,19 @@
 gamedev: faster than 60 frames a second at 640 × 480 with 4 to 20 samples (a GeForce 8600M GT).
 halliwell: about 450 frames a second with self-shadow and 650 without, at 1600 × 900 (a GTX 670).
 
-    python benchmarks/sources.py            on the CPU, and on a GPU where there is one
+    python benchmarks/sources.py [cpu] [gpu]
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
+from scenes import alternate
+
 import basrelief
-from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import EngineError
 from basrelief.rendering import program_of, values_of
-from scenes import alternate
 
 PLANE = basrelief.turned("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
 CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)
@@ -66,8 +67,10 @@ CASES = {
 }
 
 
-def on_cpu() -> dict[str, float]:
-    """Seconds a frame, the pixels' planes in memory."""
+def on_cpu() -> tuple[str, dict[str, float]]:
+    """The processor, and seconds a frame, the pixels' planes in memory."""
+    from basrelief.engine.cpu import CpuEngine
+
     engine = CpuEngine()
     tasks: dict[str, Callable[[], object]] = {}
     for name, (scene_of, size) in CASES.items():
@@ -75,13 +78,14 @@ def on_cpu() -> dict[str, float]:
         thing = scene.objects[0]
         program, values = program_of(thing, scene), values_of(thing, scene, size)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
-    return alternate(tasks)
+    return engine.device, alternate(tasks)
 
 
 def on_gpu() -> tuple[str, dict[str, float]]:
     """The device, and seconds a dispatch by timestamps, the frame left on the GPU."""
-    from basrelief.engine.gpu import GpuEngine
     from gpu_kernel import milliseconds
+
+    from basrelief.engine.gpu import GpuEngine
 
     engine, found = GpuEngine(), {}
     for name, (scene_of, size) in CASES.items():
@@ -105,11 +109,12 @@ def show(device: str, seconds: dict[str, float]) -> None:
 
 
 def main() -> None:
-    show(CpuEngine().device, on_cpu())
-    try:
-        show(*on_gpu())
-    except EngineError as error:
-        print(f"no GPU: {error}")
+    engines = {"cpu": on_cpu, "gpu": on_gpu}
+    for name in sys.argv[1:] or engines:
+        try:
+            show(*engines[name]())
+        except EngineError as error:
+            print(f"{name}: {error}")
 
 
 if __name__ == "__main__":

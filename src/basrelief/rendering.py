@@ -245,7 +245,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
-        **_edges(_map_edge(thing)),
+        **edges_of(_map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
         # whole, as for a light; what is seen may fade
@@ -274,7 +274,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     return bindings
 
 
-def _edges(beyond: Edge) -> dict[Any, Any]:
+def edges_of(beyond: Edge) -> dict[Any, Any]:
     """What lies beyond a map, for coordinates and for cells."""
     return {
         edge.in_tile: getattr(edge, beyond),
