@@ -19,7 +19,20 @@ from basrelief import arguments
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Map, Material
-from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
+from basrelief.presets import preset
+from basrelief.scene import (
+    LYING,
+    LookAt,
+    Object,
+    Orbit,
+    Scene,
+    Tiling,
+    directional,
+    placed,
+    point,
+    spot,
+    turned,
+)
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES, relief
 
@@ -228,10 +241,61 @@ def test_places_and_sizes() -> None:
         ({"stretch": "2"}, "--stretch 2: write three numbers"),
         ({"stretch": "1/0/1"}, "transform"),
         ({"background": "red"}, "--background red: write a number"),
+        ({"heights": "soft"}, "heights is one of sharp, smooth, not 'soft'"),
+        ({"fade": "near"}, "--fade near: write a number"),
+        ({"fade": "3,1"}, "fade 3 to 1: give two distances, the nearer first"),
+        ({"surface": "sea"}, "surface is one of standard, landscape, not 'sea'"),
+        ({"settings": ["water_level=0.1"]}, "--set water_level: there is no such setting here"),
+        ({"settings": ["roughness=1"], "surface": "landscape"}, "--set roughness: there is no"),
+        ({"settings": ["fog_density=-1"]}, "fog_density is -1: give a number from 0 to 1000"),
+        ({"fog": "thick"}, "fog is one of none, linear, exponential, exponential_squared, not 'th"),
+        ({"occlusion_kind": "all"}, "occlusion is one of ambient, directional, not 'all'"),
+        ({"map_tiling": ["2x3"]}, "--map-tiling 2x3: write NAME=VALUE"),
+        ({"map_tiling": ["height=2"]}, "--map-tiling height: the maps are base_color, normal, re"),
+        ({"map_tiling": ["normal=wide"]}, "--map-tiling normal wide: write a number"),
+        ({"map_tiling": ["normal=0"]}, "tiling of normal (0.0, 0.0): give finite numbers other"),
+        ({"map_shift": ["glow=1"]}, "--map-shift glow: the maps are base_color"),
+        ({"layer": "sample:x"}, "there is no sample 'x'"),
+        ({"layer_tiling": "2"}, "--layer-tiling, --layer-shift: there is no layer; add --layer F"),
+        ({"layer": "sample:grid", "layer_shift": "far"}, "--layer-shift far: write a number"),
+        ({"add": ["torus"]}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
+        ({"add": ["box,big"]}, "--add box big: write NAME=VALUE"),
+        ({"add": ["box,radius=1"]}, "--add box: there is no radius; there are position, size, tu"),
+        ({"add": ["box,position=1"]}, "--add box: position 1: write three numbers, as 1/2/3"),
+        ({"add": ["box,size=1/2"]}, "--add box: size 1/2: write one number, or three as 1/2/3"),
+        ({"add": ["box,size=0"]}, "an object's transform must be finite"),
+        ({"add": ["box,turn=30"]}, "--add box: turn 30: write an axis and degrees, as x/30"),
+        ({"add": ["box,turn=x/far"]}, "--add box: turn far: write a number"),
+        ({"add": ["box,color=1/2"]}, "base_color is one number, or 3 of them"),
+        ({"add": ["box,technique=relief"]}, "plain has no height map, which relief needs"),
+        ({"add": ["box,material=sample:x"]}, "there is no sample 'x'"),
     ],
 )
 def test_no_scenes(texts: dict[str, Any], told: str) -> None:
     assert told in refused(lambda: scene(**texts))
+
+
+def test_further_objects() -> None:
+    made = scene(add=["plane,position=0/1/0,tiling=2x3,shift=0.5,casts=none", "sphere,turn=z/90"])
+    first, lying, ball = made.objects
+    assert first.shape == "plane"
+    assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
+    assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
+    assert ball.to_world == pytest.approx(turned("z", 90.0))
+    (_, lifted) = scene(add=["sphere,material=sample:tiles,level=0.5,bias=0.2,scale=0.1"]).objects
+    assert (lifted.drawn_with, lifted.relief_level, lifted.bias) == (relief, 0.5, 0.2)
+
+
+def test_layers_lie_as_they_are_told_to() -> None:
+    lies = scene(layer="sample:grid").objects[0].layer.tiling
+    assert lies == Tiling((10.0, 10.0))
+    ours = preset("habrador")
+    lies = scene(preset=ours, layer_shift="0.5").objects[0].layer
+    assert (lies.material.name, lies.tiling) == ("stone", Tiling((0.4, 0.4), (0.5, 0.5)))
+    own = scene(preset=ours, map_shift=["base_color=0.5", "normal=0.25"]).objects[0].tilings
+    assert own["base_color"] == Tiling((0.4, 0.4), (0.5, 0.5))
+    # what is not said of a map is as the heights lie
+    assert own["normal"] == Tiling((0.2, 0.2), (0.25, 0.25))
 
 
 # --- fuzzed ---------------------------------------------------------------------------------------
@@ -307,6 +371,11 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
             "shift": TEXTS,
             "stretch": TEXTS,
             "background": TEXTS,
+            "fade": TEXTS,
+            "map_tiling": st.lists(written(st.sampled_from(["normal", "height"])), max_size=2),
+            "add": st.lists(
+                st.tuples(st.sampled_from(["box", "ball"]), LISTS).map(",".join), max_size=2
+            ),
             "shape": st.sampled_from(["plane", "box", "torus"]),
             "scale": st.floats(),
             "level": st.floats(),

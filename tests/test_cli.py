@@ -19,7 +19,7 @@ from basrelief import cli
 from basrelief.engine import choose_engine, cpu, gpu
 from basrelief.material import describe, report
 from basrelief.picture import read_picture, srgb_encode, write_data
-from basrelief.scene import placed
+from basrelief.scene import Layer, Tiling, placed, turned
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES
 from command_line import (
@@ -157,6 +157,45 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
         "--light directional --light point,position=0.4/1/0.3,intensity=3",
         {"lights": [basrelief.directional(), basrelief.point(**LIT)]},
     ),
+    "smooth heights": (
+        "--heights smooth --set mip-bias=2 --set mip_fade=1",
+        {"heights": "smooth", "smoothing": {"mip_bias": 2.0, "mip_fade": 1.0}},
+    ),
+    "fade": ("--fade 1.5,3", {"fade": (1.5, 3.0)}),
+    "own tiling": (
+        "--tiling 2 --map-tiling normal=3x2 --map-shift normal=0.1,0",
+        {"tiling": (2.0, 2.0), "tilings": {"normal": Tiling((3.0, 2.0), (0.1, 0.0))}},
+    ),
+    "alpha": ("--alpha opaque", {"alpha": "opaque"}),
+    "mapping": ("--mapping triplanar", {"mapping": "triplanar"}),
+    "layer": (
+        "--layer sample:grid --layer-tiling 5x3 --layer-shift 0.25,0 --set layer_color=0.5",
+        {
+            "layer": Layer(basrelief.sample("grid"), Tiling((5.0, 3.0), (0.25, 0.0))),
+            "finish": {"layer_color": 0.5},
+        },
+    ),
+    "landscape": (
+        "--surface landscape --set water_level=0.6 --set sky-color=0/1/0",
+        {"surface": "landscape", "finish": {"water_level": 0.6, "sky_color": (0.0, 1.0, 0.0)}},
+    ),
+    "fog": ("--fog exponential --set fog_density=0.9", {
+        "fog": "exponential", "air": {"fog_density": 0.9},
+    }),
+    "occlusion": (
+        "--occlusion-kind directional --set directional_occlusion=0.7",
+        {"occlusion": "directional", "shading": {"directional_occlusion": 0.7}},
+    ),
+    "shadows": (
+        "--shadows soft --set shadow_softness=20 --scale 0.3",
+        {"shadows": "soft", "shadowing": {"shadow_softness": 20.0}, "scale": 0.3},
+    ),
+    "preset": ("--preset gamedev", {"preset": "gamedev"}),
+    "over a preset": (
+        "--preset gamedev --scale 0.2 --set max_steps=9", {
+            "preset": "gamedev", "scale": 0.2, "settings": {"max_steps": 9},
+        },
+    ),
     "background": ("--background 0.8,0.1,0.3", {"background": (0.8, 0.1, 0.3)}),
     "grey background": ("--background 0.5", {"background": (0.5, 0.5, 0.5)}),
     "no background": ("--background none", {"background": None}),
@@ -165,14 +204,18 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
 }  # fmt: skip
 
 
+NEED_MAPS = ("own tiling", "alpha", "mapping", "layer", "occlusion")
+
+
 @pytest.mark.parametrize("option", OPTIONS)
-def test_options_of_drawing(option: str, bumps: Path, here: Path) -> None:
+def test_options_of_drawing(option: str, bumps: Path, wall: Path, here: Path) -> None:
     """Each acts, and acts as it does in Python, to the last bit."""
     text, options = OPTIONS[option]
-    found = drawn_by_command(bumps, *DRAW, *text.split())
-    wanted = drawn(bumps, **options)
+    path = wall if option in NEED_MAPS else bumps
+    found = drawn_by_command(path, *DRAW, *text.split())
+    wanted = drawn(path, **options)
     assert same(found, wanted)
-    plain = drawn(bumps)
+    plain = drawn(path)
     assert found.shape[:2] != plain.shape[:2] or not same(found, plain)
 
 
@@ -185,6 +228,43 @@ def test_stretch(bumps: Path, here: Path) -> None:
     lying = basrelief.Object(basrelief.load(bumps)).to_world
     wanted = drawn(bumps, transform=placed(scale=(1.0, 1.0, 2.0)) @ lying)
     assert same(found, wanted)
+
+
+ADDED = "sphere,position=0/0.2/0,size=0.5,material=sample:tiles,technique=steep,scale=0.1"
+
+
+def test_further_objects(bumps: Path, here: Path) -> None:
+    box = "box,position=0.3/0.2/0,size=0.2/0.4/0.2,turn=y/30,color=1/0.5/0.2"
+    lit = ("--shadows", "hard", "--shadows-on", "polygon")
+    found = drawn_by_command(bumps, *DRAW, *lit, "--add", ADDED, "--add", box)
+    white = basrelief.Map(np.ones((1, 1, 3), np.float32), False, "white")
+    objects = (
+        basrelief.Object(basrelief.load(bumps)),
+        basrelief.Object(
+            basrelief.sample("tiles"), "sphere", "steep", scale=0.1,
+            transform=placed((0.0, 0.2, 0.0), 0.5),
+        ),
+        basrelief.Object(
+            basrelief.Material("white", base_color=white), "box",
+            finish={"base_color": (1.0, 0.5, 0.2)},
+            transform=placed((0.3, 0.2, 0.0)) @ turned("y", 30.0) @ placed(scale=(0.2, 0.4, 0.2)),
+        ),
+    )  # fmt: skip
+    scene = basrelief.Scene(objects, shadows="hard", shadows_on="polygon")
+    wanted = basrelief.render(scene, size=SIZE, samples=1, engine="cpu").color
+    assert same(found, wanted)
+
+
+def test_casting_none(bumps: Path, here: Path) -> None:
+    """What casts no shadow leaves the others as bright as they were."""
+    above = "box,position=0/0.3/0,size=0.4"
+    noon = ("--shadows", "hard", "--light", "directional,elevation=85")
+    with_it = drawn_by_command(bumps, *DRAW, *noon, "--add", f"{above},casts=none")
+    shadow = drawn_by_command(bumps, *DRAW, *noon, "--add", above)
+    assert (shadow <= with_it).all()
+    assert (shadow < with_it).any()
+    found = drawn_by_command(bumps, *DRAW, "--casts", "opaque")
+    assert same(found, drawn(bumps, casts="opaque"))
 
 
 READING = {
@@ -411,8 +491,16 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
     assert "Policarpo" in parts["relief"]
     assert "Defaults: --level 0.5 --projection limited" in parts["offset_limited"]
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
-    every = parts["with every technique"]
-    assert " base_color=1/1/1 from 0 colour, times the map's, linear" in " ".join(every.split())
+    assert "bias (0.42)" in parts["with every technique"]
+    for heading, shown in (
+        ("the standard surface", "base_color=1/1/1 from 0 colour, times the map's, linear"),
+        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 the height below which"),
+        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 levels"),
+        ("light and shading", "shininess=10 1 to 1000"),
+        ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
+        ("fog (--fog linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),
+    ):
+        assert f" {shown}" in " ".join(parts[heading].split())
     assert max(map(len, printed.splitlines())) <= 100
 
 
@@ -423,13 +511,53 @@ def test_version() -> None:
 def test_help(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "200")
     top = done("--help")
-    for name in ("render", "info", "techniques", "demo"):
+    for name in ("render", "info", "techniques", "presets", "demo"):
         assert name in top
         text = done(name, "-h")
         assert f"basrelief {name}" in text
-        for option in set(command_options(name)) - {"path", "setting", "return"}:
-            assert f"--{option.replace('_', '-')}" in text
-    assert "--set" in done("render", "--help")
+        called = {"settings": "set", "lights": "light"}
+        for option in set(command_options(name)) - {"path", "return"}:
+            assert f"--{called.get(option, option).replace('_', '-')} " in text
+
+
+@pytest.mark.parametrize("columns", [80, 120])
+def test_help_is_whole_and_in_panels(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    text = done("render", "--help")
+    assert max(map(len, text.splitlines())) <= columns
+    # rich cuts what does not fit, with an ellipsis; ours stand for "and so on"
+    cut = [line for line in text.splitlines() if line.rstrip(" │").endswith("…")]
+    assert all(line.strip(" │") == "…" or "exr …" in line for line in cut)
+    panels = [line.split()[1] for line in text.splitlines() if line.startswith("╭─")]
+    assert panels == [
+        "Arguments", "Options", "Relief", "Surface", "Light", "Camera", "Picture", "Maps",
+        "Further",
+    ]  # fmt: skip
+    words = " ".join(text.replace("│", " ").split())
+    assert "scale=0.05; repeat." in words
+    assert "field_of_view=30 · position=1/1/1," in words
+
+
+def test_help_is_fast() -> None:
+    """Nothing heavy is imported for it."""
+    code = (
+        "import sys; sys.argv = ['basrelief', 'render', '--help']\n"
+        "from basrelief.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print([m for m in ('numpy', 'llvmlite', 'wgpu', 'OpenImageIO') if m in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.stdout.splitlines()[-1] == "[]", result.stderr
+
+
+def test_presets_lists_each_with_its_source() -> None:
+    printed = done("presets")
+    parts = {part.split("\n")[0]: " ".join(part.split()) for part in printed.split("\n\n")}
+    for name in basrelief.PRESETS:
+        made = basrelief.preset(name)
+        assert f"{made.about} After {made.source}." in parts[name]
+    assert max(map(len, printed.splitlines())) <= 100
 
 
 def test_without_arguments_it_helps() -> None:

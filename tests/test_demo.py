@@ -16,7 +16,7 @@ from basrelief.shaders.techniques import TECHNIQUES
 from command_line import done, environment, write_heights
 
 REPOSITORY = Path(__file__).parent.parent
-PAGES = ("README.md", "docs/command-line.md")
+PAGES = ("README.md", "docs/command-line.md", "docs/presets.md")
 DRAWS_MANY = re.compile("basrelief (demo|gallery)")
 SMALL = ["--size", "24x18", "--samples", "1"]
 
@@ -112,7 +112,7 @@ def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_every_command_is_shown() -> None:
     shown = {line.split()[1] for line in commands("docs/command-line.md")}
-    assert shown == {"render", "info", "techniques", "demo", "gallery"}
+    assert shown == {"render", "info", "techniques", "presets", "demo", "gallery"}
     assert len(commands("README.md")) >= 5
 
 

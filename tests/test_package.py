@@ -61,6 +61,9 @@ def test_wheel(tmp_path: Path) -> None:
     source = REPOSITORY / "src"
     modules = {path.relative_to(source).as_posix() for path in source.rglob("*.py")}
     assert modules <= names
+    data = {path.relative_to(source).as_posix() for path in source.rglob("*.toml")}
+    assert len(data) == len(basrelief.PRESETS)
+    assert data <= names
     assert "basrelief/py.typed" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.split("/")[0].split("-")[0] for name in names} == {"basrelief"}

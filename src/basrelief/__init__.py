@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
     from basrelief.motion import Lighting, Orbiting, Scrolling
+    from basrelief.presets import PRESETS, Preset, preset
     from basrelief.rendering import Frame, Image, render
     from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
     from basrelief.scene import turned as turned
@@ -33,6 +34,7 @@ _HOMES = {
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
     "basrelief.motion": ("Lighting", "Orbiting", "Scrolling"),
+    "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
     "basrelief.scene": (
         "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
@@ -44,11 +46,11 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image", "InputError",
-    "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Orbit", "Orbiting", "Ray", "Scene",
-    "Scrolling", "Shading", "__version__", "choose_engine", "directional", "frames", "load",
-    "placed", "point", "render", "sample", "setting", "shader", "spot", "struct", "technique",
-    "turned", "write_film",
+    "PRESETS", "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image",
+    "InputError", "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Orbit", "Orbiting",
+    "Preset", "Ray", "Scene", "Scrolling", "Shading", "__version__", "choose_engine", "directional",
+    "frames", "load", "placed", "point", "preset", "render", "sample", "setting", "shader", "spot",
+    "struct", "technique", "turned", "write_film",
 ]  # fmt: skip
 
 

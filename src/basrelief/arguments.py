@@ -9,26 +9,34 @@ import inspect
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from basrelief.errors import InputError
-from basrelief.material import Material
-from basrelief.motion import MOTIONS, Motion, Orbiting
+from basrelief.material import Map, Material, load
+from basrelief.motion import MOTIONS, Motion, Orbiting, Scrolling
+from basrelief.presets import NOTHING, Preset, preset, scene_of
 from basrelief.scene import (
+    OWN_TILINGS,
+    SURFACES,
+    Layer,
     LookAt,
     Object,
     Orbit,
     Scene,
-    checked_record,
+    Tiling,
     directional,
     placed,
     point,
     spot,
+    turned,
 )
+from basrelief.shaders.fog import Fog
+from basrelief.shaders.height import Smoothing
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
-from basrelief.shaders.surfaces.standard import Finish
 
 _LIGHTS: dict[str, Callable[..., Light]] = {
     "directional": directional,
@@ -123,13 +131,17 @@ def light_from(text: str) -> Light:
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
 
 
-def motions_from(texts: Sequence[str], frames: int) -> tuple[Motion, ...]:
-    """Motions from "orbit" or "scroll,u=0.1,v=0.2"; without any a film goes round its object."""
+def motions_from(texts: Sequence[str], frames: int, preset: Preset = NOTHING) -> tuple[Motion, ...]:
+    """Motions from "orbit" or "scroll,u=0.1,v=0.2".
+
+    Without any a film scrolls as its preset says, or else goes round its object.
+    """
     if frames == 1:
         if texts:
             raise InputError(f"--motion {texts[0]}: one picture does not move; add --frames 120")
         return ()
-    return tuple(_motion_from(text) for text in texts) or (Orbiting(),)
+    usual = Scrolling(*preset.scroll) if any(preset.scroll) else Orbiting()
+    return tuple(_motion_from(text) for text in texts) or (usual,)
 
 
 def _motion_from(text: str) -> Motion:
@@ -168,62 +180,117 @@ def check_lengths(depth: float | None, tile: float | None, scale: float | None) 
         raise InputError("--scale, or --depth and --tile, but not both: they say the same")
 
 
+def preset_from(text: str | None) -> Preset:
+    """A preset from its name or its file; without one, that which says nothing."""
+    return NOTHING if text is None else preset(text)
+
+
+_RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "air": Fog}
+_READERS: dict[str, Callable[[Any], Any]] = {
+    "tiling": lambda text: pair(text, "--tiling"),
+    "shift": lambda text: pair(text, "--shift"),
+    "fade": lambda text: pair(text, "--fade"),
+    "camera": camera_from,
+    "lights": lambda texts: tuple(map(light_from, texts)),
+    "background": lambda text: color(text, "--background"),
+}
+"""What makes a value of an option's text; other options are taken as they are."""
+
+
 def scene(
     material: Material,
     *,
+    preset: Preset = NOTHING,
+    measured: bool = False,
     settings: Sequence[str] = (),
-    camera: str | None = None,
-    lights: Sequence[str] = (),
-    background: str | None = None,
-    shading_model: Any = "ggx",
-    shadows: Any = "none",
-    tiling: str | None = None,
-    shift: str | None = None,
+    map_tiling: Sequence[str] = (),
+    map_shift: Sequence[str] = (),
+    layer: str | None = None,
+    layer_tiling: str | None = None,
+    layer_shift: str | None = None,
+    occlusion_kind: Any = None,
     stretch: str | None = None,
+    add: Sequence[str] = (),
     **options: Any,
 ) -> Scene:
-    """The scene that a command line describes; `options` are those of `Object`, as they are."""
-    if tiling is not None:
-        options["tiling"] = pair(tiling, "--tiling")
-    if shift is not None:
-        options["shift"] = pair(shift, "--shift")
-    plain = Object(material, **options)
-    options["technique"] = plain.drawn_with  # a file of one's own runs once
+    """The scene that a command line describes; what is not given is the preset's.
+
+    `options` are those of `Object` and `Scene`. `measured` says that the material's own depth is
+    given, and so comes before the preset's scale.
+    """
+    given = {name: _READERS.get(name, _as_it_is)(text) for name, text in options.items()}
+    if measured:
+        given["scale"] = None
+    if occlusion_kind is not None:
+        given["occlusion"] = occlusion_kind
+    if layer is not None:
+        given["layer"] = Layer(load(layer))
+    said = preset.options(material, given)
+    said["layer"] = _layer(said.get("layer"), layer_tiling, layer_shift)
+    plain = Object(material, **_some(said, "technique", "surface"))
+    said["technique"] = plain.drawn_with  # a file of one's own runs once
+    numbers = _sorted_out(dict(named(text, "--set") for text in settings), plain)
+    said |= numbers.pop("object")
+    for home, each in numbers.items():
+        said[home] = {**said.get(home, {}), **each}
+    said["tilings"] = _tilings(material, said, map_tiling, map_shift)
     if stretch is not None:
-        options["transform"] = placed(scale=vector(stretch, "--stretch")) @ plain.to_world
-    records = {
-        "settings": plain.drawn_with.settings,
-        "finish": Finish,
-        "shading": Shading,
-        "shadowing": Shadowing,
-    }
-    given = _sorted_out(dict(named(text, "--set") for text in settings), records)
-    thing = Object(
-        material,
-        settings=given["settings"],
-        finish=checked_record(Finish, given["finish"], "the finish"),
-        **given["object"],
-        **options,
-    )
-    of_scene: dict[str, Any] = {}
-    if camera is not None:
-        of_scene["camera"] = camera_from(camera)
-    if lights:
-        of_scene["lights"] = tuple(light_from(text) for text in lights)
-    if background is not None:
-        of_scene["background"] = color(background, "--background")
-    return Scene(
-        (thing,),
-        shading=checked_record(Shading, given["shading"], "the shading"),
-        shading_model=shading_model,
-        shadows=shadows,
-        shadowing=checked_record(Shadowing, given["shadowing"], "the shadows"),
-        **of_scene,
-    )
+        lying = Object(material, **_some(said, "technique", "shape")).to_world
+        said["transform"] = placed(scale=vector(stretch, "--stretch")) @ lying
+    whole = scene_of(material, said)
+    return replace(whole, objects=(*whole.objects, *map(object_from, add)))
 
 
-def _sorted_out(given: Mapping[str, str], records: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+def _some(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: options[name] for name in names if name in options}
+
+
+def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:
+    """A layer that lies as it is told to."""
+    if layer is None:
+        if tiling is not None or shift is not None:
+            raise InputError("--layer-tiling, --layer-shift: there is no layer; add --layer FOLDER")
+        return None
+    lies = layer.tiling
+    if tiling is not None:
+        lies = replace(lies, tiles=pair(tiling, "--layer-tiling"))
+    if shift is not None:
+        lies = replace(lies, shift=pair(shift, "--layer-shift"))
+    return replace(layer, tiling=lies)
+
+
+def _tilings(
+    material: Material, said: Mapping[str, Any], tilings: Sequence[str], shifts: Sequence[str]
+) -> dict[str, Tiling]:
+    """Single maps' own tilings; what is not said of them is as the heights lie."""
+    made: dict[str, Tiling] = dict(said.get("tilings", {}))
+    if not tilings and not shifts:
+        return made
+    main = Object(material, **_some(said, "technique", "shape", "tiling", "shift")).main_tiling
+    for option, field, texts in (
+        ("--map-tiling", "tiles", tilings),
+        ("--map-shift", "shift", shifts),
+    ):
+        for text in texts:
+            name, numbers_text = named(text, option)
+            if name not in OWN_TILINGS:
+                raise InputError(f"{option} {name}: the maps are {', '.join(OWN_TILINGS)}")
+            found = pair(numbers_text, f"{option} {name}")
+            made[name] = replace(made.get(name, main), **{field: found})
+    return made
+
+
+def _sorted_out(given: Mapping[str, str], thing: Object) -> dict[str, dict[str, Any]]:
     """Settings by the record that they belong to; the technique's come first."""
+    records = {
+        "settings": thing.drawn_with.settings,
+        "finish": SURFACES[thing.surface],
+        **_RECORDS,
+    }
     known = {home: [f.name for f in fields(record)] for home, record in records.items()}
     known["object"] = ["bias"]
     found: dict[str, dict[str, Any]] = {home: {} for home in known}
@@ -235,3 +302,60 @@ def _sorted_out(given: Mapping[str, str], records: Mapping[str, Any]) -> dict[st
         read = number if home == "object" else value
         found[home][name] = read(text, f"--set {name}")
     return found
+
+
+# --- further objects -----------------------------------------------------------------------------
+
+_TEXTS = ("technique", "projection", "heights", "edge", "mapping", "alpha", "casts")
+_NUMBERS = ("scale", "level", "bias")
+_PAIRS = ("tiling", "shift")
+_OWN = ("position", "size", "turn", "material", "color")
+
+
+def object_from(text: str) -> Object:
+    """A further object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
+
+    The first word is its shape. It stands at `position` in world units, `size` times as large,
+    turned about an axis (`turn=x/30`, degrees; a plane lies as it always does before that). Without
+    a `material` it is of one `color`; with one, that multiplies the maps.
+    """
+    shape, *parts = text.split(",")
+    shape, what = shape.strip(), f"--add {shape.strip()}"
+    given = dict(named(part, what) for part in parts)
+    for name in given:
+        if name not in (*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS):
+            known = ", ".join((*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS))
+            raise InputError(f"{what}: there is no {name}; there are {known}")
+    material = load(given["material"]) if "material" in given else _plain()
+    options: dict[str, Any] = {"shape": shape, **_some(given, *_TEXTS)}
+    for name in _NUMBERS:
+        if name in given:
+            options[name] = number(given[name], f"{what}: {name}")
+    for name in _PAIRS:
+        if name in given:
+            options[name] = pair(given[name], f"{what}: {name}")
+    if "color" in given:
+        options["finish"] = {"base_color": value(given["color"], f"{what}: color")}
+    plain = Object(material, **options)
+    return replace(plain, transform=_placed(given, what) @ plain.to_world)
+
+
+def _placed(given: Mapping[str, str], what: str) -> Any:
+    """Turned, then sized, then moved."""
+    position = vector(given.get("position", "0/0/0"), f"{what}: position")
+    size = value(given.get("size", "1"), f"{what}: size")
+    if not isinstance(size, float) and len(size) != 3:
+        raise InputError(f"{what}: size {given['size']}: write one number, or three as 1/2/3")
+    turn = np.eye(4)
+    if "turn" in given:
+        axis, _, degrees = given["turn"].partition("/")
+        if axis not in ("x", "y", "z"):
+            raise InputError(f"{what}: turn {given['turn']}: write an axis and degrees, as x/30")
+        turn = turned(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
+    return placed(position) @ turn @ placed(scale=size)
+
+
+def _plain() -> Material:
+    """A material of one colour: white, for the finish to multiply."""
+    white = Map(np.ones((1, 1, 3), np.float32), False, "one colour")
+    return Material("plain", base_color=white)

@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `demo`, `gallery`, `info`, `techniques`."""
+"""The command line: `basrelief render`, `demo`, `gallery`, `info`, `techniques`, `presets`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from basrelief import options
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError
 
@@ -93,43 +94,26 @@ def _top(
 PathArgument = Annotated[
     str, typer.Argument(help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).")
 ]
-FileOption = Annotated[Path | None, typer.Option(help="Use this file for the map.")]
-DepthOption = Annotated[float | None, typer.Option(help="How deep the heights reach, in metres.")]
-TileOption = Annotated[float | None, typer.Option(help="How wide a tile is, in metres.")]
-GreenOption = Annotated[str, typer.Option(help="Green of the normal map: auto, gl (up) or dx.")]
-PackingOption = Annotated[str, typer.Option(help="Normals are stored in: rgb, ag or rg.")]
-PolarityOption = Annotated[str, typer.Option(help="White is: auto, height (high) or depth.")]
-ChannelOption = Annotated[str, typer.Option(help="Heights from: auto, r, g, b, a, luminance.")]
-StretchOption = Annotated[bool, typer.Option(help="Spread the heights in use over 0 to 1.")]
-EngineOption = Annotated[str, typer.Option(help="auto, cpu or gpu.")]
+EngineOption = Annotated[str, typer.Option(help="auto, cpu or gpu.", rich_help_panel="Picture")]
 
 
-def _loaded(path: str, **options: Any) -> Material:
+def _said(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that are given."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _loaded(path: str, **maps: Any) -> Material:
     from basrelief.material import load
 
-    return load(path, **{name: value for name, value in options.items() if value is not None})
+    return load(path, **_said(maps))
 
 
 @app.command()
+@options.taking(..., options.Maps)
 def info(
     path: PathArgument,
     json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
-    depth: DepthOption = None,
-    tile: TileOption = None,
-    normal_convention: GreenOption = "auto",
-    normal_packing: PackingOption = "rgb",
-    height_polarity: PolarityOption = "auto",
-    height_channel: ChannelOption = "auto",
-    stretch_height: StretchOption = False,
-    base_color: FileOption = None,
-    normal: FileOption = None,
-    height: FileOption = None,
-    occlusion: FileOption = None,
-    roughness: FileOption = None,
-    metallic: FileOption = None,
-    emission: FileOption = None,
-    opacity: FileOption = None,
-    layer_mask: FileOption = None,
+    **maps: Any,
 ) -> None:
     """Say which maps were found, what was decided about them, and why."""
     import json as json_text
@@ -137,29 +121,54 @@ def info(
     from basrelief.material import describe, report
 
     with _Progress(f"reading {path}"):
-        material = _loaded(
-            path, depth=depth, tile=tile, normal_convention=normal_convention,
-            normal_packing=normal_packing, height_polarity=height_polarity,
-            height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
-            normal=normal, height=height, occlusion=occlusion, roughness=roughness,
-            metallic=metallic, emission=emission, opacity=opacity, layer_mask=layer_mask,
-        )  # fmt: skip
+        material = _loaded(path, **maps)
     print(json_text.dumps(describe(material), indent=2) if json else report(material))
 
 
 @app.command()
 def techniques() -> None:
     """List the techniques, what each does and costs, its source, and its settings."""
+    from basrelief.shaders.fog import Fog
+    from basrelief.shaders.height import Smoothing
     from basrelief.shaders.lighting import Shading
     from basrelief.shaders.shadow import Shadowing
+    from basrelief.shaders.surfaces.landscape import Landscape
     from basrelief.shaders.surfaces.standard import Finish
     from basrelief.shaders.techniques import TECHNIQUES
 
     for made in TECHNIQUES.values():
         defaults = f"Defaults: --level {made.level:g} --projection {made.projection}"
         _list(made.name, [*_paragraphs(made.__doc__), defaults], made.settings)
-    also = "--set turns these too, and bias (0.42), which goes with --projection biased:"
-    _list("with every technique", [also], Finish, Shading, Shadowing)
+    bias = "Beside a technique's own settings, --set turns bias (0.42), which goes with"
+    _list("with every technique", [f"{bias} --projection biased, and all that follow."])
+    for name, record in (
+        ("smooth heights (--heights smooth)", Smoothing),
+        ("the standard surface", Finish),
+        ("a landscape (--surface landscape)", Landscape),
+        ("light and shading", Shading),
+        ("shadows of the relief on itself (--shadows hard, soft)", Shadowing),
+        ("fog (--fog linear, exponential, exponential_squared)", Fog),
+    ):
+        _list(name, [], record)
+
+
+@app.command()
+def presets() -> None:
+    """List the presets: the settings of an article, under one name."""
+    import textwrap
+
+    from basrelief.presets import PRESETS, preset
+
+    for name in PRESETS:
+        made = preset(name)
+        print(name)
+        for text in (made.about, f"After {made.source}."):
+            print(
+                textwrap.fill(
+                    text, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False
+                )
+            )
+        print()
 
 
 def _paragraphs(doc: str | None) -> list[str]:
@@ -176,6 +185,7 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
     for paragraph in paragraphs:
         print(textwrap.fill(paragraph, 78, initial_indent="  ", subsequent_indent="  "))
     rows = [_setting(field) for record in records for field in record.__dataclass_fields__.values()]
+    # an empty record, or none, has no table
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
@@ -195,106 +205,65 @@ def _setting(field: Any) -> tuple[str, str, str]:
 
 
 @app.command()
+@options.taking(
+    options.Relief, options.Surface, options.Light, options.Camera, ...,
+    options.Maps, options.Further,
+)  # fmt: skip
 def render(
     path: PathArgument,
-    technique: Annotated[
-        str | None, typer.Option(help="A technique's name, or FILE.py:NAME of your own.")
-    ] = None,
-    shape: Annotated[str, typer.Option(help="plane, box, sphere or cylinder.")] = "plane",
-    engine: EngineOption = "auto",
-    size: Annotated[str, typer.Option(help="Width × height in pixels.")] = "1280x720",
-    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
-    scale: Annotated[
-        float | None, typer.Option(help="Depth of the relief as a fraction of a tile's width.")
-    ] = None,
-    level: Annotated[
-        float | None, typer.Option(help="The height on the polygon: 1 pushes the relief in.")
-    ] = None,
-    projection: Annotated[str | None, typer.Option(help="full, biased or limited.")] = None,
-    edge: Annotated[str, typer.Option(help="Beyond the map: wrap, clamp or clip.")] = "wrap",
-    tiling: Annotated[str | None, typer.Option(help="Tiles along u and v, as 2x3.")] = None,
-    shift: Annotated[str | None, typer.Option(help="Move the maps by U,V tiles.")] = None,
-    stretch: Annotated[
-        str | None, typer.Option(help="Stretch the shape along X,Y,Z of the world.")
-    ] = None,
-    setting: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", help="NAME=VALUE: a setting that `basrelief techniques` lists; repeat."
-        ),
-    ] = None,
-    camera: Annotated[
-        str | None,
-        typer.Option(
-            help="azimuth=30,elevation=35,distance=2,field_of_view=30, or position=1/1/1, or "
-            "orthographic_height=1."
-        ),
-    ] = None,
-    light: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="directional,azimuth=-50,elevation=35,intensity=2 · point,position=1/1/1 · "
-            "spot,position=1/2/1,angle=30; repeat."
-        ),
-    ] = None,
-    shading_model: Annotated[str, typer.Option(help="ggx or phong.")] = "ggx",
-    shadows: Annotated[
-        str, typer.Option(help="Of the relief on itself: none, hard or soft.")
-    ] = "none",
-    background: Annotated[
-        str | None, typer.Option(help="A linear colour as 0.1,0.1,0.1, or none.")
-    ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The picture: png, jpg, webp, exr …, or mp4, gif."),
+        typer.Option(
+            "-o",
+            "--output",
+            help="The picture: png, jpg, webp, exr …, or mp4, gif.",
+            rich_help_panel="Picture",
+        ),
     ] = None,
-    bits: Annotated[int | None, typer.Option(help="Bits a channel: 8, or 16 for PNG.")] = None,
-    quality: Annotated[int, typer.Option(min=1, max=100, help="Of JPEG, WebP and MP4.")] = 95,
+    size: Annotated[
+        str, typer.Option(help="Width × height in pixels.", rich_help_panel="Picture")
+    ] = "1280x720",
+    samples: Annotated[int, typer.Option(help="Samples a pixel.", rich_help_panel="Picture")] = 4,
+    bits: Annotated[
+        int | None,
+        typer.Option(help="Bits a channel: 8, or 16 for PNG.", rich_help_panel="Picture"),
+    ] = None,
+    quality: Annotated[
+        int, typer.Option(min=1, max=100, help="Of JPEG, WebP and MP4.", rich_help_panel="Picture")
+    ] = 95,
     frames: Annotated[
-        int, typer.Option(help="How many pictures: above 1 a film (mp4, gif, webp), or numbered.")
+        int,
+        typer.Option(
+            help="Above 1 a film (mp4, gif, webp), or numbered pictures.", rich_help_panel="Picture"
+        ),
     ] = 1,
-    fps: Annotated[float, typer.Option(help="Pictures a second in a film.")] = 30.0,
+    fps: Annotated[
+        float, typer.Option(help="Pictures a second in a film.", rich_help_panel="Picture")
+    ] = 30.0,
     motion: Annotated[
         list[str] | None,
-        typer.Option(help="orbit · light · scroll,u=0.25,v=0: what moves in a film; repeat."),
+        typer.Option(
+            help="orbit · light · scroll, u=0.25, v=0: what moves in a film; repeat.",
+            metavar="NAME,NAME=VALUE…",
+            rich_help_panel="Picture",
+        ),
     ] = None,
-    depth: DepthOption = None,
-    tile: TileOption = None,
-    normal_convention: GreenOption = "auto",
-    normal_packing: PackingOption = "rgb",
-    height_polarity: PolarityOption = "auto",
-    height_channel: ChannelOption = "auto",
-    stretch_height: StretchOption = False,
-    base_color: FileOption = None,
-    normal: FileOption = None,
-    height: FileOption = None,
-    occlusion: FileOption = None,
-    roughness: FileOption = None,
-    metallic: FileOption = None,
-    emission: FileOption = None,
-    opacity: FileOption = None,
-    layer_mask: FileOption = None,
+    engine: EngineOption = "auto",
+    **given: Any,
 ) -> None:
     """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
         from basrelief import arguments, film
 
         pixels = arguments.size(size)
-        motions = arguments.motions_from(motion or [], frames)
-        arguments.check_lengths(depth, tile, scale)
-        material = _loaded(
-            path, depth=depth, tile=tile, normal_convention=normal_convention,
-            normal_packing=normal_packing, height_polarity=height_polarity,
-            height_channel=height_channel, stretch_height=stretch_height, base_color=base_color,
-            normal=normal, height=height, occlusion=occlusion, roughness=roughness,
-            metallic=metallic, emission=emission, opacity=opacity, layer_mask=layer_mask,
-        )  # fmt: skip
+        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
+        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
+        chosen = arguments.preset_from(given.pop("preset"))
+        motions = arguments.motions_from(motion or [], frames, chosen)
+        material = _loaded(path, **{**chosen.maps, **_said(maps)})
         scene = arguments.scene(
-            material, settings=setting or [], camera=camera, lights=light or [],
-            background=background, shading_model=shading_model, shadows=shadows,
-            technique=technique, shape=shape, scale=scale, level=level, projection=projection,
-            edge=edge, tiling=tiling, shift=shift, stretch=stretch,
-        )  # fmt: skip
+            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
+        )
         drawn_with = scene.objects[0].drawn_with.name
         # a name that `load` knows for one of ours, and takes for no map
         target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
@@ -305,7 +274,7 @@ def render(
             progress=progress,
         )  # fmt: skip
         made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
-    if material.height is None and technique is None:
+    if material.height is None and given["technique"] is None:
         note = f"note: {material.name} has no height map, so it is drawn flat"
         print(note, file=sys.stderr)
     if scene.background is None and target.suffix.lower() == ".mp4":

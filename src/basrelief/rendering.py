@@ -20,6 +20,8 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, HeightField
 from basrelief.material import Material, load, pyramids
 from basrelief.picture import encode_png, write_picture
+from basrelief.presets import NOTHING, Preset
+from basrelief.presets import preset as preset_named
 from basrelief.scene import Object, Scene
 from basrelief.shaders import (
     cast,
@@ -132,6 +134,7 @@ def render(
     samples: int = 4,
     engine: str | Engine = "auto",
     progress: Progress | None = None,
+    preset: str | Path | Preset | None = None,
     **options: Any,
 ) -> Frame:
     """Draw a scene, an object, a material, or what is in a folder.
@@ -139,9 +142,11 @@ def render(
     `size` is (width, height) in pixels; `samples` how many places of each pixel are averaged;
     `engine` "auto", "cpu", "gpu" or an engine. Further options are those of `Object` (`technique`,
     `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what` does not fix them.
+    `preset`, a name, a TOML file or a `Preset`, says what is left open of how a folder is read and
+    a material drawn.
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
-    scene = scene_of(what, options)
+    scene = scene_of(what, {**options, "preset": preset})
     width, height = _checked_size(size)
     if width * height > _MOST_PIXELS:
         raise InputError(
@@ -170,29 +175,22 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
 
     Raises InputError for an option that there is not, or that `what` already says.
     """
+    preset = options.pop("preset", None)
+    chosen = preset_named(preset) if isinstance(preset, str | Path) else preset or NOTHING
     if isinstance(what, str | Path):
-        what = load(what)
-    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+        what = load(what, **chosen.maps)
     if isinstance(what, Material):
-        what = Object(what, **_known(options, Object))
-        options = {}
+        return chosen.scene(what, **options)
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
     if isinstance(what, Object):
         what = Scene((what,), **of_scene)
         of_scene = {}
     if not isinstance(what, Scene):
         raise InputError(f"cannot draw a {type(what).__name__}: give a folder, material or scene")
-    left = [*options, *of_scene]
+    left = [*options, *of_scene, *([] if preset is None else ["preset"])]
     if left:
         raise InputError(f"{', '.join(left)}: already said by the {type(what).__name__}")
     return what
-
-
-def _known(options: dict[str, Any], kind: Any) -> dict[str, Any]:
-    names = set(kind.__dataclass_fields__) - {"material"}
-    unknown = [name for name in options if name not in names]
-    if unknown:
-        raise InputError(f"no option {unknown[0]!r}; there are {', '.join(sorted(names))}")
-    return options
 
 
 # --- programs and their values -------------------------------------------------------------------
@@ -233,7 +231,8 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    bindings = _bindings_of(thing)
+    # a relief that fades does so with the distance from the camera, not from a light
+    bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
     if thing.casts == "opaque":
         bindings[standard.opacity_of] = standard.opaque
     return Program(pixel.reach, bindings, _map_edge(thing))

@@ -21,7 +21,8 @@ from basrelief.picture import Picture, read_picture
 
 NormalConvention = Literal["auto", "gl", "dx"]
 HeightPolarity = Literal["auto", "height", "depth"]
-HeightChannel = Literal["auto", "r", "g", "b", "a", "luminance"]
+HeightChannel = Literal["auto", "r", "g", "b", "a", "luminance", "a_or_r"]
+Packing = Literal["rgb", "ag", "rg", "ag_or_rgb"]
 PathLike = str | os.PathLike[str]
 
 SAMPLE = "sample:"
@@ -38,7 +39,7 @@ class Reading:
     normal_convention: NormalConvention = "auto"
     height_polarity: HeightPolarity = "auto"
     height_channel: HeightChannel = "auto"
-    normal_packing: NormalPacking = "rgb"
+    normal_packing: Packing = "rgb"
     stretch_height: bool = False
 
     def __post_init__(self) -> None:
@@ -46,7 +47,7 @@ class Reading:
             ("normal_convention", get_args(NormalConvention)),
             ("height_polarity", get_args(HeightPolarity)),
             ("height_channel", get_args(HeightChannel)),
-            ("normal_packing", get_args(NormalPacking)),
+            ("normal_packing", get_args(Packing)),
         ):
             if getattr(self, name) not in known:
                 raise InputError(
@@ -60,7 +61,7 @@ def load(
     normal_convention: NormalConvention = "auto",
     height_polarity: HeightPolarity = "auto",
     height_channel: HeightChannel = "auto",
-    normal_packing: NormalPacking = "rgb",
+    normal_packing: Packing = "rgb",
     stretch_height: bool = False,
     depth: float | None = None,
     tile: float | None = None,
@@ -78,14 +79,16 @@ def load(
 
     `path` is a folder with one set of maps; or one picture, which brings along the files beside it
     that belong to it by their names; or `sample:` and the name of a procedural sample; or None
-    when all maps are named. The last nine arguments name a file for one map, whatever names say.
+    when all maps are named. The last nine arguments name a file for one map, whatever names say, or
+    `sample:NAME` for that map of a sample.
 
     `normal_convention`: is green up ("gl") or down ("dx")? "auto" asks the name, then compares
     with the heights. `height_polarity`: is white high ("height") or deep ("depth")? "auto" asks
     the name, then compares with the normals. `height_channel`: "auto" is the only channel of a
-    grey picture, green otherwise. `normal_packing`: see `channels.normals`. `stretch_height` lets
-    heights that use a part of their range fill 0 to 1. `depth` (of the full height range) and
-    `tile` (width) are metres.
+    grey picture, green otherwise; "a_or_r" the alpha where it varies, red otherwise.
+    `normal_packing`: see `channels.normals`; "ag_or_rgb" is "ag" where the alpha varies, "rgb"
+    otherwise. `stretch_height` lets heights that use a part of their range fill 0 to 1. `depth` (of
+    the full height range) and `tile` (width) are metres.
 
     Heights and other data are never decoded from sRGB, colours of 8 and 16 bits are. No height
     map is no error. What was decided stands in the material's `notes`.
@@ -94,41 +97,31 @@ def load(
     reading = Reading(
         normal_convention, height_polarity, height_channel, normal_packing, stretch_height
     )
-    named = {
-        kind: Path(file)
-        for kind, file in zip(
-            MAPS,
-            (
-                base_color,
-                normal,
-                height,
-                occlusion,
-                roughness,
-                metallic,
-                emission,
-                opacity,
-                layer_mask,
-            ),
-            strict=True,
-        )
-        if file is not None
-    }
-    if path is None and not named:
+    files = (
+        base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
+    )  # fmt: skip
+    given = {kind: os.fspath(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
+    drawn = {kind: f for kind, f in given.items() if f.startswith(SAMPLE)}
+    named = {kind: Path(f) for kind, f in given.items() if kind not in drawn}
+    if path is None and not given:
         raise InputError("nothing to load: name a folder, a picture or a map")
     if path is not None and os.fspath(path).startswith(SAMPLE):
         material = sample(os.fspath(path).removeprefix(SAMPLE))
         builder = _Builder(reading, material.name, list(material.notes), dict(material.maps()))
         depth = material.depth if depth is None else depth
         tile = material.tile if tile is None else tile
-        return builder.build(_named(named), depth, tile)
-    found = _find(path, reading, named)
-    builder = _Builder(reading, found.name, list(found.notes))
-    return builder.build({**found.choices, **_named(named)}, depth, tile)
+        choices: dict[str, Choice] = {}
+    else:
+        found = _find(path, reading, given)
+        builder = _Builder(reading, found.name, list(found.notes))
+        choices = {kind: each for kind, each in found.choices.items() if kind not in drawn}
+    builder.add_samples(drawn)
+    return builder.build({**choices, **_named(named)}, depth, tile)
 
 
-def _find(path: PathLike | None, reading: Reading, named: dict[str, Path]) -> Found:
+def _find(path: PathLike | None, reading: Reading, named: dict[str, str]) -> Found:
     if path is None:
-        return Found(next(iter(named.values())).stem, {}, ())
+        return Found(Path(next(iter(named.values())).removeprefix(SAMPLE)).stem, {}, ())
     green = None if reading.normal_convention == "auto" else reading.normal_convention
     return search(Path(path), green, frozenset(named))
 
@@ -180,6 +173,15 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
+    def add_samples(self, drawn: dict[str, str]) -> None:
+        """Maps that are those of samples, each `sample:NAME`."""
+        for kind, name in drawn.items():
+            each = getattr(sample(name.removeprefix(SAMPLE)), kind)
+            if each is None:
+                raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
+            self.maps[kind] = each
+            self.note(f"{kind} from {name}", "asked for")
+
     def add_color(self, kind: str, choice: Choice) -> None:
         pixels = channels.three_channels(self.picture(choice))
         encoded = pixels.dtype != np.float32
@@ -206,17 +208,31 @@ class _Builder:
         self.note(f"{kind} from {source}", why)
 
     def add_normal(self, choice: Choice) -> None:
-        pixels = channels.normals(self.picture(choice), self.reading.normal_packing)
+        packing = self.packing(choice)
+        pixels = channels.normals(self.picture(choice), packing)
         self.maps["normal"] = Map(pixels, False, choice.path.name)
-        packing = self.reading.normal_packing
         why = "x, y, z as stored" if packing == "rgb" else f"x, y from {packing.upper()}, z rebuilt"
         self.note(f"normal from {choice.path.name}", why)
+
+    def packing(self, choice: Choice) -> NormalPacking:
+        """How this picture's normals are stored."""
+        wanted = self.reading.normal_packing
+        if wanted != "ag_or_rgb":
+            return wanted
+        return "ag" if self.alpha_varies(choice) else "rgb"
+
+    def alpha_varies(self, choice: Choice) -> bool:
+        alpha = self.picture(choice).alpha
+        return alpha is not None and not channels.constant(alpha)
 
     def add_height(self, choice: Choice) -> None:
         picture = self.picture(choice)
         wanted = self.reading.height_channel
         channel: str
-        if wanted != "auto":
+        if wanted == "a_or_r":
+            channel = "a" if self.alpha_varies(choice) else "r"
+            why = "its alpha varies" if channel == "a" else "its alpha holds nothing"
+        elif wanted != "auto":
             channel, why = wanted, "asked for"
         elif choice.part.channel:
             channel, why = choice.part.channel, "the name says that it is packed"
@@ -232,7 +248,8 @@ class _Builder:
 
     def take_alphas(self, choices: dict[str, Choice]) -> None:
         """Heights in the alpha of the normal map, opacity in that of the base colour."""
-        if self.reading.normal_packing != "ag":
+        carrier = choices.get("normal")
+        if carrier is None or self.packing(carrier) != "ag":
             self.take_alpha("height", "normal", choices)
         self.take_alpha("opacity", "base_color", choices)
 
