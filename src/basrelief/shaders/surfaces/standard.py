@@ -273,11 +273,13 @@ def with_details(
     tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
     finer = mirrored_with(layer_normal_of(layer_normal, over), places.layer)
     leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * finish.layer_normal)
+    # of unit length again: what leans less is also flatter, and where nothing leans it is level
+    over_it = normalize(Vec3(leaning, finer.z))
     below = surface.normal
     return Surface(
         base_color=surface.base_color * tint,
         opacity=surface.opacity,
-        normal=normalize(Vec3(below.xy + leaning, below.z * finer.z)),
+        normal=normalize(Vec3(below.xy + over_it.xy, below.z * over_it.z)),
         occlusion=surface.occlusion,
         roughness=surface.roughness,
         metallic=surface.metallic,
