@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from agreement import assert_engines_agree
-from made_up import drawn, on_plane, plain
 
+from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, turned
 from basrelief.shaders.lighting import Shading
+from made_up import drawn, on_plane, plain
 
 AIR = {
     "fog_color": (0.2, 0.5, 0.9),

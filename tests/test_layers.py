@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from agreement import assert_engines_agree
-from made_up import bilinear, drawn, map_of, on_plane, plain, unit
 
+from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering import Frame, program_of
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shaders.lighting import Shading
+from made_up import bilinear, drawn, map_of, on_plane, plain, unit
 
 HEIGHT, SCALE = 0.25, 0.3
 GREY = 0.214041

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from agreement import assert_engines_agree
 from hypothesis import given
 from hypothesis import strategies as st
-from made_up import drawn, map_of, plain
 
+from agreement import assert_engines_agree
 from basrelief.lang import Vec3
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
@@ -16,6 +15,7 @@ from basrelief.rendering import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shaders.lighting import Shading, ShadingPoint
 from basrelief.shaders.pixel import open_from_above
+from made_up import drawn, map_of, plain
 
 UNITS = st.floats(0.0, 1.0, width=32)
 

@@ -212,7 +212,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
     bindings = {
         **_bindings_of(thing),
         relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
-        relief.depth_seen: relief.as_deep if thing.fade is None else relief.fading,
+        relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
         shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
         lighting.reflectance: getattr(lighting, scene.shading_model),
         cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
@@ -229,7 +229,8 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    bindings = _bindings_of(thing)
+    # a relief that fades does so with the distance from the camera, not from a light
+    bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
     if thing.casts == "opaque":
         bindings[standard.opacity_of] = standard.opaque
     return Program(pixel.reach, bindings, _map_edge(thing))
@@ -245,6 +246,8 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
         edge.in_tile: getattr(edge, _map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
+        # whole, as for a light; what is seen may fade
+        relief.depth_seen: relief.as_deep,
         relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
         relief.slope_of: relief.of_heights if three else relief.unasked,
         height.surface_height: height.smooth if smooth else height.sharp,
@@ -332,9 +335,9 @@ def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
         others = [each for index, each in enumerate(whose) if index != own and each is not None]
         nearest = functools.reduce(np.minimum, others, np.full((1, 1), FAR_AWAY, np.float32))
         stack = np.broadcast_to(nearest, (max(len(views), 1) * side, side))
-        found.append(
-            {"distances": HeightField([stack], "clamp"), "views": Buffer(listed, CastView)}
-        )
+        # a program's maps have one edge; nothing beyond this one's is read
+        beyond = _map_edge(scene.objects[own])
+        found.append({"distances": HeightField([stack], beyond), "views": Buffer(listed, CastView)})
     return found
 
 

@@ -71,7 +71,8 @@ def as_deep(depth: Depth, distance: float) -> Depth:
 def fading(depth: Depth, distance: float) -> Depth:
     """Shallower with distance, to plain normal mapping, where nothing is read any more."""
     span = max(depth.fade_far - depth.fade_near, 1e-6)
-    left = saturate((depth.fade_far - distance) / span)
+    # not (far − distance): from that, Mesa 22.3's software driver makes a program that crashes
+    left = 1.0 - saturate((distance - depth.fade_near) / span)
     return Depth(depth.scale * left, depth.level, depth.bias, depth.fade_near, depth.fade_far)
 
 
