@@ -65,7 +65,7 @@ def test_on_a_ramp_the_colour_is_read_by_height(axis: int, scale: float, tiling)
     held = [np.clip(place, 0.0, 1.0) for place in (
         uv,
         np.stack([deep, uv[..., 1]], -1),
-        np.stack([uv[..., 0], -deep * aspect], -1),
+        np.stack([uv[..., 0], 1.0 - deep * aspect], -1),
     )]  # fmt: skip
     planar, beside, above = (bilinear(COLORS, place, "clamp") for place in held)
     # within the ramp, whose ends are level

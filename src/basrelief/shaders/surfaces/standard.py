@@ -93,7 +93,8 @@ def triplanar_base_color(map: Texture, spot: Spot) -> Vec4:
     weight = squared * squared
     # the height runs along u on slopes that face along u, along v on the others
     beside = Vec2(spot.deep, spot.uv.y)
-    above = Vec2(spot.uv.x, -spot.deep * spot.aspect)
+    # from the tile's lower edge up, so that it is within the tile where tiles do not repeat
+    above = Vec2(spot.uv.x, 1.0 - spot.deep * spot.aspect)
     total = trilinear(map, spot.uv, spot.footprint) * weight.z
     total = total + trilinear(map, beside, spot.footprint) * weight.x
     total = total + trilinear(map, above, spot.footprint) * weight.y
