@@ -242,6 +242,19 @@ def test_the_views_of_a_light_see_all_that_it_lights(light: Light, side: int) ->
         assert any(seen), place
 
 
+@pytest.mark.parametrize("side", [16, 1024])
+def test_what_reaches_furthest_is_seen_too(side: int) -> None:
+    """The ends of a long bar along a side of the depth map."""
+    bar = Object(plain(), shape="box", transform=placed(scale=(4.0, 0.1, 0.1)))
+    small = Object(plain(), shape="box", transform=placed(scale=0.1))
+    scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map=side)
+    (view,) = light_views(scene)
+    for place in bar.outline():
+        at = seen_from(view.camera, vector(place))
+        assert min(at.x, at.y) >= 0.5
+        assert max(at.x, at.y) < side - 0.5
+
+
 def vector(values):
     from basrelief.lang import Vec3
 

@@ -1,4 +1,4 @@
-"""Cut-outs: opacity read where the offset ends, what shows through, and the light that falls through.
+"""Cut-outs: opacity read where the offset ends, what shows through, what light falls through.
 
 The relief is a plane of one height, so that the places are known in float64.
 """
@@ -109,7 +109,7 @@ def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
 
 
 def under_roof(met: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the light's way from a point of the floor passes the roof: within it, and its opacity."""
+    """Where the light's way from a point of the floor passes the roof, and its opacity there."""
     with np.errstate(invalid="ignore"):
         uv = np.stack([0.5 + met[..., 0] + RAISED, 0.5 + met[..., 2]], -1)
         inside = np.abs(uv - 0.5).max(-1)

@@ -96,7 +96,7 @@ def test_shadows_fade_too() -> None:
 
 
 def test_the_cost_falls_with_distance() -> None:
-    """G10: with the part of the picture that is covered, and to nothing where the relief is gone."""
+    """G10: with the part of the picture that is covered; to nothing where the relief is gone."""
     thing = Object(sample("bricks", 32), technique="steep", settings={"steps": 10}, fade=(3.0, 5.0))
     costs, covered = [], []
     for distance in (1.5, 2.9, 4.2, 7.0):

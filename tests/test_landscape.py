@@ -55,7 +55,7 @@ RAYS = st.tuples(st.floats(0.0, 1.4), st.floats(-3.1, 3.1), st.sampled_from([0.1
 
 @given(RAYS, st.sampled_from([0.01, 0.05]), st.integers(1, 60))
 def test_steps_are_of_one_length_along_the_ray(ray, step: float, steps: int) -> None:
-    """L1: places one step apart, along the unit direction, from the top; no more than are allowed."""
+    """L1: places one step apart, along the unit direction, from the top; `steps` at most."""
     ray = view_ray(*ray)
     hit, places = traced(lambda u, v: -100.0, ray, FixedLength(steps, step))
     assert len(places) == hit.reads == steps

@@ -229,8 +229,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    # a relief that fades does so with the distance from the camera, not from a light
-    bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
+    bindings = _bindings_of(thing)
     if thing.casts == "opaque":
         bindings[standard.opacity_of] = standard.opaque
     return Program(pixel.reach, bindings, _map_edge(thing))
@@ -335,9 +334,9 @@ def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
         others = [each for index, each in enumerate(whose) if index != own and each is not None]
         nearest = functools.reduce(np.minimum, others, np.full((1, 1), FAR_AWAY, np.float32))
         stack = np.broadcast_to(nearest, (max(len(views), 1) * side, side))
-        # a program's maps have one edge; nothing beyond this one's is read
-        beyond = _map_edge(scene.objects[own])
-        found.append({"distances": HeightField([stack], beyond), "views": Buffer(listed, CastView)})
+        # a program has one edge for all its maps; depth maps are read within theirs alone
+        distances = HeightField([stack], _map_edge(scene.objects[own]))
+        found.append({"distances": distances, "views": Buffer(listed, CastView)})
     return found
 
 
