@@ -14,6 +14,7 @@ from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import pyramids
 from basrelief.shaders import edge
+from basrelief.shaders.height import sharp, surface_height
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques.march import March, parallax_occlusion
 
@@ -22,6 +23,7 @@ STEPS = 32
 MOST = 1.05
 DISPATCHES = 8
 RUNS = 15
+BINDINGS = {edge.in_tile: edge.wrap, surface_height: sharp}
 HERE = Path(__file__).parent
 
 
@@ -100,7 +102,7 @@ def main() -> None:
     engine = GpuEngine()
     print(f"{engine.device}, {SIZE[0]} × {SIZE[1]}, {STEPS} steps, 1024² map, ms a dispatch")
     for sample in ("bricks", "gravel", "terrain"):
-        program, given = Program(kernel, {edge.in_tile: edge.wrap}), values(sample, SIZE)
+        program, given = Program(kernel, BINDINGS), values(sample, SIZE)
         with engine.prepare(program, given, SIZE) as generated:
             by_hand = engine.prepare_text(
                 (HERE / "kernel_by_hand.wgsl").read_text(), program, given, SIZE

@@ -31,7 +31,7 @@ def plane_scene(maps: int = 1024) -> basrelief.Scene:
 def work(scene: basrelief.Scene, size: tuple[int, int]):  # type: ignore[no-untyped-def]
     """The program of the scene's first object, and its values."""
     thing = scene.objects[0]
-    return program_of(thing, scene.shading_model), values_of(thing, scene, size)
+    return program_of(thing, scene), values_of(thing, scene, size)
 
 
 def alternate(

@@ -218,7 +218,7 @@ def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("nowhere/a.png", "nowhere/a.png: the folder nowhere does not exist; make it first"),
         ("old.png/a.png", "old.png/a.png: the folder old.png does not exist; make it first"),
-        ("a.gif", "a.gif: the suffix .gif names no known format; use one of .png .jpg"),
+        ("a.bmp", "a.bmp: the suffix .bmp names no known format; use one of .png .jpg"),
         ("a", "a: a name without suffix names no known format; use one of .png .jpg"),
         ("../out", "../out: a name without suffix"),
         ("folder.png", "folder.png: is a folder; name a file"),

@@ -40,6 +40,7 @@ def test_contracts_hold(copy: Path) -> None:
         ("engine/planted.py", "from basrelief import picture", "Imports point one way"),
         ("material/planted.py", "import wgpu", "Only engine.gpu imports wgpu"),
         ("lang/planted.py", "import wgpu.utils", "Only engine.gpu imports wgpu"),
+        ("material/planted.py", "import av.filter", "Only film imports av"),
         ("lang/planted.py", "import llvmlite", "Only engine.cpu imports llvmlite"),
         ("planted.py", "", "Imports point one way"),
     ],

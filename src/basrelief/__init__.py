@@ -16,8 +16,10 @@ from basrelief.errors import BasreliefError, EngineError, InputError
 
 if TYPE_CHECKING:
     from basrelief.engine import choose_engine
+    from basrelief.film import frames, write_film
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
+    from basrelief.motion import Lighting, Orbiting, Scrolling
     from basrelief.rendering import Frame, Image, render
     from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
     from basrelief.scene import turned as turned
@@ -27,8 +29,10 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "basrelief.engine": ("choose_engine",),
+    "basrelief.film": ("frames", "write_film"),
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
+    "basrelief.motion": ("Lighting", "Orbiting", "Scrolling"),
     "basrelief.rendering": ("Frame", "Image", "render"),
     "basrelief.scene": (
         "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
@@ -41,9 +45,10 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image", "InputError",
-    "Light", "LookAt", "Map", "Material", "Object", "Orbit", "Ray", "Scene", "Shading",
-    "__version__", "choose_engine", "directional", "load", "placed", "point", "render", "sample",
-    "setting", "shader", "spot", "struct", "technique", "turned",
+    "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Orbit", "Orbiting", "Ray", "Scene",
+    "Scrolling", "Shading", "__version__", "choose_engine", "directional", "frames", "load",
+    "placed", "point", "render", "sample", "setting", "shader", "spot", "struct", "technique",
+    "turned", "write_film",
 ]  # fmt: skip
 
 

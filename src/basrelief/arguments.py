@@ -14,6 +14,7 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.material import Material
+from basrelief.motion import MOTIONS, Motion, Orbiting
 from basrelief.scene import (
     LookAt,
     Object,
@@ -120,6 +121,24 @@ def light_from(text: str) -> Light:
     if made is None:
         raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
+
+
+def motions_from(texts: Sequence[str], frames: int) -> tuple[Motion, ...]:
+    """Motions from "orbit" or "scroll,u=0.1,v=0.2"; without any a film goes round its object."""
+    if frames == 1:
+        if texts:
+            raise InputError(f"--motion {texts[0]}: one picture does not move; add --frames 120")
+        return ()
+    return tuple(_motion_from(text) for text in texts) or (Orbiting(),)
+
+
+def _motion_from(text: str) -> Motion:
+    name, *parts = text.split(",")
+    kind = MOTIONS.get(name.strip())
+    if kind is None:
+        raise InputError(f"--motion {text}: begin with {', '.join(MOTIONS)}")
+    made: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
+    return made
 
 
 def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dict[str, Any]:

@@ -245,10 +245,19 @@ def render(
         str | None, typer.Option(help="A linear colour as 0.1,0.1,0.1, or none.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The picture: png, jpg, webp, exr …")
+        Path | None,
+        typer.Option("-o", "--output", help="The picture: png, jpg, webp, exr …, or mp4, gif."),
     ] = None,
     bits: Annotated[int | None, typer.Option(help="Bits a channel: 8, or 16 for PNG.")] = None,
-    quality: Annotated[int, typer.Option(min=1, max=100, help="Of a JPEG or WebP picture.")] = 95,
+    quality: Annotated[int, typer.Option(min=1, max=100, help="Of JPEG, WebP and MP4.")] = 95,
+    frames: Annotated[
+        int, typer.Option(help="How many pictures: above 1 a film (mp4, gif, webp), or numbered.")
+    ] = 1,
+    fps: Annotated[float, typer.Option(help="Pictures a second in a film.")] = 30.0,
+    motion: Annotated[
+        list[str] | None,
+        typer.Option(help="orbit · light · scroll,u=0.25,v=0: what moves in a film; repeat."),
+    ] = None,
     depth: DepthOption = None,
     tile: TileOption = None,
     normal_convention: GreenOption = "auto",
@@ -266,13 +275,12 @@ def render(
     opacity: FileOption = None,
     layer_mask: FileOption = None,
 ) -> None:
-    """Draw a material."""
+    """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
-        from basrelief import arguments
-        from basrelief.picture import check_target
-        from basrelief.rendering import render as draw
+        from basrelief import arguments, film
 
         pixels = arguments.size(size)
+        motions = arguments.motions_from(motion or [], frames)
         arguments.check_lengths(depth, tile, scale)
         material = _loaded(
             path, depth=depth, tile=tile, normal_convention=normal_convention,
@@ -290,14 +298,22 @@ def render(
         drawn_with = scene.objects[0].drawn_with.name
         # a name that `load` knows for one of ours, and takes for no map
         target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
-        check_target(target, bits)
+        film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
-        frame = draw(scene, size=pixels, samples=samples, engine=engine, progress=progress)
-        frame.save(target, bits=bits, quality=quality)
+        drawn = film.frames(
+            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
+            progress=progress,
+        )  # fmt: skip
+        made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
     if material.height is None and technique is None:
         note = f"note: {material.name} has no height map, so it is drawn flat"
         print(note, file=sys.stderr)
-    print(f"{target}  ({frame.engine})")
+    if scene.background is None and target.suffix.lower() == ".mp4":
+        note = "note: MP4 has no transparency, so the film is laid over the usual background"
+        print(note, file=sys.stderr)
+    # the first and the last of many
+    files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
+    print(f"{files}  ({made.engine})")
 
 
 @app.command()

@@ -27,6 +27,8 @@ __all__ = [
     "WRITABLE",
     "Picture",
     "PictureSize",
+    "check_place",
+    "encode_light",
     "encode_png",
     "picture_size",
     "read_picture",
@@ -34,6 +36,7 @@ __all__ = [
     "srgb_encode",
     "write_data",
     "write_picture",
+    "write_whole",
 ]
 
 LOSSY = frozenset({".jfif", ".jp2", ".jpeg", ".jpg", ".webp"})
@@ -278,18 +281,18 @@ def write_picture(
     if not 1 <= quality <= 100:
         raise InputError(f"{path}: quality is 1 to 100, not {quality}")
     linear = linear[:, :, : kind.most_channels]
-    pixels = _encode(linear, bits) if kind.encoded else linear.astype(np.float32)
+    pixels = encode_light(linear, bits) if kind.encoded else linear.astype(np.float32)
     stored = {8: "uint8", 16: "uint16"}[bits] if kind.encoded else {16: "half", 32: "float"}[bits]
     if path.suffix.lower() == ".exr" and pixels.shape[2] == 4:
         pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR's alpha is multiplied in, by its definition
-    _replace(path, lambda partial: _write(partial, pixels, stored, quality))
+    write_whole(path, lambda partial: _write(partial, pixels, stored, quality))
     return path
 
 
 def check_target(path: str | os.PathLike[str], bits: int | None = None) -> None:
     """Raise InputError where `write_picture` would refuse a path: before the work, not after."""
     _checked(Path(path), bits)
-    _check_place(Path(path))
+    check_place(Path(path))
 
 
 def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
@@ -306,7 +309,7 @@ def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
         raise InputError(f"{path}: cannot hold an array of {pixels.dtype}, shape {pixels.shape}")
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: {stored} data is written to {', '.join(suffixes)}")
-    _replace(path, lambda partial: _write(partial, pixels, stored, 100))
+    write_whole(path, lambda partial: _write(partial, pixels, stored, 100))
     return path
 
 
@@ -334,7 +337,7 @@ def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
     return kind, chosen
 
 
-def _encode(linear: NDArray[np.floating], bits: int) -> Pixels:
+def encode_light(linear: NDArray[np.floating], bits: int = 8) -> Pixels:
     """Light to integer codes: colours through the sRGB curve, the alpha straight; NaN is black."""
     most = 2**bits - 1
     light = np.clip(np.nan_to_num(linear, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
@@ -365,7 +368,8 @@ def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
         raise OSError(_first_line(trouble))
 
 
-def _check_place(path: Path) -> None:
+def check_place(path: Path) -> None:
+    """Raise InputError where no file of that name can be made."""
     folder = path.parent
     if not os.path.isdir(folder):
         raise InputError(f"{path}: the folder {folder} does not exist; make it first")
@@ -375,9 +379,12 @@ def _check_place(path: Path) -> None:
         raise InputError(f"{path}: the folder {folder} cannot be written; choose another place")
 
 
-def _replace(path: Path, write: Callable[[Path], None]) -> None:
-    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole."""
-    _check_place(path)
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole.
+
+    Raises InputError where the place, or an OSError of `write`, does not let it.
+    """
+    check_place(path)
     partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
     try:
         write(partial)

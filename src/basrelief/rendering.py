@@ -141,7 +141,7 @@ def render(
     `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what` does not fix them.
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
-    scene = _scene_of(what, options)
+    scene = scene_of(what, options)
     width, height = _checked_size(size)
     if width * height > _MOST_PIXELS:
         raise InputError(
@@ -165,7 +165,11 @@ def _checked_size(size: Any) -> tuple[int, int]:
     return width, height
 
 
-def _scene_of(what: Any, options: dict[str, Any]) -> Scene:
+def scene_of(what: Any, options: dict[str, Any]) -> Scene:
+    """The scene that `render` draws for what it is given; uses the options up.
+
+    Raises InputError for an option that there is not, or that `what` already says.
+    """
     if isinstance(what, str | Path):
         what = load(what)
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
@@ -242,7 +246,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
-        edge.in_tile: getattr(edge, _map_edge(thing)),
+        **edges_of(_map_edge(thing)),
         pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
         # whole, as for a light; what is seen may fade
@@ -271,8 +275,19 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     return bindings
 
 
+def edges_of(beyond: Edge) -> dict[Any, Any]:
+    """What lies beyond a map, for coordinates and for cells."""
+    return {
+        edge.in_tile: getattr(edge, beyond),
+        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
+        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
+    }
+
+
 def _map_edge(thing: Object) -> Edge:
-    repeats = thing.edge == "clip" and (max(map(abs, thing.tiles)) > 1.0 or any(thing.shift))
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
@@ -283,6 +298,7 @@ def _maps(thing: Object) -> dict[str, Any]:
     over = thing.layer and thing.layer.material
     return {
         "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
+        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
         "base_color": pyramids.base_color(material, beyond),
         "normal": pyramids.normal(material, beyond, thing.relief_scale),
         "response": pyramids.response(material, beyond),

@@ -19,7 +19,7 @@ import numpy as np
 from basrelief.lang import tree
 from basrelief.lang.intrinsics import BY_FUNCTION
 from basrelief.lang.resources import buffer_record, is_handle
-from basrelief.lang.shader import Shader
+from basrelief.lang.shader import Shader, taken_parameters
 from basrelief.lang.types import SCALARS, VECTORS, ShaderError, TypeSlot, fields_of, is_record
 from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
@@ -122,8 +122,10 @@ def bound_types(bindings: Bindings) -> dict[type, Any]:
     for slot, shader in bindings.items():
         wanted, wanted_result = slot.signature
         given, given_result = shader.signature
-        pairs = [*zip(wanted.values(), given.values(), strict=False), (wanted_result, given_result)]
-        fits = len(wanted) == len(given)
+        taken = taken_parameters(slot, shader)
+        offered = [wanted[name] for name in taken or ()]
+        pairs = [*zip(offered, given.values(), strict=False), (wanted_result, given_result)]
+        fits = taken is not None
         for w, g in pairs:
             if isinstance(w, type) and issubclass(w, TypeSlot) and g is not w:
                 fits = fits and found.setdefault(w, g) is g
@@ -583,11 +585,13 @@ class _FunctionAnalysis:
         function = self.program.function(target)
         parameters, _ = target.signature
         given = self.arguments(node, list(parameters))
-        resolved = list(self.program.resolve(target).signature[0])
-        arguments: list[tree.Expression] = []
-        for name, inner in zip(parameters, resolved, strict=True):
+        for name in parameters:
             if name not in given:
                 raise self.source.error(node, f"{target.name} also takes {name}")
+        resolved = self.program.resolve(target)
+        taken = taken_parameters(target, resolved) or ()
+        arguments: list[tree.Expression] = []
+        for name, inner in zip(taken, resolved.signature[0], strict=True):
             if inner not in function.parameters:
                 continue  # the callee never reads it
             argument = self.expression(given[name])

@@ -21,7 +21,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 import numpy as np
 
 from basrelief.lang.intrinsics import INTRINSICS
-from basrelief.lang.types import ShaderError, coerce
+from basrelief.lang.types import ShaderError, TypeSlot, coerce, is_record
 
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
@@ -98,7 +98,11 @@ class Shader(Generic[P, R]):
             bound = getattr(_running, "bindings", {}).get(self)
             if bound is None:
                 raise ShaderError(f"the slot {self.name} is not bound; use `with bound({{...}})`")
-            return bound(*args, **kwargs)
+            taken = taken_parameters(self, bound)
+            if taken is None or len(taken) == len(self.signature[0]):
+                return bound(*args, **kwargs)
+            named = inspect.signature(self.function).bind(*args, **kwargs).arguments
+            return bound(*(named[name] for name in taken))
         if getattr(_running, "inside", False):
             return self._plain(*args, **kwargs)
         given = inspect.signature(self.function).bind(*args, **kwargs)
@@ -121,6 +125,34 @@ def shader(function: Callable[P, R]) -> Shader[P, R]:
 def slot(function: Callable[P, R]) -> Shader[P, R]:
     """Declare a shader whose body is chosen when a program is made; the body here is `...`."""
     return Shader(function, is_slot=True)
+
+
+@functools.lru_cache(maxsize=1024)
+def taken_parameters(slot: Shader[..., Any], shader: Shader[..., Any]) -> tuple[str, ...] | None:
+    """The parameters of a slot that a shader bound to it takes, in order; None where it cannot fit.
+
+    They are matched by type, and some may be left out. A type slot stands for any record.
+    """
+    offered = iter(slot.signature[0].items())
+    taken = []
+    for wanted in shader.signature[0].values():
+        name = next((name for name, t in offered if _stands_for(t, wanted)), None)
+        if name is None:
+            return None
+        taken.append(name)
+    # nothing but the shader says what a type slot is
+    left_out = set(slot.signature[0]) - set(taken)
+    if any(_is_type_slot(slot.signature[0][name]) for name in left_out):
+        return None
+    return tuple(taken)
+
+
+def _stands_for(offered: Any, wanted: Any) -> bool:
+    return offered == wanted or (_is_type_slot(offered) and is_record(wanted))
+
+
+def _is_type_slot(t: Any) -> bool:
+    return isinstance(t, type) and issubclass(t, TypeSlot)
 
 
 @contextlib.contextmanager

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief import bake
 from basrelief.lang.resources import Edge, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.picture import srgb_decode
@@ -35,6 +36,19 @@ def height_field(material: Material, edge: Edge) -> HeightField | None:
         return HeightField(levels, edge)
 
     return _once(height, ("heights", edge), make)
+
+
+def baked(material: Material, edge: Edge, what: str | None) -> Texture | None:
+    """What a technique has baked from the heights, None where it needs nothing."""
+    height = material.height
+    if height is None or what is None:
+        return None
+    make = getattr(bake, what)
+
+    def once() -> Texture:
+        return Texture([make(np.ascontiguousarray(height.linear()[:, :, 0]), edge)], edge)
+
+    return _once(height, ("baked", what, edge), once)
 
 
 def base_color(material: Material, edge: Edge) -> Texture | None:

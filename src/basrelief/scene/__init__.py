@@ -8,11 +8,12 @@ Angles are in degrees, colours linear Rec. 709, the world is right-handed with y
 from basrelief.scene.checks import checked_record
 from basrelief.scene.lights import directional, point, spot
 from basrelief.scene.objects import SHAPES, SURFACES, Layer, Object, Tiling, technique_named
-from basrelief.scene.scene import Scene
+from basrelief.scene.scene import BACKGROUND, Scene
 from basrelief.scene.transforms import LYING, placed, turned
 from basrelief.scene.views import LookAt, Orbit
 
 __all__ = [
-    "LYING", "SHAPES", "SURFACES", "Layer", "LookAt", "Object", "Orbit", "Scene", "Tiling",
-    "checked_record", "directional", "placed", "point", "spot", "technique_named", "turned",
+    "BACKGROUND", "LYING", "SHAPES", "SURFACES", "Layer", "LookAt", "Object", "Orbit", "Scene",
+    "Tiling", "checked_record", "directional", "placed", "point", "spot", "technique_named",
+    "turned",
 ]  # fmt: skip

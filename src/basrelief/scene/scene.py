@@ -18,6 +18,9 @@ from basrelief.shaders.fog import Fog
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
 
+BACKGROUND = (0.05, 0.055, 0.065)
+"""What is behind the objects unless a scene says otherwise: a dark grey, linear."""
+
 
 def _default_lights() -> tuple[Light, ...]:
     return (
@@ -54,7 +57,7 @@ class Scene:
     occlusion: Literal["ambient", "directional"] = "ambient"
     fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
     air: Any = field(default_factory=dict)
-    background: tuple[float, float, float] | None = (0.05, 0.055, 0.065)
+    background: tuple[float, float, float] | None = BACKGROUND
 
     def __post_init__(self) -> None:
         one_of("shading_model", self.shading_model, ("ggx", "phong"))

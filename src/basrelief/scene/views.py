@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,6 +57,27 @@ class Orbit:
         ]
         return replace(self, distance=float(np.max(needed)))
 
+    def framing_all_round(self, points: NDArray[np.float64], size: tuple[int, int]) -> Orbit:
+        """The same camera as near as shows all of the points, (n, 3), from every azimuth.
+
+        The distance is the largest that `framing` finds on the way round, worked out, not searched.
+        """
+        offsets = points - np.array(self.target, np.float64)
+        away, above = np.hypot(offsets[:, 0], offsets[:, 2]), offsets[:, 1]
+        s, c = math.sin(math.radians(self.elevation)), math.cos(math.radians(self.elevation))
+        # as the camera goes round, a point comes nearer by away · c · cos x, goes across the
+        # picture by away · sin x and along it by above · c − away · s · cos x
+        if self.orthographic_height is not None:
+            return replace(self, distance=float((away * abs(c) + above * s).max()) + 1.0)
+        tangent = math.tan(math.radians(self.field_of_view) / 2.0) * FILLED
+        across = np.hypot(c, size[1] / size[0] / tangent) * away + above * s
+        # convex in cos x, so largest at one of its ends
+        along = [
+            turn * away * c + above * s + np.abs(above * c - turn * away * s) / tangent
+            for turn in (-1.0, 1.0)
+        ]
+        return replace(self, distance=float(np.max([across, *along])))
+
 
 @dataclass(frozen=True)
 class LookAt:
@@ -71,10 +93,14 @@ class LookAt:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
         _in_reach(*self.position, *self.target)
+        return look(self.position, self.target, self.upright, size=size, **lens)
+
+    @property
+    def upright(self) -> tuple[float, float, float]:
+        """The direction of the world that points upwards in the picture: `up` where it can be."""
         along_y = self.position[0] == self.target[0] and self.position[2] == self.target[2]
         # straight up or down no other y would do: the picture's top is then where −z is
-        up = (0.0, 0.0, -1.0) if along_y and self.up == (0.0, 1.0, 0.0) else self.up
-        return look(self.position, self.target, up, size=size, **lens)
+        return (0.0, 0.0, -1.0) if along_y and self.up == (0.0, 1.0, 0.0) else self.up
 
 
 def _in_reach(*numbers: float) -> None:

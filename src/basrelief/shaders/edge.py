@@ -24,3 +24,40 @@ def wrap(uv: Vec2) -> Vec2:
 def clamp(uv: Vec2) -> Vec2:
     """The border goes on for ever."""
     return saturate(uv)
+
+
+# --- the same for cells, which lie between texel centres ------------------------------------------
+
+
+@slot
+def cell_in_map(cell: int, count: int) -> int:
+    """A cell along one axis as a map of so many texels has it, from −1 to count − 1."""
+
+
+@shader
+def wrap_cell(cell: int, count: int) -> int:
+    """The same cell of the one tile."""
+    return cell % count
+
+
+@shader
+def clamp_cell(cell: int, count: int) -> int:
+    """The cells beyond the border are all alike."""
+    return min(max(cell, -1), count - 1)
+
+
+@slot
+def cell_is_baked(cell: int, count: int) -> bool:
+    """Whether what is baked for a cell of the map is true of this one, its slopes too."""
+
+
+@shader
+def wrap_baked(cell: int, count: int) -> bool:
+    """All tiles are alike."""
+    return True
+
+
+@shader
+def clamp_baked(cell: int, count: int) -> bool:
+    """Beyond the border the heights no longer change."""
+    return cell >= 0 and cell < count

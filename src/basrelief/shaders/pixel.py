@@ -74,6 +74,7 @@ def pixel(
     shadowing: Shadowing,
     fog: Fog,
     field: HeightField,
+    baked: Texture,
     base_color: Texture,
     normal: Texture,
     response: Texture,
@@ -89,7 +90,7 @@ def pixel(
     met = meet(ray, placement)
     if not met.point.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
-    moved = displaced(field, met, depth, smoothing, settings)
+    moved = displaced(field, baked, met, depth, smoothing, settings)
     distance = met.point.distance + moved.further
     if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
@@ -138,6 +139,7 @@ def reach(
     finish: SurfaceSettings,
     places: MapPlaces,
     field: HeightField,
+    baked: Texture,
     base_color: Texture,
     normal: Texture,
     response: Texture,
@@ -150,7 +152,7 @@ def reach(
     met = meet(ray, placement)
     if not met.point.found:
         return Reach(0.0, False)
-    moved = displaced(field, met, depth, smoothing, settings)
+    moved = displaced(field, baked, met, depth, smoothing, settings)
     distance = met.point.distance + moved.further
     if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
         return Reach(0.0, False)

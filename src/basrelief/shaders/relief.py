@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from basrelief.lang import (
     HeightField,
+    Texture,
     Vec2,
     Vec3,
     clamp,
@@ -101,28 +102,36 @@ def as_the_pixel_sees(field: HeightField, footprint: Footprint, smoothing: Smoot
 
 @slot
 def displaced(
-    field: HeightField, met: Meeting, depth: Depth, smoothing: Smoothing, settings: Settings
+    field: HeightField,
+    baked: Texture,
+    met: Meeting,
+    depth: Depth,
+    smoothing: Smoothing,
+    settings: Settings,
 ) -> Displaced:
     """Where the ray ends: on the relief, or on the polygon itself."""
 
 
 @shader
 def with_relief(
-    field: HeightField, met: Meeting, depth: Depth, smoothing: Smoothing, settings: Settings
+    field: HeightField,
+    baked: Texture,
+    met: Meeting,
+    depth: Depth,
+    smoothing: Smoothing,
+    settings: Settings,
 ) -> Displaced:
     """As the technique says; with no depth not one height is read."""
     deep = depth_seen(depth, met.point.distance)
     if deep.scale <= 0.0:
         return Displaced(met.point.uv, 0.0, 1.0, True, 0)
     lod = lod_seen(field, met.footprint, smoothing)
-    hit = displace(field, relief_ray(met, deep, lod, smoothing.mip_fade), settings)
+    hit = displace(field, baked, relief_ray(met, deep, lod, smoothing.mip_fade), settings)
     return Displaced(hit.uv, beyond(met, deep, hit), hit.height, hit.found, hit.reads)
 
 
 @shader
-def without_relief(
-    field: HeightField, met: Meeting, depth: Depth, smoothing: Smoothing, settings: Settings
-) -> Displaced:
+def without_relief(met: Meeting, settings: Settings) -> Displaced:
     """On the polygon: a material without heights, or the technique `flat`."""
     return Displaced(met.point.uv, 0.0, 1.0, True, 0)
 

@@ -11,12 +11,14 @@ from collections.abc import Iterator
 
 from basrelief.shaders.height import height_under
 from basrelief.shaders.ray import Hit, Ray, at
+from basrelief.shaders.techniques.exact import exact
 from basrelief.shaders.techniques.march import fixed_length, parallax_occlusion, relief, steep
 from basrelief.shaders.techniques.offset import flat, offset, offset_limited
 from basrelief.shaders.techniques.technique import Nothing, Technique, displace, technique
 
 __all__ = [
-    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "displace", "fixed_length", "flat",
+    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "displace", "exact", "fixed_length",
+    "flat",
     "height_under", "offset", "offset_limited", "parallax_occlusion", "relief", "steep",
     "technique",
 ]  # fmt: skip

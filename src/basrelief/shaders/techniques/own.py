@@ -59,10 +59,10 @@ def _checked(found: Any, file: str, name: str) -> Technique[..., Any]:
         what = "has no" if found is None else "does not mark"
         raise InputError(f"{file}: it {what} {name}; mark a technique with @technique()")
     made = found if isinstance(found, Technique) else Technique(found.function)
-    bound_types({displace: made})
     if not is_record(made.settings):
         raise InputError(
             f"{made.location}: {name}: its settings are no record; make one with @struct, "
             "or take Nothing"
         )
+    bound_types({displace: made})
     return made

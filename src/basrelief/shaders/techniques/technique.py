@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, ParamSpec, TypeVar
 
-from basrelief.lang import HeightField, Shader, TypeSlot, slot, struct
+from basrelief.lang import HeightField, Shader, Texture, TypeSlot, slot, struct
 from basrelief.shaders.ray import Hit, Ray
 
 P = ParamSpec("P")
@@ -31,8 +31,8 @@ class Nothing:
 
 
 @slot
-def displace(field: HeightField, ray: Ray, settings: Settings) -> Hit:
-    """Find where the view ray ends in the height field."""
+def displace(field: HeightField, baked: Texture, ray: Ray, settings: Settings) -> Hit:
+    """Find where the view ray ends in the height field, by what is baked where that is needed."""
 
 
 class Technique(Shader[P, R]):
@@ -43,6 +43,8 @@ class Technique(Shader[P, R]):
     projection: Projection = "full"
     most_reads: int = 0
     """Heights read at most with the default settings, a first idea of the cost."""
+    bake: str | None = None
+    """What has to be baked from the heights for it, by its name in `basrelief.bake`."""
 
     @property
     def settings(self) -> Any:
@@ -52,16 +54,22 @@ class Technique(Shader[P, R]):
 
 
 def technique(
-    *, level: float = 1.0, projection: Projection = "full", most_reads: int = 0
+    *,
+    level: float = 1.0,
+    projection: Projection = "full",
+    most_reads: int = 0,
+    bake: str | None = None,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
     """Mark a shader as a technique; `level` and `projection` are its defaults.
 
-    `most_reads` says how many heights it reads at most with its default settings.
+    `most_reads` says how many heights it reads at most with its default settings, `bake` what is
+    baked for it: such a technique takes `(field, baked, ray, settings)`.
     """
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
         made.level, made.projection, made.most_reads = level, projection, most_reads
+        made.bake = bake
         return made
 
     return mark

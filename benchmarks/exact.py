@@ -1,0 +1,173 @@
+"""The exact technique against parallax occlusion in the same run: nine cases, by timestamps.
+
+    python benchmarks/exact.py                 on a GPU, 1920 × 1080 with a map of 1024²
+    python benchmarks/exact.py --large         3840 × 2160 with a map of 4096²
+    python benchmarks/exact.py --cpu           on the CPU, against 32 steps
+
+Bricks, stones and fractal noise, each seen shallow, steep and grazing; texture coordinates alone.
+Ours must be at most 1.3 times as slow as 64 steps in the geometric mean and 2 in any case; on the
+CPU at most 2 times as slow as 32 steps in the mean.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from typing import Any
+
+import numpy as np
+from scenes import alternate
+
+from basrelief import bake
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
+from basrelief.lang.program import Program
+from basrelief.rendering import edges_of
+from basrelief.shaders.height import sharp, surface_height
+from basrelief.shaders.ray import Ray
+from basrelief.shaders.techniques import Nothing, displace, exact, parallax_occlusion
+from basrelief.shaders.techniques.march import March
+from basrelief.shaders.techniques.technique import Settings
+
+VIEWS = {
+    # scale of the relief, and a direction towards the viewer
+    "shallow": (0.03, Vec3(0.5, 0.3, 1.0)),
+    "steep": (0.1, Vec3(0.5, 0.3, 0.5)),
+    "grazing": (0.1, Vec3(0.5, 0.3, 0.2)),
+}
+
+
+@struct
+class Sight:
+    """A plane seen from a direction that turns a little over the picture."""
+
+    size: Vec2
+    view: Vec3
+    scale: float
+
+
+@struct
+class Found:
+    """Displaced texture coordinates."""
+
+    uv: Vec2
+
+
+@shader
+def kernel(
+    at: IVec2, sight: Sight, settings: Settings, field: HeightField, baked: Texture
+) -> Found:
+    """Displace the texture coordinates of one pixel."""
+    uv = (Vec2(float(at.x), float(at.y)) + 0.5) / sight.size
+    view = normalize(sight.view + Vec3((uv - 0.5) * 0.5, 0.0))
+    fall = view.xy * (-sight.scale / view.z)
+    return Found(displace(field, baked, Ray(uv, fall, 1.0, view.z), settings).uv)
+
+
+def maps(size: int) -> dict[str, np.ndarray]:
+    """Height maps: fractal noise, stones, bricks."""
+    random = np.random.default_rng(0)
+    f = np.fft.fftfreq(size)
+    wave = np.hypot(*np.meshgrid(f, f))
+    wave[0, 0] = 1.0
+    noise = np.fft.fft2(random.standard_normal((size, size))) * wave**-1.6
+    bricks = np.zeros((size, size))
+    row = size // 16
+    for j in range(16):
+        for i in range(8):
+            across = np.arange(
+                i * 2 * row + (j % 2) * row + 2, (i + 1) * 2 * row + (j % 2) * row - 2
+            )
+            bricks[j * row + 2 : (j + 1) * row - 2, across % size] = 0.85 + 0.15 * random.random()
+    return {
+        "fractal": _unit(np.real(np.fft.ifft2(noise))),
+        "stones": _unit(_stones(random.random((900, 2)), size)),
+        "bricks": bricks.astype(np.float32),
+    }
+
+
+def _stones(points: np.ndarray, size: int) -> np.ndarray:
+    """The root of how much further the second nearest point is than the nearest."""
+    near = np.full((2, size, size), 9.0, np.float32)
+    place = (np.arange(size) + 0.5) / size
+    for x, y in points:
+        across, down = (np.abs(place - c) for c in (x, y))
+        across, down = (np.minimum(d, 1.0 - d) for d in (across, down))
+        rows, columns = np.flatnonzero(down < 0.12), np.flatnonzero(across < 0.12)
+        part = np.ix_([0, 1], rows, columns)
+        away = np.hypot(down[rows][:, None], across[columns]).astype(np.float32)
+        held = near[part]
+        near[part] = np.sort(np.concatenate([held, away[None]]), axis=0)[:2]
+    return np.sqrt(np.clip((near[1] - near[0]) * 30.0, 0.0, 1.0))
+
+
+def _unit(values: np.ndarray) -> np.ndarray:
+    return ((values - values.min()) / (values.max() - values.min())).astype(np.float32)
+
+
+def programs(steps: int) -> dict[str, tuple[Program, Any]]:
+    """Each technique's program and settings."""
+    plain = {**edges_of("wrap"), surface_height: sharp}
+    return {
+        "march": (
+            Program(kernel, {displace: parallax_occlusion, **plain}), March(steps, steps),
+        ),
+        "exact": (Program(kernel, {displace: exact, **plain}), Nothing()),
+    }  # fmt: skip
+
+
+def main() -> None:
+    wanted = argparse.ArgumentParser()
+    wanted.add_argument("--large", action="store_true")
+    wanted.add_argument("--cpu", action="store_true")
+    given = wanted.parse_args()
+    size, texels = ((3840, 2160), 4096) if given.large else ((1920, 1080), 1024)
+    steps = 32 if given.cpu else 64
+    engine: Any
+    if given.cpu:
+        from basrelief.engine.cpu import CpuEngine
+
+        engine = CpuEngine()
+    else:
+        from basrelief.engine.gpu import GpuEngine
+
+        engine = GpuEngine()
+    print(f"{engine.device}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
+    ratios = []
+    for name, heights in maps(texels).items():
+        field = HeightField([heights])
+        start = time.perf_counter()
+        baked = Texture([bake.bounds(heights, "wrap")])
+        spent = time.perf_counter() - start
+        each = baked.levels[0].nbytes / heights.size
+        print(f"{name}: bounds in {spent:.2f} s, {each:.1f} bytes a texel")
+        for view, (scale, towards) in VIEWS.items():
+            values = {"sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked}
+            times = timed(engine, programs(steps), values, size)
+            ratios.append(times["exact"] / times["march"])
+            shown = ", ".join(f"{what} {t * 1000:.4f} ms" for what, t in times.items())
+            print(f"  {view:8} {shown}, ratio {ratios[-1]:.2f}")
+    mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
+    print(f"geometric mean {mean:.2f}, worst {max(ratios):.2f}")
+
+
+def timed(
+    engine: Any, made: dict[str, tuple[Program, Any]], values: dict[str, Any], size: tuple[int, int]
+) -> dict[str, float]:
+    """Seconds of each technique, in turn in one run."""
+    every = {name: {**values, "settings": settings} for name, (_, settings) in made.items()}
+    if engine.name == "cpu":
+        return alternate(
+            {n: lambda n=n: engine.run(made[n][0], every[n], size) for n in made}, runs=5
+        )
+    from gpu_kernel import milliseconds
+
+    jobs = {n: engine.prepare(made[n][0], every[n], size) for n in made}
+    found = milliseconds(engine, jobs, size[1])
+    for job in jobs.values():
+        job.__exit__()
+    return {n: t / 1000.0 for n, t in found.items()}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""How wrong a technique is: the exact answer in float64, and errors against it."""
