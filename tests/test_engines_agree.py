@@ -1,9 +1,4 @@
-"""CPU against GPU and against plain Python, and the same bytes from the same scene.
-
-Stated: displaced texture coordinates within 0.05 texel for 99.9 % of the pixels, colours within
-2 ÷ 255 of an encoded picture for 99.5 %. Outlines and the layers of a march are what the rest is
-for: there a last digit decides between two places.
-"""
+"""CPU against GPU and against plain Python, and the same bytes from the same scene."""
 
 from __future__ import annotations
 
@@ -13,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import agreement
+from agreement import ALIKE, steps_apart
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound
 from basrelief.lang.types import leaf_values
 from basrelief.material import Material, sample
-from basrelief.picture import srgb_encode
 from basrelief.rendering import Frame, program_of, render, values_of
 from basrelief.scene import SHAPES, Object, Orbit, Scene, directional, point, spot
 from basrelief.shaders.cast import CastView
@@ -27,10 +23,6 @@ from basrelief.shaders.techniques import TECHNIQUES
 SIZE = (160, 90)
 TEXELS = 128
 RELIEFS = ("bricks", "cobbles", "gravel", "tiles", "terrain")
-CLOSE = 0.05
-"""Texels."""
-ALIKE = 2.0
-"""Steps of 255 in an encoded picture."""
 
 
 @functools.cache
@@ -54,44 +46,8 @@ def drawn(scene: Scene, engine: Any, size: tuple[int, int] = SIZE, samples: int 
     return render(scene, size=size, samples=samples, engine=engine)
 
 
-def texels_apart(one: Frame, other: Frame, both: np.ndarray) -> np.ndarray:
-    """How far apart the displaced coordinates are, in texels; 0 where either hits nothing."""
-    apart = np.abs(one.uv.astype(np.float64) - other.uv).max(axis=-1) * TEXELS
-    return np.where(both, apart, 0.0)
-
-
-def steps_apart(one: Frame, other: Frame) -> np.ndarray:
-    """How far apart the colours of an 8-bit picture are."""
-    codes = [srgb_encode(np.clip(frame.color[:, :, :3], 0.0, 1.0)) * 255 for frame in (one, other)]
-    return np.abs(codes[0] - codes[1]).max(axis=-1)
-
-
-def worst(apart: np.ndarray, one: Frame, other: Frame, unit: str) -> str:
-    """The five worst pixels, for the message of a failure."""
-    lines = []
-    for flat in np.argsort(apart, axis=None)[::-1][:5]:
-        y, x = np.unravel_index(flat, apart.shape)
-        lines.append(
-            f"pixel ({x}, {y}): {apart[y, x]:.4g} {unit} apart; "
-            f"{one.engine}: uv {one.uv[y, x]}, reads {one.reads[y, x]}, color {one.color[y, x]}; "
-            f"{other.engine}: uv {other.uv[y, x]}, reads {other.reads[y, x]}, "
-            f"color {other.color[y, x]}"
-        )
-    return "\n".join(lines)
-
-
 def assert_agree(one: Frame, other: Frame) -> None:
-    both = one.hit & other.hit
-    assert both.mean() > 0.15
-    assert (one.hit != other.hit).mean() <= 0.001
-    apart = texels_apart(one, other, both)
-    share = float((apart[both] <= CLOSE).mean())
-    assert share >= 0.999, f"{share:.4%} within {CLOSE}\n{worst(apart, one, other, 'texels')}"
-    colors = steps_apart(one, other)
-    share = float((colors[both] <= ALIKE).mean())
-    assert share >= 0.995, f"{share:.4%} within {ALIKE}\n{worst(colors, one, other, 'steps')}"
-    depths = np.abs(one.depth[both] - other.depth[both])
-    assert (depths <= 1e-3).mean() >= 0.999
+    agreement.assert_agree(one, other, TEXELS)
 
 
 @pytest.mark.gpu

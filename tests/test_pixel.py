@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -13,7 +12,7 @@ import pytest
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.material import Map, Material, sample
+from basrelief.material import Material, sample
 from basrelief.rendering import Frame, program_of, render
 from basrelief.scene import (
     LookAt,
@@ -27,6 +26,7 @@ from basrelief.scene import (
 )
 from basrelief.shaders.lighting import Shading
 from basrelief.shaders.techniques import TECHNIQUES
+from made_up import map_of, noise, rays, unit
 
 CPU = CpuEngine()
 SIZE = (97, 61)
@@ -36,55 +36,14 @@ DARK = (0.0, 0.0, 0.0)
 # --- the same in float64 --------------------------------------------------------------------------
 
 
-def unit(v) -> np.ndarray:
-    v = np.asarray(v, np.float64)
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
-
-
-def rays(camera: LookAt, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and unit directions through the middles of all pixels, (H, W, 3)."""
-    width, height = size
-    position = np.asarray(camera.position, np.float64)
-    forward = unit(np.asarray(camera.target) - position)
-    right = unit(np.cross(forward, camera.up))
-    up = np.cross(right, forward)
-    x = (np.arange(width) + 0.5 - width / 2) / height
-    y = (height / 2 - np.arange(height) - 0.5) / height
-    across = right * x[None, :, None] + up * y[:, None, None]
-    if camera.orthographic_height is not None:
-        origins = position + across * camera.orthographic_height
-        return origins, np.broadcast_to(forward, origins.shape)
-    tall = 2 * math.tan(math.radians(camera.field_of_view) / 2)
-    directions = unit(forward + across * tall)
-    return np.broadcast_to(position, directions.shape), directions
-
-
 def in_object(matrix: np.ndarray, origins, directions) -> tuple[np.ndarray, np.ndarray]:
     """The same rays in object space; distances along them stay those of the world."""
     inverse = np.linalg.inv(matrix)
     return origins @ inverse[:3, :3].T + inverse[:3, 3], directions @ inverse[:3, :3].T
 
 
-def map_of(values, *, srgb: bool = False) -> Map:
-    values = np.asarray(values, np.float32)
-    return Map(values if values.ndim == 3 else values[:, :, None], srgb, "made up")
-
-
 def heights(values) -> Material:
     return Material("made up", height=map_of(values))
-
-
-def noise(seed: int, shape=(24, 36), channels: int = 3, low=0.2, high=0.9) -> np.ndarray:
-    """Smooth periodic noise: a few waves along each axis."""
-    random = np.random.default_rng(seed)
-    v, u = np.meshgrid(*[(np.arange(n) + 0.5) / n for n in shape], indexing="ij")
-    total = np.zeros((*shape, channels))
-    for _ in range(5):
-        i, j = random.integers(-2, 3, 2)
-        turn = random.random(channels)
-        total += np.cos(2 * np.pi * (i * u + j * v)[:, :, None] + 2 * np.pi * turn)
-    total = (total - total.min()) / (total.max() - total.min())
-    return low + (high - low) * total
 
 
 def drawn(thing: Object, camera: LookAt, size=SIZE, **scene) -> Frame:

@@ -16,6 +16,8 @@ from basrelief.shaders.lighting import DIRECTIONAL, SPOT, Light
 
 _WIDEST = 100.0
 """The widest angle, in degrees, of one depth map; a lamp that needs more has six, all around."""
+_NARROWEST = 0.1
+"""The narrowest, which 32 bits still tell apart: of a lamp that is very far away."""
 _AXES = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], float)
 
 
@@ -30,6 +32,8 @@ class LightView:
 def light_views(scene: Scene) -> list[LightView]:
     """The views from all lights of a scene that between them see all of its objects."""
     center, radius = _ball_around(scene)
+    # seen from the middles of the outer texels, which are the last that are compared
+    radius *= scene.shadow_map / (scene.shadow_map - 2.0)
     side = (scene.shadow_map, scene.shadow_map)
     return [
         LightView(index, camera)
@@ -63,16 +67,18 @@ def _cameras(
     if light.kind == SPOT:
         half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
         if 2.0 * half <= _WIDEST:
-            yield _looking(position, way, side, field_of_view=max(2.0 * half, 0.1))
+            yield _looking(position, way, side, field_of_view=max(2.0 * half, _NARROWEST))
             return
     away = float(np.linalg.norm(center - position))
     half = math.degrees(math.asin(min(1.0, radius / max(away, 1e-9))))
     if 2.0 * half <= _WIDEST and away > radius:
-        yield _looking(position, (center - position) / away, side, field_of_view=2.0 * half)
+        wide = max(2.0 * half, _NARROWEST)
+        yield _looking(position, (center - position) / away, side, field_of_view=wide)
         return
-    # a little more than a right angle, so that neighbours overlap
+    # the middles of the outer texels reach beyond a right angle, so that neighbours overlap
+    around = 2.0 * math.degrees(math.atan(side[0] / (side[0] - 2.0)))
     for axis in _AXES:
-        yield _looking(position, axis, side, field_of_view=90.5)
+        yield _looking(position, axis, side, field_of_view=around)
 
 
 def _looking(

@@ -263,6 +263,7 @@ def open_from_above(point: ShadingPoint, height: float, direction: Vec3, shading
     Light along the normal reaches everything; the flatter it comes, the less reaches what is
     occluded and what is deep. After S. Halliwell, Parallax Offset, 2014, who gives no formula.
     """
-    sheltered = point.occlusion * height
+    # what a march has not met may lie below all heights
+    sheltered = point.occlusion * saturate(height)
     left = mix(sheltered, 1.0, saturate(dot(point.normal, direction)))
     return mix(1.0, left, shading.directional_occlusion)

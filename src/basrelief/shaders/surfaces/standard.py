@@ -93,7 +93,8 @@ def triplanar_base_color(map: Texture, spot: Spot) -> Vec4:
     weight = squared * squared
     # the height runs along u on slopes that face along u, along v on the others
     beside = Vec2(spot.deep, spot.uv.y)
-    above = Vec2(spot.uv.x, -spot.deep * spot.aspect)
+    # from the tile's lower edge up, so that it is within the tile where tiles do not repeat
+    above = Vec2(spot.uv.x, 1.0 - spot.deep * spot.aspect)
     total = trilinear(map, spot.uv, spot.footprint) * weight.z
     total = total + trilinear(map, beside, spot.footprint) * weight.x
     total = total + trilinear(map, above, spot.footprint) * weight.y
@@ -273,11 +274,13 @@ def with_details(
     tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
     finer = mirrored_with(layer_normal_of(layer_normal, over), places.layer)
     leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * finish.layer_normal)
+    # of unit length again: what leans less is also flatter, and where nothing leans it is level
+    over_it = normalize(Vec3(leaning, finer.z))
     below = surface.normal
     return Surface(
         base_color=surface.base_color * tint,
         opacity=surface.opacity,
-        normal=normalize(Vec3(below.xy + leaning, below.z * finer.z)),
+        normal=normalize(Vec3(below.xy + over_it.xy, below.z * over_it.z)),
         occlusion=surface.occlusion,
         roughness=surface.roughness,
         metallic=surface.metallic,
