@@ -13,8 +13,8 @@ from hypothesis import settings as examples
 from hypothesis import strategies as st
 
 from basrelief.errors import InputError
-from basrelief.material import Map, Material
-from basrelief.motion import MOTIONS, Lighting, Moment, Orbiting, Scrolling, moved
+from basrelief.material import Map, Material, hole, sample
+from basrelief.motion import MOTIONS, Lighting, Moment, Opening, Orbiting, Scrolling, moved
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot, turned
 
 SIZE = (64, 36)
@@ -202,6 +202,32 @@ def test_a_film_begins_where_the_picture_is(name: str) -> None:
     assert now.camera == camera
     assert now.objects[0].shift == (0.3, 0.6)
     assert close(now.lights[0].direction, start.lights[0].direction)
+
+
+# --- opening --------------------------------------------------------------------------------------
+
+
+def test_a_hole_opens_and_closes_again() -> None:
+    """L7: whole at the ends of the film, widest in the middle, the same on the way back."""
+    ground = sample("cracks", 32)
+    start = Scene((Object(ground, scale=0.3), Object(BUMPY)))
+    shares = [0.0, 0.2, 0.5, 0.8, 1.0]
+    heights = [Opening()(start, at(share)).objects[0].material.height.linear() for share in shares]
+    assert (heights[0] == 1.0).all()
+    assert (heights[4] == 1.0).all()
+    wanted = hole(ground, sample("dust", 32), 1.0).height.linear()
+    np.testing.assert_array_equal(heights[2], wanted)
+    assert wanted.min() < 0.1
+    np.testing.assert_allclose(heights[1], heights[3], atol=2e-5)
+    assert (heights[1] <= heights[0]).all()
+    assert (heights[2] <= heights[1]).all()
+    assert start.objects[0].material is ground
+    assert Opening()(start, at(0.5)).objects[1] is start.objects[1]
+
+
+def test_a_hole_needs_heights_to_open() -> None:
+    with pytest.raises(InputError, match="needs a height map"):
+        Opening()(Scene((Object(sample("grid", 8)),)), at(0.5))
 
 
 def test_motions_go_together_and_leave_the_scene() -> None:

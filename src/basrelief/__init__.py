@@ -19,10 +19,21 @@ if TYPE_CHECKING:
     from basrelief.film import frames, write_film
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
-    from basrelief.motion import Lighting, Orbiting, Scrolling
+    from basrelief.motion import Lighting, Opening, Orbiting, Scrolling
     from basrelief.presets import PRESETS, Preset, preset
     from basrelief.rendering import Frame, Image, render
-    from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot
+    from basrelief.scene import (
+        Layer,
+        LookAt,
+        Object,
+        Orbit,
+        Scene,
+        Tiling,
+        directional,
+        placed,
+        point,
+        spot,
+    )
     from basrelief.scene import turned as turned
     from basrelief.shaders.lighting import Light, Shading
     from basrelief.shaders.surfaces.standard import Finish
@@ -33,11 +44,12 @@ _HOMES = {
     "basrelief.film": ("frames", "write_film"),
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
-    "basrelief.motion": ("Lighting", "Orbiting", "Scrolling"),
+    "basrelief.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
     "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
     "basrelief.scene": (
-        "LookAt", "Object", "Orbit", "Scene", "directional", "placed", "point", "spot", "turned",
+        "Layer", "LookAt", "Object", "Orbit", "Scene", "Tiling", "directional", "placed", "point",
+        "spot", "turned",
     ),
     "basrelief.shaders.lighting": ("Light", "Shading"),
     "basrelief.shaders.surfaces.standard": ("Finish",),
@@ -47,10 +59,10 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "PRESETS", "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image",
-    "InputError", "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Orbit", "Orbiting",
-    "Preset", "Ray", "Scene", "Scrolling", "Shading", "__version__", "choose_engine", "directional",
-    "frames", "load", "placed", "point", "preset", "render", "sample", "setting", "shader", "spot",
-    "struct", "technique", "turned", "write_film",
+    "InputError", "Layer", "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Opening",
+    "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling", "Shading", "Tiling", "__version__",
+    "choose_engine", "directional", "frames", "load", "placed", "point", "preset", "render",
+    "sample", "setting", "shader", "spot", "struct", "technique", "turned", "write_film",
 ]  # fmt: skip
 
 

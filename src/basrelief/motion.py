@@ -8,6 +8,7 @@ starts from the scene as it was given, never from the moment before: any frame c
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,11 +16,14 @@ from typing import Protocol
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
+from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, turned
 from basrelief.scene.checks import within
 from basrelief.shaders.lighting import DIRECTIONAL, Light
 
-__all__ = ["MOTIONS", "Lighting", "Moment", "Motion", "Orbiting", "Scrolling", "moved"]
+__all__ = [
+    "MOTIONS", "Lighting", "Moment", "Motion", "Opening", "Orbiting", "Scrolling", "moved",
+]  # fmt: skip
 
 _MOST = 1e3
 """Turns of a film, and tiles a second: far beyond what an eye can follow."""
@@ -123,7 +127,30 @@ class Scrolling:
         return replace(scene, objects=tuple(_shifted(thing, along) for thing in scene.objects))
 
 
-MOTIONS = {"orbit": Orbiting, "light": Lighting, "scroll": Scrolling}
+@dataclass(frozen=True)
+class Opening:
+    """A hole opens in the first object, and closes again; its material is the cracked ground.
+
+    `times` in the whole film; a whole number makes a loop. The dust is the sample of that name.
+    After Habrador, Advanced shaders in Unity: Parallax mapping; see `basrelief.material.hole`.
+    """
+
+    times: float = 1.0
+
+    def __post_init__(self) -> None:
+        within("times", self.times, 0.0, _MOST)
+
+    def __call__(self, scene: Scene, now: Moment) -> Scene:
+        """The scene with its hole as wide as it is at that moment."""
+        if not scene.objects or scene.objects[0].material.height is None:
+            raise InputError("a hole that opens: the first object needs a height map")
+        first, *others = scene.objects
+        opening = 0.5 - 0.5 * math.cos(2.0 * math.pi * self.times * now.share)
+        opened = hole(first.material, _dust_for(first.material), opening)
+        return replace(scene, objects=(replace(first, material=opened), *others))
+
+
+MOTIONS = {"orbit": Orbiting, "light": Lighting, "scroll": Scrolling, "opening": Opening}
 """The motions by the names that they have on the command line; their fields are numbers there."""
 
 
@@ -158,6 +185,17 @@ def _light_round(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
         return replace(light, direction=direction)
     position = Vec3(*_round_target([*light.position], camera.target, degrees))
     return replace(light, position=position, direction=direction)
+
+
+def _dust_for(cracks: Material) -> Material:
+    """The dust, as large as the heights of the cracks."""
+    assert cracks.height is not None
+    return _dust(cracks.height.height, cracks.height.width)
+
+
+@functools.lru_cache(maxsize=2)
+def _dust(height: int, width: int) -> Material:
+    return sample("dust", (height, width))
 
 
 def _shifted(thing: Object, along: tuple[float, float]) -> Object:
