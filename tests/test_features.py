@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import pytest
 
+from basrelief.gallery import PAGES
+
 REPOSITORY = Path(__file__).parent.parent
 COUNTS = {"C": 21, "W": 10, "G": 12, "H": 9, "L": 8, "B": 14}
 
@@ -53,8 +55,17 @@ def test_what_works_has_its_test(row: Row) -> None:
     assert tests or row.works == "no", f"{row.id} works, says its row; name the test that holds it"
     missing = [test for test in tests if not has_test(test)]
     assert not missing, f"{row.id} names tests that are not there: {missing}"
-    if row.page:
-        assert (REPOSITORY / "docs" / row.page).is_file(), f"{row.id}: no page {row.page}"
+
+
+@pytest.mark.parametrize("row", rows(), ids=lambda row: row.id)
+def test_pages_show_their_rows(row: Row) -> None:
+    """Each row names the pages of the gallery that show it, all of them, and links to each."""
+    links = re.findall(r"\[([^]]*)\]\(gallery\.md#([^)]*)\)", row.page)
+    assert all(name == anchor for name, anchor in links)
+    showing = [name for name, page in PAGES.items() if row.id in page.rows]
+    assert [name for name, _ in links] == showing
+    headings = (REPOSITORY / "docs" / "gallery.md").read_text().splitlines()
+    assert all(f"### {name}" in headings for name in showing)
 
 
 def test_missing_tests_are_noticed() -> None:

@@ -158,7 +158,7 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     monkeypatch.setattr(pixels, "surface_at", recording)
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
     zero = HeightField([np.zeros((1, 1))])
-    maps = ("emission", "response", "layer_color", "layer_normal")
+    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
     others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
     unread = {**dict.fromkeys(maps, nothing), **others}
     seen = {}

@@ -234,7 +234,7 @@ def test_a_file_that_is_no_text(here: Path) -> None:
 def test_a_signature_that_does_not_fit(old: str, new: str, here: Path) -> None:
     line = told(SINK.replace(old, new))
     assert re.match(rf"(/.*/)?my\.py:{line_of(SINK, '@technique')}: sink\(", line)
-    assert "does not fit the slot displace; its signature is (field: HeightField, ray: Ray," in line
+    assert "does not fit the slot displace; its signature is (field: HeightField, baked:" in line
 
 
 def test_a_parameter_without_a_type(here: Path) -> None:

@@ -487,7 +487,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
     made = scene.objects[0]
     program, values = program_of(made), values_of(made, scene, SIZE)
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    maps = ("emission", "response", "layer_color", "layer_normal")
+    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
     others = {"distances": HeightField([np.zeros((1, 1))]), "views": Buffer((), CastView)}
     unread = {**dict.fromkeys(maps, nothing), **others}
     frame = drawn(scene)

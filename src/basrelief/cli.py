@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `demo`, `info`, `techniques`."""
+"""The command line: `basrelief render`, `demo`, `gallery`, `info`, `techniques`."""
 
 from __future__ import annotations
 
@@ -333,6 +333,35 @@ def demo(
             progress(len(made) / COUNT)
     print("\n".join(map(str, made)))
     print(f"\nThe pictures are in {output}. Next: basrelief render FOLDER --technique relief")
+
+
+@app.command()
+def gallery(
+    output: Annotated[Path, typer.Argument(help="The folder for pages and pictures.")],
+    engine: EngineOption = "auto",
+    size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
+    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
+    only: Annotated[
+        list[str] | None, typer.Option(help="The name of a page to draw; repeat for more.")
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option(help="Pages after catlike, wikibooks, gamedev, halliwell or habrador alone."),
+    ] = None,
+) -> None:
+    """Draw every comparison of the five articles as pages with pictures, settings and costs."""
+    with _Progress("drawing the gallery") as progress:
+        from basrelief import arguments
+        from basrelief.engine import choose_engine
+        from basrelief.gallery.folder import chosen, write
+
+        def heard(what: str, share: float) -> None:
+            progress.task = f"drawing: {what}"
+            progress(share)
+
+        pages, pixels = chosen(only or [], source), arguments.size(size)
+        index = write(output, pages, choose_engine(engine), pixels, samples, heard)
+    print(index)
 
 
 # --- progress ------------------------------------------------------------------------------------

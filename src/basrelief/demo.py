@@ -16,7 +16,9 @@ from basrelief.shaders.techniques import TECHNIQUES
 _SIZE = (640, 360)
 _SAMPLES = 3
 _SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
-COUNT = len(TECHNIQUES) + len(_SHAPES)
+_SHOWN = [name for name, made in TECHNIQUES.items() if made.most_reads < 100]
+"""The techniques that are drawn: all but the slowest."""
+COUNT = len(_SHOWN) + len(_SHAPES)
 """How many pictures there are."""
 
 
@@ -53,7 +55,7 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
 
 
 def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:
-    for name in TECHNIQUES:
+    for name in _SHOWN:
         thing = Object(materials["bricks"], technique=name, scale=0.08)
         yield f"bricks-{name}", Scene((thing,), camera=Orbit(30.0, 28.0))
     for sample_name, shape in _SHAPES:

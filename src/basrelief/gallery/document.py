@@ -1,0 +1,49 @@
+"""docs/gallery.md: what each page is to show, and what it shows."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+from basrelief.gallery import PAGES, SOURCES
+from basrelief.gallery.page import Page
+
+_HEAD = """\
+# The gallery
+
+`basrelief gallery OUT` makes every comparison that the five articles show, as pages with pictures,
+settings and costs. Each page is one file of `src/basrelief/gallery/examples`, an example of the
+library's use from Python; the strips below are the golden pictures that tests compare with, drawn
+small. This text is made from those files by `scripts/goldens`.
+"""
+
+
+def text() -> str:
+    """The whole document, in Markdown."""
+    return "\n".join([_HEAD, *_sections()])
+
+
+def _sections() -> Iterator[str]:
+    for source, title in SOURCES.items():
+        yield f"## After {source}\n\n{title}.\n"
+        for page in PAGES.values():
+            if page.source == source:
+                yield "\n".join(_section(page))
+
+
+def _section(page: Page) -> Iterator[str]:
+    file = Path(inspect.getfile(page.panels)).name
+    yield f"### {page.name}\n"
+    yield _filled(f"**{page.title}.** {page.look}")
+    yield f"![{page.title}](../tests/golden/{page.name}.png)\n"
+    yield _filled(f"*The article:* {page.article}")
+    yield _filled(f"*Here:* {page.ours}")
+    for row, how in page.rows.items():
+        yield textwrap.fill(f"- {row}: {how}", 98, subsequent_indent="  ")
+    yield f"\n[The example](../src/basrelief/gallery/examples/{file})\n"
+
+
+def _filled(paragraph: str) -> str:
+    return textwrap.fill(paragraph, 100, break_on_hyphens=False, break_long_words=False) + "\n"

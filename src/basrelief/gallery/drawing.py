@@ -1,0 +1,69 @@
+"""Drawing the panels of a page, and finding out what each costs."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from basrelief.engine import Engine
+from basrelief.gallery.page import Page, Panel
+from basrelief.rendering import Frame, render
+from basrelief.scene import Scene
+
+FRAMES = 5
+"""How many frames a time is the median of."""
+TEXELS = 512
+"""Texels a side of the samples that pages show."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A panel with its picture and its cost.
+
+    `reads` is how many heights each covered pixel reads, on average; `seconds` the median time of
+    frames of one sample at the picture's size, `headline_seconds` at that of the page's headline.
+    """
+
+    panel: Panel
+    frame: Frame
+    reads: float
+    seconds: float
+    headline_seconds: float | None
+
+
+def drawn(
+    page: Page,
+    size: tuple[int, int],
+    samples: int,
+    engine: Engine,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Iterator[Drawn]:
+    """The panels of a page, one after the other; `progress` hears the share of those drawn."""
+    panels = [*page.panels(TEXELS)]
+    for number, panel in enumerate(panels):
+        frame = render(panel.scene, size=size, samples=samples, engine=engine)
+        headline = _headline_seconds(page, panel.scene, engine)
+        seconds = seconds_of(panel.scene, size, engine)
+        yield Drawn(panel, frame, reads_of(frame), seconds, headline)
+        progress((number + 1) / len(panels))
+
+
+def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:
+    return None if page.headline is None else seconds_of(scene, page.headline.size, engine)
+
+
+def reads_of(frame: Frame) -> float:
+    """The mean number of heights read at the pixels that are covered."""
+    return float(frame.reads[frame.hit].mean()) if frame.hit.any() else 0.0
+
+
+def seconds_of(scene: Scene, size: tuple[int, int], engine: Engine) -> float:
+    """The median time of some frames of one sample, as `render` takes it, after one to warm up."""
+    times = []
+    for _ in range(FRAMES + 1):
+        before = time.perf_counter()
+        render(scene, size=size, samples=1, engine=engine)
+        times.append(time.perf_counter() - before)
+    return statistics.median(times[1:])

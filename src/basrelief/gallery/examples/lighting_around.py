@@ -1,0 +1,56 @@
+"""The maps around the heights, added one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from basrelief import Finish, Map, Material, Object, Orbit, Scene, directional
+from basrelief.gallery.page import Page, Panel, sample
+
+CAMERA = Orbit(azimuth=-25.0, elevation=34.0, distance=1.0, field_of_view=38.0)
+STRONG = Finish(normal_strength=2.0)
+LIGHTS = (directional(150.0, 35.0, intensity=2.0), directional(-60.0, 40.0, intensity=1.0))
+
+
+def glowing(material: Material) -> Material:
+    """The material with light in its copper."""
+    assert material.metallic is not None
+    copper = material.metallic.pixels[:, :, 0] > 127
+    glow = np.where(copper[:, :, None], [255, 120, 20], 0).astype(np.uint8)
+    return replace(material, emission=Map(glow, True, "copper, glowing"))
+
+
+def panels(texels: int) -> Iterator[Panel]:
+    """Colour and heights; then normals, occlusion, roughness and metal; then emission."""
+    circuit = sample("circuit", texels)
+    bare = replace(circuit, occlusion=None, roughness=None, metallic=None)
+    flat_lit = Finish(normal_strength=0.0)
+    steps = (
+        ("colour, displaced", bare, flat_lit),
+        ("with normals", bare, Finish()),
+        ("with strong normals and occlusion", replace(bare, occlusion=circuit.occlusion), STRONG),
+        ("with roughness and metal", circuit, Finish()),
+        ("with emission", glowing(circuit), Finish()),
+    )
+    for caption, material, finish in steps:
+        thing = Object(material, finish=finish)
+        yield Panel(caption, Scene((thing,), camera=CAMERA, lights=LIGHTS))
+
+
+PAGE = Page(
+    name="lighting-around",
+    title="The lighting around it",
+    source="catlike",
+    rows={
+        "C21": "colour, normals with a strength, occlusion, roughness, metal, emission",
+        "C5": "every map is read at the displaced place",
+    },
+    look="Each map adds its part, and all of them lie exactly over one another.",
+    article="Parallax is the last part of a shader that has albedo, metallic, smoothness, normals, "
+    "occlusion, emission and detail maps already.",
+    ours="The same; smoothness is roughness turned round.",
+    panels=panels,
+)

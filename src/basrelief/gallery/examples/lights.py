@@ -1,0 +1,54 @@
+"""Several lights: each sees the displaced surface, and they add up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from basrelief import Light, Object, Orbit, Scene, directional, point
+from basrelief.gallery.page import Page, Panel, sample
+
+CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
+SUN = directional(-60.0, 30.0, color=(1.0, 0.9, 0.75), intensity=1.2)
+LAMP = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.22, falloff=1.0)
+SMALL = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.06, falloff=2.0)
+RED = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, falloff=1.0)
+
+
+def panels(texels: int) -> Iterator[Panel]:
+    """The sun, a lamp with either falloff, and more and more of them at once."""
+    thing = Object(sample("cobbles", texels), technique="relief", scale=0.08)
+
+    def lit(*lights: Light) -> Scene:
+        return Scene(
+            (thing,),
+            camera=CAMERA,
+            lights=lights,
+            shading_model="phong",
+            shading={"ambient": 0.03, "specular": 0.2, "shininess": 10.0},
+        )
+
+    yield Panel("a directional light", lit(SUN))
+    yield Panel("a point light, 1 ÷ distance", lit(LAMP))
+    yield Panel("a point light, 1 ÷ distance²", lit(SMALL))
+    yield Panel("a light from behind", lit(directional(-60.0, -75.0)))
+    yield Panel("two lights", lit(SUN, LAMP))
+    yield Panel("three lights", lit(SUN, LAMP, RED))
+
+
+PAGE = Page(
+    name="lights",
+    title="Several lights",
+    source="wikibooks",
+    rows={
+        "W8": "ambient, diffuse and specular, the shininess 10",
+        "W9": "a directional light, a lamp with 1 ÷ distance, one with its square",
+        "W10": "one, two and three lights, added",
+        "C17": "relief and shading are the same in every light",
+    },
+    look="The stones lie at the same place in every light; a light from behind leaves the ambient "
+    "light alone, without highlights.",
+    article="A pass for the first light with the ambient one, a pass for each further light, "
+    "added; no highlight from a light behind the surface; a lamp weakens with 1 ÷ distance.",
+    ours="The same in one pass. The inverse square is an option here.",
+    panels=panels,
+)

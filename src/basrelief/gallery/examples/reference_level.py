@@ -1,0 +1,33 @@
+"""The height that lies on the polygon: pushed in, centred, or raised."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from basrelief import Object, Orbit, Scene
+from basrelief.gallery.page import Page, Panel, sample
+
+CAMERA = Orbit(azimuth=25.0, elevation=28.0, distance=1.6, field_of_view=38.0)
+
+
+def panels(texels: int) -> Iterator[Panel]:
+    """The same relief at three levels, cut off where it leaves the tile."""
+    for caption, level in (("pushed in", 1.0), ("centred", 0.5), ("raised", 0.0)):
+        thing = Object(
+            sample("cobbles", texels), technique="relief", scale=0.2, level=level, edge="clip"
+        )
+        yield Panel(f"{caption}: level {level:g}", Scene((thing,), camera=CAMERA), "edge clip")
+
+
+PAGE = Page(
+    name="reference-level",
+    title="Pushed in, centred, raised",
+    source="halliwell",
+    rows={"H6": "the height that lies on the polygon is 1, ½ or 0"},
+    look="Pushed in, the ground shrinks away from the polygon's near edge; raised, it comes up "
+    "to the viewer and is cut off at the polygon's outline.",
+    article="Everything is pushed in, away from the surface, so things shrink.",
+    ours="That is the first picture, and the other two do without it. No ray starts outside the "
+    "polygon, so what is raised ends at the polygon's outline.",
+    panels=panels,
+)

@@ -1,0 +1,213 @@
+"""exact against the oracle: no ray later than 0.05 texel, on any map, at any angle.
+
+Where float32 itself cannot tell a crest from the ray above it, a ray may pass: none of those here
+does so by more than a few units in the last place of its height.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from basrelief import bake
+from basrelief.engine.cpu import CpuEngine
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
+from basrelief.lang.program import Program
+from basrelief.material import sample
+from basrelief.measure.oracle import first_hits
+from basrelief.rendering import edges_of, render
+from basrelief.scene import Object
+from basrelief.shaders.ray import Ray
+from basrelief.shaders.techniques import Nothing, exact
+from basrelief.shaders.techniques.exact import BLOCK, HIGHEST, LOWEST, PLANE, STEEPEST, WINDOW
+
+LATE = 0.05
+"""Texels."""
+BLUR = 4e-7
+"""Heights that float32 cannot tell apart: some units in the last place of 1."""
+
+
+@struct
+class Fan:
+    """Rays that start anywhere on a tile and fall any way, each component up to `reach` tiles."""
+
+    reach: float
+    seed: int
+
+
+@struct
+class Traced:
+    """A ray and where it ends."""
+
+    uv: Vec2
+    fall: Vec2
+    height: float
+    reads: int
+
+
+@shader
+def scattered(n: int) -> float:
+    """A number from 0 to 1 for every int."""
+    x = n * 747796405 + 891336453
+    y = ((x >> 15) ^ x) * 277803737
+    return float(((y >> 11) ^ y) & 16777215) / 16777216.0
+
+
+@shader
+def traced(at: IVec2, fan: Fan, field: HeightField, baked: Texture) -> Traced:
+    """One ray of many."""
+    n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
+    uv = Vec2(scattered(n), scattered(n + 1))
+    fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
+    hit = exact(field, baked, Ray(uv, fall, 1.0, 0.5), Nothing())
+    return Traced(uv, fall, hit.height, hit.reads)
+
+
+@functools.cache
+def maps() -> dict[str, np.ndarray]:
+    random = np.random.default_rng(0)
+    posts = np.zeros((96, 128))
+    posts[random.integers(0, 96, 60), random.integers(0, 128, 60)] = 1.0
+    seam = np.zeros((33, 31))
+    seam[0], seam[:, -1] = 1.0, 0.9
+    return {
+        "noise": random.random((64, 64)),
+        "odd noise": random.random((37, 53)),
+        "posts": posts,
+        "saddles": np.indices((32, 32)).sum(0) % 2 * 1.0,
+        "seams": seam,
+        "one texel": np.array([[0.3]]),
+        "one row": random.random((1, 17)),
+        "one column": random.random((13, 1)),
+        "bricks": sample("bricks", 256).height.linear()[:, :, 0],
+        "gravel": sample("gravel", (200, 256)).height.linear()[:, :, 0],
+    }
+
+
+def rays(engine: Any, heights, edge: str, reach: float, size=(128, 128), seed: int = 0):
+    """Every ray's start, fall, height where it ends, reads; flat arrays."""
+    field = HeightField([heights], edge)
+    baked = Texture([bake.bounds(np.asarray(heights, np.float32), edge)], edge)
+    values = {"fan": Fan(reach, seed), "field": field, "baked": baked}
+    planes = engine.run(Program(traced, edges_of(edge), edge), values, size)
+    uv = np.stack([planes["uv.x"], planes["uv.y"]], -1).reshape(-1, 2).astype(float)
+    fall = np.stack([planes["fall.x"], planes["fall.y"]], -1).reshape(-1, 2).astype(float)
+    return uv, fall, planes["height"].ravel().astype(float), planes["reads"].ravel()
+
+
+def assert_exact(engine: Any, heights, edge: str, reach: float, **more: Any) -> None:
+    heights = np.asarray(heights, np.float32)
+    uv, fall, height, _ = rays(engine, heights, edge, reach, **more)
+    wanted = first_hits(heights, uv, fall, edge)
+    texels = np.linalg.norm(fall * heights.shape[::-1], axis=1)
+    apart = ((1.0 - height) - wanted.t) * texels
+    missed = np.flatnonzero(np.abs(apart) > LATE)
+    # what is left must be a crest that rises above the ray by less than float32 can tell
+    lowered = np.maximum(heights.astype(float) - BLUR, 0.0)
+    passed = first_hits(lowered, uv[missed], fall[missed], edge)
+    blurred = np.abs(((1.0 - height[missed]) - passed.t) * texels[missed]) <= 2 * LATE
+    assert blurred.all(), f"{(~blurred).sum()} of {len(height)}, worst {apart.max():.3f} texels"
+    assert len(missed) <= 1e-4 * len(height)
+
+
+@pytest.fixture(scope="module")
+def cpu() -> CpuEngine:
+    return CpuEngine()
+
+
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("name", maps())
+def test_no_ray_is_late(cpu, name, edge) -> None:
+    """B1, from rays of a few texels to rays over several tiles."""
+    for reach in (0.02, 0.3, 3.0):
+        assert_exact(cpu, maps()[name], edge, reach)
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("name", ["odd noise", "posts", "bricks", "seams"])
+def test_no_ray_is_late_on_the_gpu(name) -> None:
+    from basrelief.engine.gpu import GpuEngine
+
+    for edge in ("wrap", "clamp"):
+        assert_exact(GpuEngine(), maps()[name], edge, 0.7, size=(96, 64))
+
+
+def test_rays_along_the_axes_and_straight_down(cpu) -> None:
+    """Where one component of the way is 0, or both are."""
+    heights = np.asarray(maps()["odd noise"], np.float32)
+    field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
+    random = np.random.default_rng(1)
+    with bound(edges_of("wrap")):
+        for fall in ([0, 0], [0.7, 0], [0, -0.4], [-0.3, 0], [1e-30, 0.2], [0.25, 0.25]):
+            uv = random.random(2)
+            hit = exact(field, baked, Ray(Vec2(*uv), Vec2(*fall), 1.0, 0.5), Nothing())
+            at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
+            wanted = first_hits(heights, [at[0]], [at[1]])
+            assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
+
+
+@settings(max_examples=40)
+@given(
+    st.integers(1, 23), st.integers(1, 23), st.sampled_from(["wrap", "clamp"]),
+    st.integers(0, 10_000), st.sampled_from([1, 4, 255, 65535]),
+)  # fmt: skip
+def test_bounds_are_on_the_safe_side(rows, columns, edge, seed, levels) -> None:
+    """Nothing in a window rises above its record, at any size and bit depth, wrap-aware."""
+    random = np.random.default_rng(seed)
+    heights = (random.integers(0, levels + 1, (rows, columns)) / levels).astype(np.float32)
+    made = bake.bounds(heights, edge).astype(np.float32) / np.float32(65535)
+    count = (-(-rows // BLOCK), -(-columns // BLOCK))
+    assert made.shape == (4 * count[0], count[1], 4)
+
+    def place(i, side):
+        return np.arange(i[0], i[1] + 1) % side if edge == "wrap" else np.clip(
+            np.arange(i[0], i[1] + 1), 0, side - 1
+        )  # fmt: skip
+
+    def window(first: int, cells: int, back: int) -> tuple[int, int]:
+        start = first + (BLOCK - cells if back else 0)
+        return start, start + cells
+
+    for quadrant in range(4):
+        j, i = random.integers(0, count[0]), random.integers(0, count[1])
+        room, *slopes, top = made[quadrant * count[0] + j, i]
+        y = window(BLOCK * j, WINDOW, quadrant >> 1)
+        x = window(BLOCK * i, WINDOW, quadrant & 1)
+        ahead = heights[np.ix_(place(y, rows), place(x, columns))]
+        assert ahead.max() <= 1.0 - top
+        assert ahead.max() >= 1.0 - top - 2 / 65535
+        y = window(BLOCK * j, PLANE, quadrant >> 1)
+        x = window(BLOCK * i, PLANE, quadrant & 1)
+        near = heights[np.ix_(place(y, rows), place(x, columns))]
+        u, v = ((float(s) * 2 - 1) * STEEPEST for s in slopes)
+        corner = 1.0 - (LOWEST + float(room) * (HIGHEST - LOWEST))
+        across = np.arange(x[0], x[1] + 1) - BLOCK * i
+        down = np.arange(y[0], y[1] + 1) - BLOCK * j
+        plane = corner + u * across[None, :] + v * down[:, None]
+        assert (near <= plane).all()
+
+
+def test_it_costs_less_the_more_is_free() -> None:
+    """Over a plain far below, a ray leaps; a few records, and one cell solved."""
+    heights = np.full((64, 64), 0.2, np.float32)
+    _, _, height, reads = rays(CpuEngine(), heights, "wrap", 0.5)
+    np.testing.assert_allclose(height, 0.2, atol=1e-5)
+    assert reads.mean() < 6
+
+
+def test_it_draws_what_a_march_of_very_many_steps_draws() -> None:
+    material = sample("cobbles", 128)
+    size = (96, 54)
+    found = render(Object(material, technique="exact", scale=0.1), size=size, samples=1)
+    fine = {"min_steps": 2048, "max_steps": 2048, "search_steps": 10}
+    march = render(
+        Object(material, technique="relief", settings=fine, scale=0.1), size=size, samples=1
+    )
+    apart = np.abs(found.uv - march.uv).max(-1)[found.hit] * 128
+    assert (apart < LATE).mean() > 0.999
+    assert found.reads.mean() < 0.05 * march.reads.mean()
