@@ -22,7 +22,7 @@ from scenes import alternate
 from basrelief import bake
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
-from basrelief.rendering import edges_of
+from basrelief.programs import edges_of
 from basrelief.shaders.height import sharp, surface_height
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import Nothing, displace, exact, parallax_occlusion

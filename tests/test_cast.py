@@ -15,7 +15,7 @@ from basrelief.casting import light_views
 from basrelief.lang import Vec2
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of
+from basrelief.programs import program_of
 from basrelief.scene import (
     LYING,
     LookAt,

@@ -13,7 +13,7 @@ import pytest
 from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of, reach_of
+from basrelief.programs import program_of, reach_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shaders.lighting import Shading
 from made_up import bilinear, drawn, map_of, noise, on_plane, plain, rays

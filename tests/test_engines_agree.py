@@ -14,7 +14,8 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound
 from basrelief.lang.types import leaf_values
 from basrelief.material import Material, sample
-from basrelief.rendering import Frame, program_of, render, values_of
+from basrelief.programs import program_of, values_of
+from basrelief.rendering import Frame, render
 from basrelief.scene import SHAPES, Object, Orbit, Scene, directional, point, spot
 from basrelief.shaders.cast import CastView
 from basrelief.shaders.pixel import Pixel, pixel

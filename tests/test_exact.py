@@ -20,7 +20,8 @@ from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, str
 from basrelief.lang.program import Program
 from basrelief.material import sample
 from basrelief.measure.oracle import first_hits
-from basrelief.rendering import edges_of, render
+from basrelief.programs import edges_of
+from basrelief.rendering import render
 from basrelief.scene import Object
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import Nothing, exact

@@ -10,7 +10,8 @@ import pytest
 from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of, render
+from basrelief.programs import program_of
+from basrelief.rendering import render
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shaders.relief import Depth, fading
 from made_up import drawn, map_of, on_plane, plain

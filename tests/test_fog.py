@@ -8,7 +8,7 @@ import pytest
 from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
-from basrelief.rendering import program_of
+from basrelief.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, turned
 from basrelief.shaders.lighting import Shading
 from made_up import drawn, on_plane, plain

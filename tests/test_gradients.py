@@ -145,7 +145,7 @@ def test_the_level_of_detail_is_the_longer_side_in_texels(dx, dy, level) -> None
 def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     """G5: what the maps are read with does not depend on the relief, only their place does."""
     from basrelief.material import sample
-    from basrelief.rendering import program_of, values_of
+    from basrelief.programs import program_of, values_of
     from basrelief.scene import Object, Orbit, Scene
 
     spots = []

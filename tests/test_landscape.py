@@ -13,7 +13,7 @@ from agreement import assert_engines_agree
 from basrelief.lang import HeightField, Vec2
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of
+from basrelief.programs import program_of
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shaders.lighting import Shading
 from basrelief.shaders.ray import Ray, at

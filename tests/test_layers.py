@@ -12,7 +12,8 @@ import pytest
 from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import Frame, program_of
+from basrelief.programs import program_of
+from basrelief.rendering import Frame
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shaders.lighting import Shading
 from made_up import bilinear, drawn, map_of, on_plane, plain, unit

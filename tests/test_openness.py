@@ -11,7 +11,7 @@ from agreement import assert_engines_agree
 from basrelief.lang import Vec3
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of
+from basrelief.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shaders.lighting import Shading, ShadingPoint
 from basrelief.shaders.pixel import open_from_above

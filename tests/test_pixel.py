@@ -13,7 +13,8 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import Frame, program_of, render
+from basrelief.programs import program_of
+from basrelief.rendering import Frame, render
 from basrelief.scene import (
     LookAt,
     Object,

@@ -14,7 +14,8 @@ from basrelief.errors import EngineError, InputError
 from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.picture import read_picture, srgb_decode, write_picture
-from basrelief.rendering import program_of, render, sample_places, values_of
+from basrelief.programs import program_of, values_of
+from basrelief.rendering import render, sample_places
 from basrelief.scene import (
     LookAt,
     Object,

@@ -8,7 +8,8 @@ import pytest
 from basrelief.lang import HeightField, Vec2, bound
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
-from basrelief.rendering import program_of, render
+from basrelief.programs import program_of
+from basrelief.rendering import render
 from basrelief.scene import Object, Orbit, Scene, directional
 from basrelief.shaders import edge
 from basrelief.shaders.height import sharp, surface_height

@@ -11,7 +11,7 @@ from agreement import assert_engines_agree
 from basrelief.lang import HeightField, Vec2, bound
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of
+from basrelief.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.shaders import edge
 from basrelief.shaders.gradients import Footprint

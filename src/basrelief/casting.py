@@ -5,14 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.cameras import look
-from basrelief.scene import Scene
+from basrelief.engine import Engine
+from basrelief.lang import Buffer, IVec2, Vec2
+from basrelief.lang.resources import HeightField
+from basrelief.programs import map_edge, maps_of, reach_of
+from basrelief.scene import Object, Scene
 from basrelief.shaders.camera import Camera
-from basrelief.shaders.lighting import DIRECTIONAL, SPOT, Light
+from basrelief.shaders.cast import CastView
+from basrelief.shaders.lighting import DIRECTIONAL, FAR_AWAY, SPOT, Light
+from basrelief.shaders.meeting import View
+from basrelief.shaders.techniques import Nothing
 
 _WIDEST = 100.0
 """The widest angle, in degrees, of one depth map; a lamp that needs more has six, all around."""
@@ -98,3 +106,57 @@ def _looking(
         field_of_view=field_of_view,
         orthographic_height=orthographic_height,
     )
+
+
+# --- what they show -------------------------------------------------------------------------------
+
+
+def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
+    """For each object of a scene, what the others' shadows on it are read from."""
+    views, side = light_views(scene), scene.shadow_map
+    whose = [_distances(thing, views, side, engine) for thing in scene.objects]
+    # side by side in a sheet about as wide as it is high, which any GPU takes
+    columns = max(math.isqrt(max(len(views) - 1, 0)) + 1, 1)
+    rows = -(-len(views) // columns) or 1
+    corners = [(k % columns * side, k // columns * side) for k in range(len(views))]
+    listed = [
+        CastView(view.light, view.camera, side, IVec2(*corner))
+        for view, corner in zip(views, corners, strict=True)
+    ]
+    found = []
+    for own in range(len(whose)):
+        others = [each for index, each in enumerate(whose) if index != own and each is not None]
+        sheet = np.full((rows * side, columns * side), FAR_AWAY, np.float32)
+        for each in others:
+            for (x, y), seen in zip(corners, each, strict=True):
+                part = sheet[y : y + side, x : x + side]
+                np.minimum(part, seen, out=part)
+        # a program has one edge for all its maps; depth maps are read within theirs alone
+        distances = HeightField([sheet], map_edge(scene.objects[own]))
+        found.append({"distances": distances, "views": Buffer(listed, CastView)})
+    return found
+
+
+def _distances(
+    thing: Object, views: list[LightView], side: int, engine: Engine
+) -> list[NDArray[np.float32]] | None:
+    """How far each view of each light reaches until it meets an object."""
+    if thing.casts == "none" or not views:
+        return None
+    program, maps = reach_of(thing), maps_of(thing)
+    values = {name: value for name, value in maps.items() if value is not None}
+    values |= {
+        "placement": thing.placement(),
+        "depth": thing.depth(),
+        "smoothing": thing.smoothing,
+        "settings": thing.settings if thing.has_relief else Nothing(),
+        "finish": thing.finish,
+        "places": thing.map_places(),
+    }
+    made = []
+    for view in views:
+        seen = View(view.camera, Vec2(0.5, 0.5))
+        planes = engine.run(program, {**values, "view": seen}, (side, side))
+        met = planes["hit"] != 0
+        made.append(np.where(met, planes["depth"], np.float32(FAR_AWAY)).astype(np.float32))
+    return made

@@ -9,7 +9,8 @@ from pathlib import Path
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.material import Material, sample
-from basrelief.rendering import program_of, render
+from basrelief.programs import program_of
+from basrelief.rendering import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.shaders.techniques import TECHNIQUES
 

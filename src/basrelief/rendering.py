@@ -1,8 +1,7 @@
-"""Scene → program and resources → engine → Frame."""
+"""Scene → programs and their values → engine → Frame."""
 
 from __future__ import annotations
 
-import functools
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,37 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.casting import LightView, light_views
+from basrelief.casting import cast_values
 from basrelief.engine import Engine, Planes, choose_engine
 from basrelief.errors import InputError
-from basrelief.lang import Buffer, Vec2, Vec3
-from basrelief.lang.program import Program
-from basrelief.lang.resources import Edge, HeightField
-from basrelief.material import Material, load, pyramids
+from basrelief.lang import Vec2
+from basrelief.material import Material, load
 from basrelief.picture import encode_png, write_picture
 from basrelief.presets import NOTHING, Preset
 from basrelief.presets import preset as preset_named
+from basrelief.programs import program_of, values_of
 from basrelief.scene import Object, Scene
-from basrelief.shaders import (
-    cast,
-    edge,
-    fog,
-    height,
-    lighting,
-    pixel,
-    projection,
-    relief,
-    shadow,
-    shapes,
-)
-from basrelief.shaders.cast import CastView
-from basrelief.shaders.lighting import FAR_AWAY, Light
 from basrelief.shaders.meeting import View
 from basrelief.shaders.pixel import SOLID
-from basrelief.shaders.surfaces import landscape, standard, surface
-from basrelief.shaders.techniques import Nothing, displace, flat
 
-__all__ = ["Frame", "Image", "program_of", "render"]
+__all__ = ["Frame", "Image", "render"]
 
 Progress = Callable[[float], None]
 _LARGEST = 1 << 15
@@ -191,193 +173,6 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
     if left:
         raise InputError(f"{', '.join(left)}: already said by the {type(what).__name__}")
     return what
-
-
-# --- programs and their values -------------------------------------------------------------------
-
-
-_MAPPED = {
-    "base_color": standard.base_color_of,
-    "normal": standard.normal_of,
-    "response": standard.response_of,
-    "emission": standard.emission_of,
-    "layer_color": standard.layer_color_of,
-    "layer_normal": standard.layer_normal_of,
-}
-"""The slot of each map: bound to what reads it, or to what stands for it."""
-
-
-def program_of(thing: Object, scene: Scene | None = None) -> Program:
-    """The program that draws an object of a scene: only what it needs is in it."""
-    scene = scene or Scene((thing,))
-    shadowed = thing.has_relief and scene.shadows != "none"
-    bindings = {
-        **_bindings_of(thing),
-        relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
-        relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
-        shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
-        lighting.reflectance: getattr(lighting, scene.shading_model),
-        cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
-        pixel.receiver: (
-            pixel.on_the_polygon if scene.shadows_on == "polygon" else pixel.on_the_relief
-        ),
-        pixel.openness: (
-            pixel.open_from_above if scene.occlusion == "directional" else pixel.open_to_all
-        ),
-        fog.fogged: fog.clear if scene.fog == "none" else getattr(fog, scene.fog),
-    }
-    return Program(pixel.pixel, bindings, _map_edge(thing))
-
-
-def reach_of(thing: Object) -> Program:
-    """The program that draws an object's part of a depth map."""
-    # a relief that fades does so with the distance from the camera, not from a light
-    bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
-    if thing.casts == "opaque":
-        bindings[standard.opacity_of] = standard.opaque
-    return Program(pixel.reach, bindings, _map_edge(thing))
-
-
-def _bindings_of(thing: Object) -> dict[Any, Any]:
-    """What an object's own choices bind: where rays end, and what is read there."""
-    smooth, three = thing.heights == "smooth", thing.mapping == "triplanar"
-    three = three and thing.has_relief and thing.material.base_color is not None
-    alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
-    bindings: dict[Any, Any] = {
-        shapes.shape: getattr(shapes, thing.shape),
-        **edges_of(_map_edge(thing)),
-        pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
-        relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
-        # whole, as for a light; what is seen may fade
-        relief.depth_seen: relief.as_deep,
-        relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
-        relief.slope_of: relief.of_heights if three else relief.unasked,
-        height.surface_height: height.smooth if smooth else height.sharp,
-        displace: thing.drawn_with if thing.has_relief else flat,
-        projection.projection: getattr(projection, thing.relief_projection),
-        surface.surface_at: (
-            landscape.landscape_surface
-            if thing.surface == "landscape"
-            else standard.standard_surface
-        ),
-        surface.spot_of: surface.apart if thing.tilings else surface.together,
-        surface.turned: surface.mirrored_with if thing.tilings else surface.as_it_is,
-        standard.opacity_of: alpha[thing.alpha],
-        standard.layered: standard.with_details if thing.layer else standard.bare,
-    }
-    maps = _maps(thing)
-    for name, slot in _MAPPED.items():
-        kind = "plain" if maps[name] is None else "mapped"
-        bindings[slot] = getattr(standard, f"{kind}_{name}")
-    if three:
-        bindings[standard.base_color_of] = standard.triplanar_base_color
-    return bindings
-
-
-def edges_of(beyond: Edge) -> dict[Any, Any]:
-    """What lies beyond a map, for coordinates and for cells."""
-    return {
-        edge.in_tile: getattr(edge, beyond),
-        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
-        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
-    }
-
-
-def _map_edge(thing: Object) -> Edge:
-    # mirrored tiles lie before the map's own
-    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
-    repeats = thing.edge == "clip" and not within
-    return "wrap" if thing.edge == "wrap" or repeats else "clamp"
-
-
-def _maps(thing: Object) -> dict[str, Any]:
-    """The material's maps as programs read them, None for those that are missing."""
-    material, beyond = thing.material, _map_edge(thing)
-    glow = pyramids.emission(material, beyond)
-    over = thing.layer and thing.layer.material
-    return {
-        "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
-        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
-        "base_color": pyramids.base_color(material, beyond),
-        "normal": pyramids.normal(material, beyond, thing.relief_scale),
-        "response": pyramids.response(material, beyond),
-        "emission": glow and glow[0],
-        "layer_color": over and pyramids.base_color(over, beyond),
-        "layer_normal": over and pyramids.normal(over, beyond, over.scale or 0.0),
-    }
-
-
-def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
-    """The values of an object's program, all but the place of the sample and what others cast."""
-    found = {name: value for name, value in _maps(thing).items() if value is not None}
-    return {
-        **found,
-        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
-        "placement": thing.placement(),
-        "depth": thing.depth(),
-        "smoothing": thing.smoothing,
-        "settings": thing.settings if thing.has_relief else Nothing(),
-        "finish": _finish(thing),
-        "places": thing.map_places(),
-        "shading": scene.shading,
-        "shadowing": scene.shadowing,
-        "fog": scene.air,
-        "lights": Buffer(scene.lights, Light),
-    }
-
-
-def _finish(thing: Object) -> Any:
-    """The finish, with an emission map's own brightness in it."""
-    glow = pyramids.emission(thing.material, _map_edge(thing))
-    if glow is None or glow[1] == 1.0 or thing.surface != "standard":
-        return thing.finish
-    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow[1])
-
-
-# --- shadows of objects on one another -----------------------------------------------------------
-
-
-def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
-    """For each object of a scene, what the others' shadows on it are read from."""
-    views, side = light_views(scene), scene.shadow_map
-    whose = [_distances(thing, views, side, engine) for thing in scene.objects]
-    listed = [
-        CastView(view.light, view.camera, side, number * side) for number, view in enumerate(views)
-    ]
-    found = []
-    for own in range(len(whose)):
-        others = [each for index, each in enumerate(whose) if index != own and each is not None]
-        nearest = functools.reduce(np.minimum, others, np.full((1, 1), FAR_AWAY, np.float32))
-        stack = np.broadcast_to(nearest, (max(len(views), 1) * side, side))
-        # a program has one edge for all its maps; depth maps are read within theirs alone
-        distances = HeightField([stack], _map_edge(scene.objects[own]))
-        found.append({"distances": distances, "views": Buffer(listed, CastView)})
-    return found
-
-
-def _distances(
-    thing: Object, views: list[LightView], side: int, engine: Engine
-) -> NDArray[np.float32] | None:
-    """How far each view of each light reaches until it meets an object, one above the other."""
-    if thing.casts == "none" or not views:
-        return None
-    program, maps = reach_of(thing), _maps(thing)
-    values = {name: value for name, value in maps.items() if value is not None}
-    values |= {
-        "placement": thing.placement(),
-        "depth": thing.depth(),
-        "smoothing": thing.smoothing,
-        "settings": thing.settings if thing.has_relief else Nothing(),
-        "finish": thing.finish,
-        "places": thing.map_places(),
-    }
-    made = []
-    for view in views:
-        seen = View(view.camera, Vec2(0.5, 0.5))
-        planes = engine.run(program, {**values, "view": seen}, (side, side))
-        met = planes["hit"] != 0
-        made.append(np.where(met, planes["depth"], np.float32(FAR_AWAY)).astype(np.float32))
-    return np.concatenate(made)
 
 
 # --- drawing -------------------------------------------------------------------------------------

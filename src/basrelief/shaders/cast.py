@@ -29,13 +29,13 @@ SLACK = 1.5
 
 @struct
 class CastView:
-    """One depth map: whose light, from where, of how many texels a side, and its first row in the
-    stack of all."""
+    """One depth map: whose light, from where, of how many texels a side, and its first texel in the
+    sheet of all."""
 
     light: int
     camera: Camera
     side: int
-    first_row: int
+    first: IVec2
 
 
 @slot
@@ -76,7 +76,7 @@ def lit(distances: HeightField, view: CastView, position: Vec3) -> float:
         return 1.0
     left = floor(x)
     top = floor(y)
-    four = corners(distances, IVec2(int(left), int(top) + view.first_row), 0)
+    four = corners(distances, IVec2(int(left) + view.first.x, int(top) + view.first.y), 0)
     # a texel's width where the position is
     texel = length(view.camera.right) * mix(1.0, seen.z, view.camera.perspective)
     needed = seen.z - SLACK * texel

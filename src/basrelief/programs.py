@@ -1,0 +1,165 @@
+"""Objects of a scene → programs, and the values that they read: only what is needed is in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from basrelief.lang import Buffer, Vec2, Vec3
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Edge
+from basrelief.material import pyramids
+from basrelief.scene import Object, Scene
+from basrelief.shaders import (
+    cast,
+    edge,
+    fog,
+    height,
+    lighting,
+    pixel,
+    projection,
+    relief,
+    shadow,
+    shapes,
+)
+from basrelief.shaders.lighting import Light
+from basrelief.shaders.meeting import View
+from basrelief.shaders.surfaces import landscape, standard, surface
+from basrelief.shaders.techniques import Nothing, displace, flat
+
+_MAPPED = {
+    "base_color": standard.base_color_of,
+    "normal": standard.normal_of,
+    "response": standard.response_of,
+    "emission": standard.emission_of,
+    "layer_color": standard.layer_color_of,
+    "layer_normal": standard.layer_normal_of,
+}
+"""The slot of each map: bound to what reads it, or to what stands for it."""
+
+
+def program_of(thing: Object, scene: Scene | None = None) -> Program:
+    """The program that draws an object of a scene: only what it needs is in it."""
+    scene = scene or Scene((thing,))
+    shadowed = thing.has_relief and scene.shadows != "none"
+    bindings = {
+        **_bindings_of(thing),
+        relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
+        relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
+        shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
+        lighting.reflectance: getattr(lighting, scene.shading_model),
+        cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
+        pixel.receiver: (
+            pixel.on_the_polygon if scene.shadows_on == "polygon" else pixel.on_the_relief
+        ),
+        pixel.openness: (
+            pixel.open_from_above if scene.occlusion == "directional" else pixel.open_to_all
+        ),
+        fog.fogged: fog.clear if scene.fog == "none" else getattr(fog, scene.fog),
+    }
+    return Program(pixel.pixel, bindings, map_edge(thing))
+
+
+def reach_of(thing: Object) -> Program:
+    """The program that draws an object's part of a depth map."""
+    # a relief that fades does so with the distance from the camera, not from a light
+    bindings = {**_bindings_of(thing), relief.depth_seen: relief.as_deep}
+    if thing.casts == "opaque":
+        bindings[standard.opacity_of] = standard.opaque
+    return Program(pixel.reach, bindings, map_edge(thing))
+
+
+def _bindings_of(thing: Object) -> dict[Any, Any]:
+    """What an object's own choices bind: where rays end, and what is read there."""
+    smooth, three = thing.heights == "smooth", thing.mapping == "triplanar"
+    three = three and thing.has_relief and thing.material.base_color is not None
+    alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
+    bindings: dict[Any, Any] = {
+        shapes.shape: getattr(shapes, thing.shape),
+        **edges_of(map_edge(thing)),
+        pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
+        relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
+        # whole, as for a light; what is seen may fade
+        relief.depth_seen: relief.as_deep,
+        relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
+        relief.slope_of: relief.of_heights if three else relief.unasked,
+        height.surface_height: height.smooth if smooth else height.sharp,
+        displace: thing.drawn_with if thing.has_relief else flat,
+        projection.projection: getattr(projection, thing.relief_projection),
+        surface.surface_at: (
+            landscape.landscape_surface
+            if thing.surface == "landscape"
+            else standard.standard_surface
+        ),
+        surface.spot_of: surface.apart if thing.tilings else surface.together,
+        surface.turned: surface.mirrored_with if thing.tilings else surface.as_it_is,
+        standard.opacity_of: alpha[thing.alpha],
+        standard.layered: standard.with_details if thing.layer else standard.bare,
+    }
+    maps = maps_of(thing)
+    for name, slot in _MAPPED.items():
+        kind = "plain" if maps[name] is None else "mapped"
+        bindings[slot] = getattr(standard, f"{kind}_{name}")
+    if three:
+        bindings[standard.base_color_of] = standard.triplanar_base_color
+    return bindings
+
+
+def edges_of(beyond: Edge) -> dict[Any, Any]:
+    """What lies beyond a map, for coordinates and for cells."""
+    return {
+        edge.in_tile: getattr(edge, beyond),
+        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
+        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
+    }
+
+
+def map_edge(thing: Object) -> Edge:
+    # mirrored tiles lie before the map's own
+    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
+    repeats = thing.edge == "clip" and not within
+    return "wrap" if thing.edge == "wrap" or repeats else "clamp"
+
+
+def maps_of(thing: Object) -> dict[str, Any]:
+    """The material's maps as programs read them, None for those that are missing."""
+    material, beyond = thing.material, map_edge(thing)
+    glow = pyramids.emission(material, beyond)
+    over = thing.layer and thing.layer.material
+    return {
+        "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
+        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
+        "base_color": pyramids.base_color(material, beyond),
+        "normal": pyramids.normal(material, beyond, thing.relief_scale),
+        "response": pyramids.response(material, beyond),
+        "emission": glow and glow[0],
+        "layer_color": over and pyramids.base_color(over, beyond),
+        "layer_normal": over and pyramids.normal(over, beyond, over.scale or 0.0),
+    }
+
+
+def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
+    """The values of an object's program, all but the place of the sample and what others cast."""
+    found = {name: value for name, value in maps_of(thing).items() if value is not None}
+    return {
+        **found,
+        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
+        "placement": thing.placement(),
+        "depth": thing.depth(),
+        "smoothing": thing.smoothing,
+        "settings": thing.settings if thing.has_relief else Nothing(),
+        "finish": _finish(thing),
+        "places": thing.map_places(),
+        "shading": scene.shading,
+        "shadowing": scene.shadowing,
+        "fog": scene.air,
+        "lights": Buffer(scene.lights, Light),
+    }
+
+
+def _finish(thing: Object) -> Any:
+    """The finish, with an emission map's own brightness in it."""
+    glow = pyramids.emission(thing.material, map_edge(thing))
+    if glow is None or glow[1] == 1.0 or thing.surface != "standard":
+        return thing.finish
+    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow[1])
