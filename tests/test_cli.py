@@ -184,7 +184,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     }),
     "occlusion": (
         "--occlusion-kind directional --set directional_occlusion=0.7",
-        {"occlusion": "directional", "shading": {"directional_occlusion": 0.7}},
+        {"occlusion_kind": "directional", "shading": {"directional_occlusion": 0.7}},
     ),
     "shadows": (
         "--shadows soft --set shadow_softness=20 --scale 0.3",

@@ -7,6 +7,7 @@ does so by more than a few units in the last place of its height.
 from __future__ import annotations
 
 import functools
+import importlib
 from typing import Any
 
 import numpy as np
@@ -150,6 +151,31 @@ def test_rays_along_the_axes_and_straight_down(cpu) -> None:
             at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
             wanted = first_hits(heights, [at[0]], [at[1]])
             assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
+
+
+@pytest.mark.parametrize("fall", [(-0.0, -0.0), (-0.0, 0.3), (-0.3, -0.0), (0.2, -0.0)])
+def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
+    """The sign of a zero takes no ray sideways through all cells."""
+    heights = np.asarray(maps()["odd noise"], np.float32)
+    field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
+    with bound(edges_of("wrap")):
+        hit = exact(field, baked, Ray(Vec2(0.31, 0.64), Vec2(*fall), 1.0, 0.5), Nothing())
+    uv = [float(np.float32(0.31)), float(np.float32(0.64))]
+    wanted = first_hits(heights, [uv], [[float(np.float32(f)) for f in fall]])
+    assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
+    assert hit.reads < 80
+    assert hit.found
+
+
+def test_a_ray_that_is_cut_off_says_so(monkeypatch) -> None:
+    module = importlib.import_module("basrelief.shaders.techniques.exact")
+    monkeypatch.setattr(module, "MOST_CELLS", 3)
+    heights = np.zeros((64, 64), np.float32)
+    field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
+    with bound(edges_of("wrap")):
+        hit = exact(field, baked, Ray(Vec2(0.3, 0.6), Vec2(5.0, 1.0), 1.0, 0.1), Nothing())
+    assert not hit.found
+    assert 0.0 < hit.height < 1.0
 
 
 @settings(max_examples=40)

@@ -40,7 +40,7 @@ def mat3(matrix: np.ndarray) -> Mat3:
 def placement(tiling=(1.0, 1.0), shift=(0.0, 0.0), matrix=None, origin=(0.0, 0.0, 0.0)):
     matrix = np.eye(3) if matrix is None else matrix
     inverse = np.linalg.inv(matrix)
-    return Placement(Vec3(*origin), mat3(inverse), mat3(matrix), Vec2(*tiling), Vec2(*shift), 1.0)
+    return Placement(Vec3(*origin), mat3(inverse), Vec2(*tiling), Vec2(*shift), 1.0)
 
 
 def ray_through(camera, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:

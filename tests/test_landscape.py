@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from agreement import assert_engines_agree
 from basrelief.lang import HeightField, Vec2
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.material import Material, sample
+from basrelief.material import Map, Material, sample
 from basrelief.programs import program_of
+from basrelief.rendering import render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shaders.lighting import Shading
 from basrelief.shaders.ray import Ray, at
@@ -234,3 +235,19 @@ def test_cpu_and_gpu_agree() -> None:
         layer=Layer(sample("stone", 64), Tiling((3.0, 3.0))),
     ).scrolled(0.3)  # fmt: skip
     assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.8)), 64)
+
+
+def test_water_stays_water_where_the_relief_has_faded() -> None:
+    """What goes by the height reads it where nothing else does; the standard surface reads none."""
+    levels = np.full((4, 4, 1), 0.2, np.float32)
+    ground = Material("lake", height=Map(levels, False, "lake"))
+    options = {"technique": "fixed_length", "scale": 0.1, "transform": np.eye(4)}
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    colors = []
+    for fade in (None, (0.5, 1.0)):
+        thing = Object(ground, surface="landscape", fade=fade, **options)
+        frame = render(Scene((thing,), camera), size=(9, 9), samples=1, engine="cpu")
+        colors.append(frame.color[4, 4])
+    np.testing.assert_allclose(colors[0], colors[1], atol=1e-3)
+    flat = Object(ground, fade=(0.5, 1.0), **options)
+    assert render(Scene((flat,), camera), size=(9, 9), samples=1, engine="cpu").reads.max() == 0

@@ -11,9 +11,9 @@ import pytest
 
 from agreement import assert_engines_agree
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.material import Material, sample
+from basrelief.material import Map, Material, sample
 from basrelief.programs import program_of
-from basrelief.rendering import Frame
+from basrelief.rendering import Frame, render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shaders.lighting import Shading
 from made_up import bilinear, drawn, map_of, on_plane, plain, unit
@@ -272,3 +272,25 @@ def test_cpu_and_gpu_agree(what: str) -> None:
     }
     thing = Object(sample("bricks", 64), technique="relief", **options[what])
     assert_engines_agree(Scene((thing,), camera=Orbit(30.0, 40.0, 1.6)), 64)
+
+
+def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
+    """The clip is at the shape's edge, not at the layer's first tile."""
+    plain = Material("plain", base_color=Map(np.full((8, 8, 3), 0.5, np.float32), False, "plain"))
+    left_dark = np.full((8, 8, 3), 0.214, np.float32)
+    left_dark[:, :4] = 0.02
+    over = Material("over", base_color=Map(left_dark, False, "over"))
+    thing = Object(plain, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
+    camera = Orbit(0.0, 90.0, orthographic_height=1.0)
+    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0}, background=None)
+    row = render(scene, size=(64, 64), samples=1, engine="cpu").color[32, :, 0]
+    dark = row < 0.25
+    assert (dark[1:] != dark[:-1]).sum() == 7, "four tiles, each dark on its left"
+
+
+def test_a_layer_of_heights_alone_has_their_normals() -> None:
+    bumps = np.random.default_rng(3).random((8, 8, 1)).astype(np.float32)
+    over = Material("over", height=Map(bumps, False, "bumps"))
+    plain = Material("plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain"))
+    text = print_wgsl(program_of(Object(plain, layer=Layer(over))).module, "wrap")
+    assert "mapped_layer_normal" in text

@@ -107,5 +107,5 @@ def test_without_a_direction_there_is_no_code_for_it() -> None:
 @pytest.mark.gpu
 def test_cpu_and_gpu_agree() -> None:
     material: Material = sample("cobbles", 64)
-    scene = Scene((Object(material),), Orbit(40.0, 35.0, 1.6), occlusion="directional")
+    scene = Scene((Object(material),), Orbit(40.0, 35.0, 1.6), occlusion_kind="directional")
     assert_engines_agree(scene, 64)

@@ -142,7 +142,7 @@ def test_halliwell_says_what_halliwell_says() -> None:
     assert (thing.drawn_with.name, thing.heights, thing.level) == ("relief", "smooth", 1.0)
     assert thing.settings.min_steps < thing.settings.max_steps
     assert thing.settings.search_steps > 0
-    assert (scene.shadows, scene.occlusion) == ("hard", "directional")
+    assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
     assert thing.scale == stock.scale
 
 

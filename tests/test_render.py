@@ -23,6 +23,7 @@ from basrelief.scene import (
     Scene,
     directional,
     placed,
+    point,
     turned,
 )
 from basrelief.shaders.cast import CastView
@@ -545,3 +546,28 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
     assert np.quantile(np.abs(one.uv - other.uv)[both], 0.99) < 1e-3
     assert np.quantile(np.abs(one.color - other.color)[both], 0.99) < 0.02
     assert math.isfinite(one.color.max())
+
+
+def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
+    """Around it there is no edge: what is displaced beyond u = 1 goes on at 0."""
+    ground = Material("hills", height=map_of(np.random.default_rng(4).random((32, 32))))
+    for shape in ("cylinder", "sphere"):
+        seen = {}
+        for edge in ("wrap", "clip"):
+            thing = Object(ground, shape=shape, edge=edge, scale=0.1)
+            scene = Scene((thing,), Orbit(160.0, 0.0, 3.0))
+            frame = render(scene, size=(96, 54), samples=1, engine="cpu")
+            seen[edge] = frame.hit[15:39]
+        np.testing.assert_array_equal(seen["wrap"], seen["clip"])
+
+
+def test_lights_that_give_nothing_read_nothing() -> None:
+    thing = Object(BRICKS, technique="steep", scale=0.1, transform=np.eye(4))
+    camera = LookAt((0.4, -0.6, 1.4), up=(0.0, 0.0, 1.0))
+    reads = []
+    behind = LookAt((0.0, 0.0, -3.0))
+    for lights in ((), (point(behind.position),), (directional(0.0, 0.0, intensity=0.0),)):
+        scene = Scene((thing,), camera, lights=lights, shadows="hard")
+        reads.append(render(scene, size=(32, 18), samples=1, engine="cpu").reads)
+    np.testing.assert_array_equal(reads[0], reads[1])
+    np.testing.assert_array_equal(reads[0], reads[2])

@@ -174,7 +174,9 @@ def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
     corner = np.array([-0.5, 0.5, 0.0, 1.0])  # top left
     np.testing.assert_allclose((wide.to_world @ corner)[:3], [-0.5, 0, -0.25], atol=1e-12)
     np.testing.assert_allclose((high.to_world @ corner)[:3], [-0.25, 0, -0.5], atol=1e-12)
+    # as deep as wide: the depth is a share of a tile's width, which on the high one is half
     np.testing.assert_allclose((wide.to_world @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose((high.to_world @ [0, 0, 1, 0])[:3], [0, 0.5, 0], atol=1e-12)
     assert np.array_equal(Object(BUMPY, shape="box").to_world, np.eye(4))
 
 

@@ -208,7 +208,6 @@ def scene(
     layer: str | None = None,
     layer_tiling: str | None = None,
     layer_shift: str | None = None,
-    occlusion_kind: Any = None,
     stretch: str | None = None,
     add: Sequence[str] = (),
     **options: Any,
@@ -221,8 +220,6 @@ def scene(
     given = {name: _READERS.get(name, _as_it_is)(text) for name, text in options.items()}
     if measured:
         given["scale"] = None
-    if occlusion_kind is not None:
-        given["occlusion"] = occlusion_kind
     if layer is not None:
         given["layer"] = Layer(load(layer))
     said = preset.options(material, given)

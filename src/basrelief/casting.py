@@ -56,10 +56,7 @@ def _ball_around(scene: Scene) -> tuple[NDArray[np.float64], float]:
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     radius = float(np.linalg.norm(points - center, axis=1).max())
     raised = max(
-        (1.0 - thing.relief_level) * thing.relief_scale * float(np.linalg.norm(thing.to_world, 2))
-        if thing.has_relief
-        else 0.0
-        for thing in scene.objects
+        thing.raised * float(np.linalg.norm(thing.to_world[:3, :3], 2)) for thing in scene.objects
     )
     return center, (radius + raised) * 1.02
 
@@ -75,7 +72,9 @@ def _cameras(
     if light.kind == SPOT:
         half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
         if 2.0 * half <= _WIDEST:
-            yield _looking(position, way, side, field_of_view=max(2.0 * half, _NARROWEST))
+            wide = math.tan(math.radians(half)) * side[0] / (side[0] - 2.0)
+            degrees = max(2.0 * math.degrees(math.atan(wide)), _NARROWEST)
+            yield _looking(position, way, side, field_of_view=degrees)
             return
     away = float(np.linalg.norm(center - position))
     half = math.degrees(math.asin(min(1.0, radius / max(away, 1e-9))))

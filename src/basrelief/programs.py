@@ -10,6 +10,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.material import pyramids
 from basrelief.scene import Object, Scene
+from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shaders import (
     cast,
     edge,
@@ -46,6 +47,11 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
         **_bindings_of(thing),
         relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
         relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
+        relief.flat_height: (
+            relief.as_stored
+            if thing.surface == "landscape" or scene.occlusion_kind == "directional"
+            else relief.unread
+        ),
         shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
         lighting.reflectance: getattr(lighting, scene.shading_model),
         cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
@@ -53,7 +59,7 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
             pixel.on_the_polygon if scene.shadows_on == "polygon" else pixel.on_the_relief
         ),
         pixel.openness: (
-            pixel.open_from_above if scene.occlusion == "directional" else pixel.open_to_all
+            pixel.open_from_above if scene.occlusion_kind == "directional" else pixel.open_to_all
         ),
         fog.fogged: fog.clear if scene.fog == "none" else getattr(fog, scene.fog),
     }
@@ -77,11 +83,12 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
         **edges_of(map_edge(thing)),
-        pixel.inside: pixel.within if thing.edge == "clip" else pixel.anywhere,
+        pixel.inside: _inside(thing),
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
         # whole, as for a light; what is seen may fade
         relief.depth_seen: relief.as_deep,
         relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
+        relief.flat_height: relief.unread,
         relief.slope_of: relief.of_heights if three else relief.unasked,
         height.surface_height: height.smooth if smooth else height.sharp,
         displace: thing.drawn_with if thing.has_relief else flat,
@@ -105,6 +112,13 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     return bindings
 
 
+def _inside(thing: Object) -> Any:
+    """What is cut off at the object's edge: around a sphere or a cylinder there is none along u."""
+    if thing.edge != "clip":
+        return pixel.anywhere
+    return pixel.within if thing.shape in ("plane", "box") else pixel.within_rims
+
+
 def edges_of(beyond: Edge) -> dict[Any, Any]:
     """What lies beyond a map, for coordinates and for cells."""
     return {
@@ -115,9 +129,11 @@ def edges_of(beyond: Edge) -> dict[Any, Any]:
 
 
 def map_edge(thing: Object) -> Edge:
-    # mirrored tiles lie before the map's own
-    within = all(0.0 < tiles <= 1.0 for tiles in thing.tiles) and not any(thing.shift)
-    repeats = thing.edge == "clip" and not within
+    """What programs read beyond a map: within a shape that is clipped it repeats, if it has to."""
+    over = [] if thing.layer is None else [thing.layer.tiling]
+    repeats = thing.edge == "clip" and any(
+        each.repeats for each in (thing.main_tiling, *thing.tilings.values(), *over)
+    )
     return "wrap" if thing.edge == "wrap" or repeats else "clamp"
 
 
@@ -134,7 +150,7 @@ def maps_of(thing: Object) -> dict[str, Any]:
         "response": pyramids.response(material, beyond),
         "emission": glow and glow[0],
         "layer_color": over and pyramids.base_color(over, beyond),
-        "layer_normal": over and pyramids.normal(over, beyond, over.scale or 0.0),
+        "layer_normal": over and pyramids.normal(over, beyond, over.scale or DEFAULT_SCALE),
     }
 
 

@@ -53,8 +53,8 @@ def _of_scene(scene: Scene) -> Iterator[str]:
         yield f"{scene.shadows} shadows"
     if scene.casts and scene.shadows_on != "relief":
         yield f"shadows of others on the {scene.shadows_on}"
-    if scene.occlusion != "ambient":
-        yield f"{scene.occlusion} occlusion"
+    if scene.occlusion_kind != "ambient":
+        yield f"{scene.occlusion_kind} occlusion"
     if scene.fog != "none":
         yield f"{scene.fog.replace('_', ' ')} fog"
 

@@ -44,7 +44,7 @@ OF_OBJECT: dict[str, str] = {
 OF_TILING = {"tiles": PAIR, "shift": PAIR}
 OF_LAYER = {"material": TEXT, **OF_TILING}
 OF_SCENE: dict[str, str] = {
-    **dict.fromkeys(("shading_model", "shadows", "shadows_on", "occlusion", "fog"), TEXT),
+    **dict.fromkeys(("shading_model", "shadows", "shadows_on", "occlusion_kind", "fog"), TEXT),
     **dict.fromkeys(("shading", "shadowing", "air"), NUMBERS),
     "shadow_map": WHOLE,
     "background": TRIPLE,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -52,6 +53,11 @@ class Tiling:
         left = (self.shift[k] - main.shift[k] * ratio[k] for k in (0, 1))
         return Vec4(*ratio, *left)
 
+    @property
+    def repeats(self) -> bool:
+        """Whether anything but the map's own tile is seen; mirrored tiles lie before it."""
+        return any(self.shift) or not all(0.0 < tiles <= 1.0 for tiles in self.tiles)
+
     def moved(self, u: float, v: float) -> Tiling:
         """The same map, moved by a part of the shape's own texture coordinates."""
         move = (self.tiles[0] * u, self.tiles[1] * v)
@@ -80,7 +86,8 @@ class Object:
     `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
     heights, and asking for one where there are none is an error. `settings` is its record, or a
     mapping of the fields to change. `scale` defaults to the material's, `level` and `projection`
-    to the technique's. `edge` says what lies beyond the map: "wrap", "clamp", or "clip" (nothing).
+    to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a layer too,
+    whose tiles then do not repeat), or "clip" (nothing).
     `heights` are read "sharp", from the finest level, or "smooth", as `smoothing` says. `fade` is
     the distance from the camera, in world units, up to which the relief is whole, and that at which
     it is gone.
@@ -130,6 +137,10 @@ class Object:
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
+        if self.drawn_with.bake is not None and self.heights == "smooth":
+            raise InputError(
+                f"{self.drawn_with.name} reads its heights sharp; leave heights smooth away"
+            )
         self._check_fade()
         self._check_tilings()
         for name, record, owner in (
@@ -193,6 +204,14 @@ class Object:
         return _first(self.level, self.drawn_with.level)
 
     @property
+    def raised(self) -> float:
+        """How far the relief stands above the polygon at most, in lengths of object space."""
+        if not self.has_relief:
+            return 0.0
+        around = math.pi if self.shape in ("sphere", "cylinder") else 1.0
+        return (1.0 - self.relief_level) * self.relief_scale * around / abs(self.tiles[0])
+
+    @property
     def relief_projection(self) -> str:
         """The name of the projection in use."""
         return self.projection or self.drawn_with.projection
@@ -216,7 +235,9 @@ class Object:
         if self.shape != "plane":
             return np.eye(4)
         proportion = self.material.proportion
-        return LYING @ placed(scale=(min(proportion, 1.0), min(1.0 / proportion, 1.0), 1.0))
+        # as deep as it is wide: the depth of a relief is a share of a tile's width
+        width = min(proportion, 1.0)
+        return LYING @ placed(scale=(width, min(1.0 / proportion, 1.0), width))
 
     def outline(self) -> NDArray[np.float64]:
         """Points of world space, (n, 3), that the object lies between."""
@@ -230,7 +251,6 @@ class Object:
         return Placement(
             Vec3(*matrix[:3, 3]),
             _columns(inverse),
-            _columns(matrix[:3, :3]),
             Vec2(*self.tiles),
             Vec2(*self.shift),
             self._normals_proportion(),

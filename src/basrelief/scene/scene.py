@@ -38,11 +38,11 @@ class Scene:
     `shadows_on="polygon"`, on the polygons, as where an engine's displacement does not reach them.
     `shadow_map` is how many texels a side a light's depth map has.
 
-    `occlusion` acts on ambient light ("ambient"), or on every light, the more the flatter it comes
-    ("directional"). `fog` is "none", "linear", "exponential" or "exponential_squared", its numbers
-    `air`. `background` is a linear colour, or None for transparent. `shading`, `shadowing` and
-    `air` are records, or mappings of the fields to change. Raises InputError for values out of
-    range.
+    `occlusion_kind` says what occlusion acts on: ambient light ("ambient"), or every light, the
+    more the flatter it comes ("directional"). `fog` is "none", "linear", "exponential" or
+    "exponential_squared", its numbers `air`. `background` is a linear colour, or None for
+    transparent. `shading`, `shadowing` and `air` are records, or mappings of the fields to change.
+    Raises InputError for values out of range.
     """
 
     objects: tuple[Object, ...]
@@ -54,7 +54,7 @@ class Scene:
     shadows_on: Literal["relief", "polygon"] = "relief"
     shadow_map: int = 1024
     shadowing: Any = field(default_factory=dict)
-    occlusion: Literal["ambient", "directional"] = "ambient"
+    occlusion_kind: Literal["ambient", "directional"] = "ambient"
     fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
     air: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = BACKGROUND
@@ -63,7 +63,7 @@ class Scene:
         one_of("shading_model", self.shading_model, ("ggx", "phong"))
         one_of("shadows", self.shadows, ("none", "hard", "soft"))
         one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
-        one_of("occlusion", self.occlusion, ("ambient", "directional"))
+        one_of("occlusion_kind", self.occlusion_kind, ("ambient", "directional"))
         one_of("fog", self.fog, ("none", "linear", "exponential", "exponential_squared"))
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (
@@ -119,9 +119,7 @@ class Scene:
 def _inside(thing: Object, x: float, y: float, z: float) -> bool:
     match thing.shape:
         case "plane":
-            above = (1.0 - thing.relief_level) * thing.relief_scale / abs(thing.tiles[0])
-            raised = above if thing.has_relief else 0.0
-            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= raised
+            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= thing.raised
         case "box":
             return max(abs(x), abs(y), abs(z)) <= 0.5
         case "sphere":

@@ -21,14 +21,13 @@ class View:
 class Placement:
     """Where the object is, and how its texture lies on it.
 
-    A world point p is `to_object @ (p − origin)` in object space; `to_world` is the inverse. The
-    shape's own texture coordinates are multiplied by `tiling`, then `shift` is added. `proportion`
-    is the width of the maps ÷ their height in texels, for which their normals were made.
+    A world point p is `to_object @ (p − origin)` in object space. The shape's own texture
+    coordinates are multiplied by `tiling`, then `shift` is added. `proportion` is the width of the
+    maps ÷ their height in texels, for which their normals were made.
     """
 
     origin: Vec3
     to_object: Mat3
-    to_world: Mat3
     tiling: Vec2
     shift: Vec2
     proportion: float

@@ -108,11 +108,14 @@ def pixel(
         # every light falls on the displaced point, read from the displaced maps
         incoming = arriving(lights[k], point.position)
         towards = placement.to_object @ incoming.direction
-        reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
-        share = reaching.share * reaching_past_others(distances, views, k, receiving)
-        share = share * openness(point, moved.height, incoming.direction, shading)
-        color = color + reflectance(point, shading, incoming) * share
-        reads = reads + reaching.reads
+        light = reflectance(point, shading, incoming)
+        # what gives no light throws no shadow either
+        if max(max(light.x, light.y), light.z) > 0.0:
+            reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
+            share = reaching.share * reaching_past_others(distances, views, k, receiving)
+            share = share * openness(point, moved.height, incoming.direction, shading)
+            color = color + light * share
+            reads = reads + reaching.reads
     color = fogged(color, distance, fog)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
@@ -220,6 +223,12 @@ def anywhere(place: Vec2) -> bool:
 def within(place: Vec2) -> bool:
     """What is displaced beyond the shape's own edge is not drawn."""
     return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
+
+
+@shader
+def within_rims(place: Vec2) -> bool:
+    """The same on a shape that goes round: it has rims above and below, and none along u."""
+    return place.y >= 0.0 and place.y <= 1.0
 
 
 # --- where other objects' shadows fall -----------------------------------------------------------

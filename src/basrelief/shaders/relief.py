@@ -17,7 +17,7 @@ from basrelief.lang import (
     struct,
 )
 from basrelief.shaders.gradients import Footprint, level_of_detail
-from basrelief.shaders.height import Smoothing, slope_at, surface_height
+from basrelief.shaders.height import Smoothing, height_at, slope_at, surface_height
 from basrelief.shaders.meeting import Meeting
 from basrelief.shaders.projection import SHALLOWEST, projection
 from basrelief.shaders.ray import Hit, Ray
@@ -124,10 +124,27 @@ def with_relief(
     """As the technique says; with no depth not one height is read."""
     deep = depth_seen(depth, met.point.distance)
     if deep.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, 1.0, True, 0)
+        return Displaced(met.point.uv, 0.0, flat_height(field, met.point.uv), True, 0)
     lod = lod_seen(field, met.footprint, smoothing)
     hit = displace(field, baked, relief_ray(met, deep, lod, smoothing.mip_fade), settings)
     return Displaced(hit.uv, beyond(met, deep, hit), hit.height, hit.found, hit.reads)
+
+
+@slot
+def flat_height(field: HeightField, uv: Vec2) -> float:
+    """The height of a relief that is drawn flat, for what goes by it."""
+
+
+@shader
+def unread(field: HeightField, uv: Vec2) -> float:
+    """Nothing goes by it."""
+    return 1.0
+
+
+@shader
+def as_stored(field: HeightField, uv: Vec2) -> float:
+    """The map's: a landscape keeps its water, and a pit its shade, where the relief has faded."""
+    return height_at(field, uv)
 
 
 @shader
@@ -233,11 +250,11 @@ def self_shadowed(
 ) -> Reaching:
     """What the relief leaves of it; nothing of a light behind the polygon."""
     light = to_tangent(met.frame, normalize(towards))
+    if light.z <= SHALLOWEST:
+        return Reaching(0.0, 0)
     scale = depth_seen(depth, met.point.distance).scale
     if scale <= 0.0:
         return Reaching(1.0, 0)
-    if light.z <= SHALLOWEST:
-        return Reaching(0.0, 0)
     rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)
     lod = lod_seen(field, met.footprint, smoothing)
     # from the surface itself: a technique may end the view ray below it

@@ -24,8 +24,8 @@ SHADINGS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "stock offset": (STOCK, {}),
     "march": (MARCH, {}),
     "march and self-shadow": (MARCH, {"shadows": "soft"}),
-    "directional occlusion alone": (FLAT, {"occlusion": "directional"}),
-    "all": (MARCH, {"shadows": "soft", "occlusion": "directional"}),
+    "directional occlusion alone": (FLAT, {"occlusion_kind": "directional"}),
+    "all": (MARCH, {"shadows": "soft", "occlusion_kind": "directional"}),
 }
 
 

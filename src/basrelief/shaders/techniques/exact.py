@@ -27,7 +27,7 @@ from basrelief.shaders.ray import Hit, Ray, at
 from basrelief.shaders.techniques.technique import Nothing, technique
 
 MOST_CELLS = 16384
-"""No ray comes to more cells than this."""
+"""A ray that comes to more cells, at a grazing angle over many tiles, stays where it is."""
 BLOCK = 2
 """Cells along each side that share a record."""
 WINDOW = 10
@@ -74,10 +74,10 @@ class Record:
 def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
     """Go on as far as bounds prove that nothing is in the way, and solve the cells that are left.
 
-    No feature is missed, whatever the angle and the size of the map. Cost: a record for each step,
-    and a read for each cell that is solved. After P. Tevs, I. Ihrke and H.-P. Seidel, Maximum
-    Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, 2008, with overlapping
-    windows and planes in place of their pyramid.
+    No feature is missed, whatever the angle, on a way of up to 16,384 records. Cost: a record for
+    each step, and a read for each cell that is solved. After P. Tevs, I. Ihrke and H.-P. Seidel,
+    Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, 2008, with
+    overlapping windows and planes in place of their pyramid.
     """
     extent = size(field, 0)
     line = line_of(ray, extent)
@@ -105,7 +105,7 @@ def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hi
             cell = IVec2(cell.x, cell.y + line.sign.y)
         k = k + 1
     height = 1.0 - min(t, 1.0)
-    return Hit(at(ray, height), height, True, reads)
+    return Hit(at(ray, height), height, found or t >= 1.0, reads)
 
 
 # --- the ray among the cells ----------------------------------------------------------------------
@@ -125,7 +125,8 @@ def line_of(ray: Ray, extent: IVec2) -> Line:
         cell=cell,
         start=start - Vec2(float(cell.x), float(cell.y)),
         way=way,
-        sign=IVec2(-1 if way.x < 0.0 else 1, -1 if way.y < 0.0 else 1),
+        # of the held way: a way of −0 has a pace below 0
+        sign=IVec2(-1 if held.x < 0.0 else 1, -1 if held.y < 0.0 else 1),
         pace=1.0 / held,
     )
 
