@@ -119,10 +119,16 @@ def test_every_command_is_shown() -> None:
 def test_the_python_example_of_the_readme(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As it stands, but for the size of the picture."""
     (example,) = (block for block in blocks("README.md") if "image.save" in block)
-    monkeypatch.setitem(os.environ, *environment().popitem())
+    monkeypatch.setenv("BASRELIEF_CACHE", environment()["BASRELIEF_CACHE"])
     small = example.replace("(1280, 720)", "(24, 18)")
     assert small != example
     scope: dict[str, object] = {}
     exec(compile(small, "README.md", "exec"), scope)
     assert isinstance(scope["image"], basrelief.Frame)
     assert read_picture("rock.png").pixels.shape == (18, 24, 3)
+
+
+def test_the_films_of_the_command_line_page(here: Path) -> None:
+    (example,) = blocks("docs/command-line.md")
+    exec(compile(example, "docs/command-line.md", "exec"), {})
+    assert sorted(set(os.listdir()) - {"FOLDER", "my.py"}) == [f"rock-000{k}.png" for k in "1234"]

@@ -251,3 +251,25 @@ def test_water_stays_water_where_the_relief_has_faded() -> None:
     np.testing.assert_allclose(colors[0], colors[1], atol=1e-3)
     flat = Object(ground, fade=(0.5, 1.0), **options)
     assert render(Scene((flat,), camera), size=(9, 9), samples=1, engine="cpu").reads.max() == 0
+
+
+def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
+    colors = np.full((1, 1, 3), 0.4, np.float32)
+    height = Map(np.full((4, 4, 1), 0.8, np.float32), False, "high")
+    ground = Material("ground", height=height, base_color=Map(colors, False, "colour"))
+    thing = Object(ground, surface="landscape", transform=np.eye(4))
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    np.testing.assert_allclose(color, 0.4, atol=1e-3)
+
+
+@pytest.mark.parametrize("technique", ["steep", "parallax_occlusion", "relief"])
+def test_the_deepest_ground_is_water_and_no_sky(technique) -> None:
+    """A march that ends above the ground at the bottom has sunk below the water's level."""
+    ground = Material("pit", height=Map(np.zeros((4, 4, 1), np.float32), False, "pit"))
+    thing = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    assert color.max() < 0.2

@@ -64,7 +64,7 @@ def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) ->
     thing = Object(material, transform=np.eye(4), **options)
     frame = drawn(
         thing, camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
-        shading=shading, occlusion=occlusion,
+        shading=shading, occlusion_kind=occlusion,
     )  # fmt: skip
     assert frame.hit.all()
     return frame.color[:, :, :3]
@@ -98,7 +98,7 @@ def test_a_height_below_all_is_the_lowest() -> None:
 def test_without_a_direction_there_is_no_code_for_it() -> None:
     thing = Object(sample("tiles", 16))
     texts = [
-        print_wgsl(program_of(thing, Scene((thing,), occlusion=kind)).module, "wrap")
+        print_wgsl(program_of(thing, Scene((thing,), occlusion_kind=kind)).module, "wrap")
         for kind in ("ambient", "directional")
     ]
     assert ["open_from_above" in text for text in texts] == [False, True]

@@ -33,6 +33,7 @@ from basrelief.scene import (
     spot,
     turned,
 )
+from basrelief.scene.checks import FAR, NEAR
 from basrelief.shaders.fog import Fog
 from basrelief.shaders.height import Smoothing
 from basrelief.shaders.lighting import Light, Shading
@@ -331,10 +332,14 @@ def object_from(text: str) -> Object:
     for name in _PAIRS:
         if name in given:
             options[name] = pair(given[name], f"{what}: {name}")
-    if "color" in given:
-        options["finish"] = {"base_color": value(given["color"], f"{what}: color")}
+    if "color" in given or "material" not in given:
+        options["finish"] = {"base_color": value(given.get("color", _GREY), f"{what}: color")}
     plain = Object(material, **options)
     return replace(plain, transform=_placed(given, what) @ plain.to_world)
+
+
+_GREY = "0.5"
+"""The colour of a further object that has neither material nor colour: no light burns it out."""
 
 
 def _placed(given: Mapping[str, str], what: str) -> Any:
@@ -343,6 +348,8 @@ def _placed(given: Mapping[str, str], what: str) -> Any:
     size = value(given.get("size", "1"), f"{what}: size")
     if not isinstance(size, float) and len(size) != 3:
         raise InputError(f"{what}: size {given['size']}: write one number, or three as 1/2/3")
+    if not np.all((np.asarray(size) >= NEAR) & (np.asarray(size) <= FAR)):
+        raise InputError(f"{what}: size {given['size']}: write numbers above 0, up to {FAR:g}")
     turn = np.eye(4)
     if "turn" in given:
         axis, _, degrees = given["turn"].partition("/")

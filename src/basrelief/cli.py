@@ -243,7 +243,7 @@ def render(
     motion: Annotated[
         list[str] | None,
         typer.Option(
-            help="orbit · light · scroll, u=0.25, v=0: what moves in a film; repeat.",
+            help="orbit · light · scroll,u=0.25,v=0 · opening: what moves in a film; repeat.",
             metavar="NAME,NAME=VALUE…",
             rich_help_panel="Picture",
         ),

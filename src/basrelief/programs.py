@@ -101,6 +101,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
         surface.spot_of: surface.apart if thing.tilings else surface.together,
         surface.turned: surface.mirrored_with if thing.tilings else surface.as_it_is,
         standard.opacity_of: alpha[thing.alpha],
+        landscape.high_ground: landscape.of_the_layer if thing.layer else landscape.as_below,
         standard.layered: standard.with_details if thing.layer else standard.bare,
     }
     maps = maps_of(thing)

@@ -15,7 +15,7 @@ from basrelief.lang.types import VECTORS, fields_of, is_record
 NEAR, FAR = 1e-6, 1e6
 """Sizes, places and tilings that float32 holds with room for squares, cubes and quotients."""
 
-_NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
+NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
 _MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 
 
@@ -68,7 +68,7 @@ def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any
     several = size > 1 and not isinstance(value, str | Mapping) and np.iterable(value)
     numbers = [*value] if several else [value]
     for number in numbers:
-        if isinstance(number, bool) or not isinstance(number, _NUMBERS):
+        if isinstance(number, bool) or not isinstance(number, NUMBERS):
             raise InputError(f"{name} is a number, not {value!r}")
         if abs(float(number)) > _MOST_IN_32_BITS[component]:
             raise InputError(f"{name} is further from 0 than 32 bits reach")

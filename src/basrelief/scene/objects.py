@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
-from basrelief.scene.checks import FAR, NEAR, one_of, record_of, within
+from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
 from basrelief.scene.transforms import LYING, OUTLINES, Transform, placed, sound
 from basrelief.shaders.height import Smoothing
 from basrelief.shaders.meeting import Placement
@@ -67,7 +67,8 @@ class Tiling:
 @dataclass(frozen=True, eq=False)
 class Layer:
     """A second material over the first: details on the standard surface, the high ground of a
-    landscape. Its colour and normals are used, `tiles` times over the shape."""
+    landscape. Its colour and normals are used; `tiling` says how often they lie over the shape,
+    as `Layer(material, Tiling((10, 10)))`."""
 
     material: Material
     tiling: Tiling = field(default_factory=lambda: Tiling((10.0, 10.0)))
@@ -125,6 +126,7 @@ class Object:
     transform: Transform | None = None
 
     def __post_init__(self) -> None:
+        self._check_kinds()
         self._choose_technique()
         one_of("shape", self.shape, SHAPES)
         one_of("projection", self.projection, (None, "full", "biased", "limited"))
@@ -154,6 +156,24 @@ class Object:
                 "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
                 "and not flatten it to nothing"
             )
+
+    def _check_kinds(self) -> None:
+        """Raise InputError for what is of another kind altogether."""
+        if not isinstance(self.material, Material):
+            raise InputError(f"an object's material is one, as load gives, not {self.material!r}")
+        if not (self.layer is None or isinstance(self.layer, Layer)):
+            raise InputError(f"layer is {self.layer!r}: give a Layer(material, Tiling((10, 10)))")
+        for name, each in self.tilings.items():
+            if not isinstance(each, Tiling):
+                raise InputError(f"tiling of {name} is {each!r}: give a Tiling((2, 2))")
+        for name in ("scale", "level", "bias"):
+            number = getattr(self, name)
+            if not (number is None or isinstance(number, NUMBERS)):
+                raise InputError(f"{name} is {number!r}: give a number")
+        for name in ("fade", "tiling", "shift"):
+            pair = getattr(self, name)
+            if pair is not None and (not np.iterable(pair) or len(list(pair)) != 2):
+                raise InputError(f"{name} is {pair!r}: give two numbers")
 
     def _choose_technique(self) -> None:
         if self.technique is None:

@@ -34,8 +34,9 @@ class Scene:
     """Objects, a camera, lights; `shading_model` is "ggx" (metallic-roughness) or "phong".
 
     `shadows` are "none", "hard" or "soft": those of a relief on itself, and, where there are
-    several objects, those that they cast on one another; these fall on the relief, or, with
-    `shadows_on="polygon"`, on the polygons, as where an engine's displacement does not reach them.
+    several objects, those that they cast on one another, which are hard-edged either way. These
+    fall on the relief, or, with `shadows_on="polygon"`, on the polygons, as where an engine's
+    displacement does not reach them.
     `shadow_map` is how many texels a side a light's depth map has.
 
     `occlusion_kind` says what occlusion acts on: ambient light ("ambient"), or every light, the
@@ -60,6 +61,9 @@ class Scene:
     background: tuple[float, float, float] | None = BACKGROUND
 
     def __post_init__(self) -> None:
+        objects = self.objects if np.iterable(self.objects) else (self.objects,)
+        if not all(isinstance(thing, Object) for thing in objects):
+            raise InputError("objects are a tuple of Object, as (Object(material),)")
         one_of("shading_model", self.shading_model, ("ggx", "phong"))
         one_of("shadows", self.shadows, ("none", "hard", "soft"))
         one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
@@ -75,7 +79,12 @@ class Scene:
         ground = (0.0,) * 3 if self.background is None else self.background
         if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
-        object.__setattr__(self, "objects", tuple(self.objects))
+        if self.fog == "linear" and not self.air.fog_start < self.air.fog_end:
+            raise InputError(
+                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: give fog_start below "
+                "fog_end"
+            )
+        object.__setattr__(self, "objects", tuple(objects))
         object.__setattr__(self, "lights", tuple(self.lights))
 
     @property

@@ -6,7 +6,7 @@ mountains, water in the lowest places, and a plain colour where the ray met noth
 
 from __future__ import annotations
 
-from basrelief.lang import Texture, Vec3, mix, setting, shader, struct
+from basrelief.lang import Texture, Vec3, mix, setting, shader, slot, struct
 from basrelief.shaders.surfaces.standard import base_color_of, layer_color_of, normal_of
 from basrelief.shaders.surfaces.surface import MapPlaces, Spot, Surface, apart, spot_of, turned
 
@@ -27,6 +27,23 @@ class Landscape:
     )
 
 
+@slot
+def high_ground(low: Vec3, layer_color: Texture, spot: Spot, places: MapPlaces) -> Vec3:
+    """The linear colour of the mountains, given that of the valleys."""
+
+
+@shader
+def of_the_layer(layer_color: Texture, spot: Spot, places: MapPlaces) -> Vec3:
+    """The layer's."""
+    return layer_color_of(layer_color, apart(spot, places.layer))
+
+
+@shader
+def as_below(low: Vec3) -> Vec3:
+    """There is no layer: the same ground everywhere."""
+    return low
+
+
 @shader
 def landscape_surface(
     spot: Spot,
@@ -41,14 +58,14 @@ def landscape_surface(
 ) -> Surface:
     """The base colour in the valleys, the layer's on the mountains, water, or nothing met."""
     low = base_color_of(base_color, spot_of(spot, places.base_color)).xyz
-    high = layer_color_of(layer_color, apart(spot, places.layer))
-    color = mix(low, high, spot.height)
+    color = mix(low, high_ground(low, layer_color, spot, places), spot.height)
     leaning = normal_of(normal, spot_of(spot, places.normal), finish.normal_strength)
     level = turned(leaning, places.normal)
     if spot.height < finish.water_level:
+        # a ray that has sunk so low has met the water, whether or not it came to the ground
         color = finish.water_color * spot.height
         level = Vec3(0.0, 0.0, 1.0)
-    if not spot.found:
+    elif not spot.found:
         color = finish.sky_color
         level = Vec3(0.0, 0.0, 1.0)
     return Surface(
