@@ -88,10 +88,10 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     shading = DARK
     scene = Scene((thing,), eye, (light,), shading=shading, shading_model="phong")
     seen = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, 0]
-    # over the whole tile the surface rises by rise · scale towards the viewer's lower edge (+z)
+    # over the tile it rises by rise · scale of the tile's width, towards the lower edge (+z)
     length = min(1.0, rows / columns) if shape == "plane" else 1.0
     width = min(1.0, columns / rows) if shape == "plane" else 1.0
-    slope = rise * rows / (rows - 1) * scale * (1.0 if shape == "plane" else width) / length
+    slope = rise * rows / (rows - 1) * scale * width / length
     normal = np.array([0.0, 1.0, -slope]) / np.hypot(1.0, slope)
     towards = np.array([0.0, np.sqrt(0.5), np.sqrt(0.5)])
     assert seen == pytest.approx(0.6 * normal @ towards, rel=0.01)

@@ -33,8 +33,10 @@ from basrelief.shaders.relief import (
     depth_seen,
     displaced,
     finest,
+    flat_height,
     lod_seen,
     relief_ray,
+    unread,
     with_relief,
 )
 from basrelief.shaders.shapes import FAR, SurfacePoint
@@ -71,7 +73,7 @@ from basrelief.shaders.techniques.technique import Settings
 Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
 
-PLAIN = {lod_seen: finest, depth_seen: as_deep}
+PLAIN = {lod_seen: finest, depth_seen: as_deep, flat_height: unread}
 ROUNDING = 3e-6
 """What float32 may add to texture coordinates and heights of about one."""
 

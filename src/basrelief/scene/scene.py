@@ -79,10 +79,10 @@ class Scene:
         ground = (0.0,) * 3 if self.background is None else self.background
         if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
-        if self.fog == "linear" and not self.air.fog_start < self.air.fog_end:
+        if self.fog == "linear" and self.air.fog_start > self.air.fog_end:
             raise InputError(
-                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: give fog_start below "
-                "fog_end"
+                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: give a fog_end that is no "
+                "nearer than fog_start"
             )
         object.__setattr__(self, "objects", tuple(objects))
         object.__setattr__(self, "lights", tuple(self.lights))
