@@ -81,8 +81,8 @@ class Scene:
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
         if self.fog == "linear" and self.air.fog_start > self.air.fog_end:
             raise InputError(
-                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: give a fog_end that is no "
-                "nearer than fog_start"
+                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: "
+                "give a fog_end no nearer than fog_start"
             )
         object.__setattr__(self, "objects", tuple(objects))
         object.__setattr__(self, "lights", tuple(self.lights))
