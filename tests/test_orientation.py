@@ -23,6 +23,7 @@ from basrelief.rendering import Frame, render
 from basrelief.scene import LookAt, Object, Scene, directional, placed, turned
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
+from made_up import rays, unit
 
 SIZE = (60, 44)
 MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))
@@ -167,29 +168,6 @@ def bilinear(texels: Array, uv: Array) -> Array:
 # --- rays and displaced faces, in world space -----------------------------------------------------
 
 
-def unit(v: Array) -> Array:
-    v = np.asarray(v, np.float64)
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
-
-
-def rays(camera: LookAt) -> tuple[Array, Array]:
-    """Origins and unit directions through the middles of all pixels, (H, W, 3)."""
-    width, height = SIZE
-    position = np.asarray(camera.position, np.float64)
-    forward = unit(np.asarray(camera.target) - position)
-    right = unit(np.cross(forward, camera.up))
-    up = np.cross(right, forward)
-    x = (np.arange(width) + 0.5 - width / 2) / height
-    y = (height / 2 - np.arange(height) - 0.5) / height
-    across = right * x[None, :, None] + up * y[:, None, None]
-    if camera.orthographic_height is not None:
-        origins = position + across * camera.orthographic_height
-        return origins, np.broadcast_to(forward, origins.shape)
-    tall = 2 * math.tan(math.radians(camera.field_of_view) / 2)
-    directions = unit(forward + across * tall)
-    return np.broadcast_to(position, directions.shape), directions
-
-
 @dataclass(frozen=True, eq=False)
 class Face:
     """A displaced face: P(u, v, s) = corner + u · right + v · down + s · rise, s = height − level.
@@ -282,7 +260,7 @@ CLOSE = 0.03
 
 def answer(faces: list[Face], camera: LookAt) -> Answer:
     """Follow every ray to the first displaced face that it meets through its polygon."""
-    origins, directions = rays(camera)
+    origins, directions = rays(camera, SIZE)
     shape = origins.shape[:2]
     found = Answer(
         sure=np.zeros(shape, bool),
@@ -484,7 +462,7 @@ SIDES = {"u": (1, 0), "minus v": (0, -1)}
 
 def positions(frame: Frame, camera: LookAt) -> Array:
     """Where in the world each pixel's point is, by its depth alone."""
-    origins, directions = rays(camera)
+    origins, directions = rays(camera, SIZE)
     return origins + directions * np.where(frame.hit, frame.depth, 0.0)[..., None]
 
 
