@@ -31,6 +31,7 @@ _LIMITS = (
     "max-storage-buffer-binding-size",
     "max-buffer-size",
     "max-texture-dimension-2d",
+    "max-storage-buffers-per-shader-stage",
 )
 
 
@@ -100,6 +101,9 @@ class GpuEngine:
         self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
         self.limits = limits
         self.device = f"{adapter.info['device']} ({adapter.info['backend_type']})"
+        # Mesa's software driver looks for uniforms that branches depend on, to compile them in, and
+        # in 22.3 writes past the end of its list of them; storage it leaves alone
+        self.spares_uniforms = adapter.info["device"].startswith("llvmpipe")
         self._pipelines: dict[str, _Pipeline] = {}
         self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
@@ -167,13 +171,17 @@ class GpuEngine:
     def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
         import wgpu
 
+        if self.spares_uniforms:
+            code = code.replace("var<uniform>", "var<storage, read>")
         try:
             module = self.gpu.create_shader_module(code=code, label=label)
         except wgpu.GPUError as error:
             reason = " ".join(str(error).split())
             raise EngineError(f"{label}: the GPU's driver refuses the program: {reason}") from None
         layout = self.gpu.create_bind_group_layout(
-            entries=[_layout_entry(number, b) for number, b in enumerate(needed)]
+            entries=[
+                _layout_entry(number, b, self.spares_uniforms) for number, b in enumerate(needed)
+            ]
         )
         pipeline = self.gpu.create_compute_pipeline(
             layout=self.gpu.create_pipeline_layout(bind_group_layouts=[layout]),
@@ -259,7 +267,8 @@ class Job:
         self.plane_count = len(program.planes)
         gpu = engine.gpu
         self._run = gpu.create_buffer(
-            size=16, usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+            size=16,
+            usage=(wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST),
         )
         self.planes = gpu.create_buffer(
             size=4 * self.plane_count * size[0] * size[1],
@@ -281,7 +290,7 @@ class Job:
             return self.engine.edge_sampler(program.edge)
         value = value_of(program, name, values)
         if binding.kind == "uniform":
-            buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM")
+            buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM", "STORAGE")
             self._owned.append(buffer)
             return {"buffer": buffer, "offset": 0, "size": buffer.size}
         resident = self.engine.resident(value)
@@ -321,11 +330,12 @@ class Job:
             buffer.destroy()
 
 
-def _layout_entry(number: int, binding: Binding) -> dict[str, Any]:
+def _layout_entry(number: int, binding: Binding, spares_uniforms: bool) -> dict[str, Any]:
     import wgpu
 
     entry: dict[str, Any] = {"binding": number, "visibility": wgpu.ShaderStage.COMPUTE}
-    kinds = {"run": "uniform", "uniform": "uniform", "planes": "storage"}
+    uniform = "read-only-storage" if spares_uniforms else "uniform"
+    kinds = {"run": uniform, "uniform": uniform, "planes": "storage"}
     if binding.kind == "map":
         sample = "unfilterable-float" if binding.type is HeightField else "uint"
         entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
