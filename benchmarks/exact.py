@@ -137,7 +137,7 @@ def main() -> None:
     for name, heights in maps(texels).items():
         field = HeightField([heights])
         start = time.perf_counter()
-        baked = Texture([bake.bounds(heights, "wrap")])
+        baked = Texture([bake.bounds(heights, "wrap", engine)])
         spent = time.perf_counter() - start
         each = baked.levels[0].nbytes / heights.size
         print(f"{name}: bounds in {spent:.2f} s, {each:.1f} bytes a texel")

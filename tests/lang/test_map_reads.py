@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from comparing import assert_python_is_cpu, compiled, write_module
 
-from basrelief.lang import Buffer, HeightField, IVec2, Texture, corners, texel
+from basrelief.lang import Buffer, HeightField, IVec2, Texture, corners, stored, texel
 
 SHADERS = """
 @struct
@@ -69,6 +69,14 @@ def read_at(pixel: IVec2, field: HeightField, map: Texture, spots: Buffer[Spot])
 @shader
 def heights_of(field: HeightField, x: int) -> Vec4:
     return corners(field, IVec2(x, 1), 0)
+
+@struct
+class Record:
+    numbers: Vec4
+
+@shader
+def record(pixel: IVec2, map: Texture) -> Record:
+    return Record(stored(map, pixel))
 
 @shader
 def in_branches(pixel: IVec2, field: HeightField, map: Texture, places: Buffer[Place]) -> Read:
@@ -162,6 +170,16 @@ def test_the_ends_of_16_bits():
     map = Texture([np.array([[[0, 65535, 1, 32768]]], np.uint16)])
     found = texel(map, IVec2(0, 0), 0)
     assert tuple(found) == (0.0, 65535.0, 1.0, 32768.0)
+    assert tuple(stored(map, IVec2(0, 0))) == tuple(found)
+
+
+def test_records_of_a_table(module):
+    _, map = maps(7, 3, "wrap")
+    assert_python_is_cpu(module.record, (7, 3), {"map": map})
+    planes = compiled(module.record, (7, 3), {"map": map})
+    for channel, name in enumerate("xyzw"):
+        numbers = planes[f"numbers.{name}"].astype(np.uint32).view(np.float32)
+        np.testing.assert_array_equal(numbers, map.levels[0][..., channel])
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])

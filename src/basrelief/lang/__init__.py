@@ -36,6 +36,7 @@ from basrelief.lang.intrinsics import (
     size,
     smoothstep,
     sqrt,
+    stored,
     tan,
     texel,
     transpose,
@@ -50,6 +51,6 @@ __all__ = [
     "Vec2", "Vec3", "Vec4", "acos", "asin", "atan", "atan2", "bits_float", "bound", "clamp",
     "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
     "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
-    "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "struct", "tan",
-    "texel", "transpose",
+    "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "stored",
+    "struct", "tan", "texel", "transpose",
 ]  # fmt: skip

@@ -367,3 +367,14 @@ def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
     """
     k, row, column = texture.texel_index(cell.x, cell.y, level)
     return Vec4(*texture.levels[k][row, column])
+
+
+@_intrinsic(_map_and(IVec2, result=Vec4, kind=Texture))
+def stored(texture: Texture, cell: IVec2) -> Vec4:
+    """Four numbers, 0 to 65535, of what is baked: a texel of the first level, with no edge.
+
+    For tables, where each read counts: the cell must be one there is. Of one that is not, an engine
+    may make what it likes.
+    """
+    height, width = texture.shape
+    return Vec4(*texture.levels[0][min(max(cell.y, 0), height - 1), min(max(cell.x, 0), width - 1)])

@@ -831,6 +831,13 @@ def _texel(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     return channels
 
 
+def _stored(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    """As a texel of level 0."""
+    return _texel(
+        p, tree.IntrinsicCall(node.type, "texel", (*node.arguments, tree.Literal(int, 0)))
+    )
+
+
 _INTRINSICS: dict[str, Any] = {
     "sqrt": _each(lambda p, x: p.lane_function("sqrt", x)),
     "floor": _each(lambda p, x: p.lane_function("floor", x)),
@@ -860,6 +867,7 @@ _INTRINSICS: dict[str, Any] = {
     "size": _size,
     "corners": _corners,
     "texel": _texel,
+    "stored": _stored,
     **dict.fromkeys(APPROXIMATED, _approximated),
 }
 
@@ -896,7 +904,7 @@ def _cost(block: tree.Block) -> int:
 
 
 _FREE = {"float_bits", "bits_float", "transpose"}
-_DEAR = {*APPROXIMATED, "corners", "texel", "normalize"}
+_DEAR = {*APPROXIMATED, "corners", "texel", "stored", "normalize"}
 
 
 def _expression_cost(node: tree.Expression) -> int:

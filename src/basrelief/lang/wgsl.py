@@ -575,7 +575,7 @@ fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
 // around the point where they meet, the sampler seeing to the edge.
 fn corners_of_finest(field: texture_2d<f32>, cell: vec2f) -> vec4f {
   let size = vec2f(textureDimensions(field));
-  return textureGather(0, field, edge_sampler, (cell + 1.0) / size).wzxy;
+  return textureGather(0, field, edge_sampler, (cell + 1.0) * (1.0 / size)).wzxy;
 }
 """,
     "corners": """\
@@ -592,6 +592,12 @@ fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
     textureLoad(field, vec2i(a.x, b.y), k).x,
     textureLoad(field, b, k).x,
   );
+}
+""",
+    "stored": """\
+// Four numbers of a table.
+fn stored(map: texture_2d<u32>, cell: vec2i) -> vec4f {
+  return vec4f(textureLoad(map, cell, 0));
 }
 """,
     "texel": """\
@@ -664,7 +670,7 @@ _RESERVED = frozenset(
         typename typeof union unless unorm unsafe unsized use using varying virtual volatile
         wgsl where with writeonly yield abs acos asin atan atan2 bitcast bool ceil clamp corners
         cos cross dot exp exp2 f16 f32 floor fract i32 length log log2 main max min mix
-        normalize planes pow reflect round run saturate select sin smoothstep sqrt tan texel
+        normalize planes pow reflect round run saturate select sin smoothstep sqrt stored tan texel
         transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u mat3x3f array atomic ptr
         sampler texture_2d result place Run
         """,

@@ -6,7 +6,9 @@ come from the border that each map has (`lang.resources`).
 
 from __future__ import annotations
 
-from basrelief.lang import Vec2, fract, saturate, shader, slot
+from typing import Any, Literal
+
+from basrelief.lang import Vec2, floor, fract, maximum, minimum, saturate, shader, slot
 
 
 @slot
@@ -26,38 +28,51 @@ def clamp(uv: Vec2) -> Vec2:
     return saturate(uv)
 
 
-# --- the same for cells, which lie between texel centres ------------------------------------------
+# --- the same for cells, which lie between texel centres; counted in floats, as rays are ----------
 
 
 @slot
-def cell_in_map(cell: int, count: int) -> int:
-    """A cell along one axis as a map of so many texels has it, from −1 to count − 1."""
+def cell_in_map(cell: Vec2, extent: Vec2) -> Vec2:
+    """A cell as a map of so many texels has it: its far neighbour may lie one beyond the map."""
 
 
 @shader
-def wrap_cell(cell: int, count: int) -> int:
-    """The same cell of the one tile."""
-    return cell % count
+def wrap_cell(cell: Vec2, extent: Vec2) -> Vec2:
+    """The same cell of the one tile, 0 to count − 1; of cells up to four million."""
+    # from the cell's middle, which no rounding takes into the tile beside
+    return cell - floor((cell + 0.5) * (1.0 / extent)) * extent
 
 
 @shader
-def clamp_cell(cell: int, count: int) -> int:
-    """The cells beyond the border are all alike."""
-    return min(max(cell, -1), count - 1)
+def clamp_cell(cell: Vec2, extent: Vec2) -> Vec2:
+    """The cells beyond the border are all alike: −1 to count − 1."""
+    return minimum(maximum(cell, -1.0), extent - 1.0)
 
 
 @slot
-def cell_is_baked(cell: int, count: int) -> bool:
+def cell_is_baked(cell: Vec2, extent: Vec2) -> bool:
     """Whether what is baked for a cell of the map is true of this one, its slopes too."""
 
 
 @shader
-def wrap_baked(cell: int, count: int) -> bool:
+def wrap_baked(cell: Vec2, extent: Vec2) -> bool:
     """All tiles are alike."""
     return True
 
 
 @shader
-def clamp_baked(cell: int, count: int) -> bool:
+def clamp_baked(cell: Vec2, extent: Vec2) -> bool:
     """Beyond the border the heights no longer change."""
-    return cell >= 0 and cell < count
+    return cell.x >= 0.0 and cell.y >= 0.0 and cell.x < extent.x and cell.y < extent.y
+
+
+# --- bound ----------------------------------------------------------------------------------------
+
+
+def edges_of(edge: Literal["wrap", "clamp"]) -> dict[Any, Any]:
+    """The slots of this module as an edge binds them."""
+    both = {
+        "wrap": (wrap, wrap_cell, wrap_baked),
+        "clamp": (clamp, clamp_cell, clamp_baked),
+    }
+    return dict(zip((in_tile, cell_in_map, cell_is_baked), both[edge], strict=True))

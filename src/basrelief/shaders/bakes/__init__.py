@@ -1,0 +1,1 @@
+"""What is worked out from a height map once: an entry for each step, one invocation a texel."""
