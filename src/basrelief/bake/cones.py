@@ -59,8 +59,8 @@ def relaxed_cone_map(
     ray over a texel's centre that goes below the surface within the cone comes out again beyond it,
     or not at all, and a binary search between the two ends of a step finds its first hit. A cell
     has the narrowest cone of its four corners. What does not: between texel centres a crest
-    may rise into a cone, and a ray come out within it: on gravel and bricks none of 100,000 rays
-    did, on one-texel posts and a checkerboard of single texels one or two in a thousand.
+    may rise into a cone, and a ray come out within it: on gravel and bricks none of 130,000 rays
+    did, on one-texel posts one in 4,000, on a checkerboard of single texels one in 500.
 
     After F. Policarpo and M. M. Oliveira, Relaxed Cone Stepping for Relief Mapping, 2007, who try
     rays from the top above each texel only, so that others may come out again within a cone.
@@ -91,17 +91,18 @@ class _Baking:
             squared = self._steepest(HeightField([falling], self.edge), sector, squared)
         return self._stored(cones.relaxed_cone_of, squared)
 
-    def _steepest(self, asked: HeightField, sector: int | None, squared: Heights) -> Heights:
-        """The steepest line, squared, from each vertex to those that are asked."""
+    def _steepest(self, those: HeightField, sector: int | None, squared: Heights) -> Heights:
+        """The steepest line, squared, from each vertex to those of a field."""
         first = sector or 0
         ends = _direction(first, -_ROUNDING), _direction(first + 1, _ROUNDING)
-        wide = self._first_windows(asked)
+        wide = self._first_windows(those)
         k = 0
         while True:
             nearest = float(BLOCKS << k) / 2.0 if k else 0.0
             squared = self._run(
                 cones.steepest,
-                octave=Octave(nearest, self.highest, sector is None, *ends),
+                asked=cones.everywhere if sector is None else cones.in_sector,
+                octave=Octave(nearest, self.highest, *ends),
                 held=self._held(k),
                 field=self.field,
                 windows=wide,
@@ -121,7 +122,7 @@ class _Baking:
 
     def _furthest(self) -> int:
         """How far away, along an axis, texels matter: of those that repeat, the nearest do."""
-        side = max(self.heights.shape)
+        side = int(max(self.heights.shape))
         return side // 2 if self.edge == "wrap" else side - 1
 
     def _held(self, k: int) -> Windows:
@@ -141,10 +142,13 @@ class _Baking:
             made[:, :, channel] = planes[name]
         return Texture([made], self.edge)
 
-    def _run(self, entry: Shader[..., Any], beyond: int = 0, **values: Any) -> Planes:
+    def _run(
+        self, entry: Shader[..., Any], beyond: int = 0, asked: Any = cones.everywhere, **values: Any
+    ) -> Planes:
         height, width = self.heights.shape
-        bindings = {
-            edges.cell_in_map: windows.wrap_cell if self.edge == "wrap" else edges.clamp_cell
+        bindings: dict[Shader[..., Any], Shader[..., Any]] = {
+            edges.cell_in_map: windows.wrap_cell if self.edge == "wrap" else edges.clamp_cell,
+            cones.is_asked: asked,
         }
         program = Program(entry, bindings, self.edge)
         return self.engine.run(program, values, (width + beyond, height + beyond))

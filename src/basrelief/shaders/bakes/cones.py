@@ -22,6 +22,7 @@ from basrelief.lang import (
     floor,
     shader,
     size,
+    slot,
     sqrt,
     struct,
 )
@@ -39,13 +40,12 @@ LEAST = 2e-7
 class Octave:
     """How far an octave reaches: from the vertices that are `nearest` texels away, or all.
 
-    `highest` is the highest height of the map. Where not everywhere is asked, only windows are
-    whose middles lie between the directions `first` and `last`.
+    `highest` is the highest height of the map. Where a sector is asked, it lies between the
+    directions `first` and `last`.
     """
 
     nearest: float
     highest: float
-    everywhere: bool
     first: Vec2
     last: Vec2
 
@@ -124,15 +124,26 @@ def some_asked(octave: Octave, x: int, y: int, width: int) -> bool:
     )
 
 
-@shader
+@slot
 def is_asked(octave: Octave, x: int, y: int, width: int) -> bool:
-    """Whether the middle of a window that begins so far away lies in the sector that is asked."""
+    """Whether a window that begins so far away is asked."""
+
+
+@shader
+def everywhere(octave: Octave, x: int, y: int, width: int) -> bool:
+    """All are."""
+    return True
+
+
+@shader
+def in_sector(octave: Octave, x: int, y: int, width: int) -> bool:
+    """Those whose middles lie in the sector."""
     half = 0.5 * float(width - 1)
     across = float(x) + half
     down = float(y) + half
     after_first = octave.first.x * down - octave.first.y * across
     before_last = octave.last.y * across - octave.last.x * down
-    return octave.everywhere or (after_first >= 0.0 and before_last >= 0.0)
+    return after_first >= 0.0 and before_last >= 0.0
 
 
 @shader

@@ -96,8 +96,9 @@ def relaxed_cone(field: HeightField, baked: Texture, ray: Ray, settings: Relaxed
     """Leap to the end of wider cones, into the surface but not out again, then halve the last leap.
 
     Features narrower than a texel or two can be missed, others are not: see
-    `basrelief.bake.relaxed_cone_map`. Where the steps run out above the surface, mostly close to
-    it, the ray stays there, and is not found. Cost: two reads a step, height
+    `basrelief.bake.relaxed_cone_map`. Where the steps run out above the surface, the ray
+    stays there, and is not found: mostly close to it, but at a grazing angle rays that skim a crest
+    freeze above it, where `cone` goes on. Cost: two reads a step, height
     and cone, and one for each halving. F. Policarpo and M. M. Oliveira, Relaxed Cone Stepping for
     Relief Mapping, GPU Gems 3, 2007.
     """
