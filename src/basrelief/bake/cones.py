@@ -55,12 +55,12 @@ def relaxed_cone_map(
     """Cones that a ray may enter the surface in, and seldom comes out of: (h, w, 4) uint16.
 
     Stored and read as `cone_map` stores them. What holds: from each texel's centre no texel that is
-    higher than the cone there is one beyond which the surface falls away in that direction. So a
-    ray over a texel's centre that goes below the surface within the cone comes out again beyond it,
-    or not at all, and a binary search between the two ends of a step finds its first hit. A cell
-    has the narrowest cone of its four corners. What does not: between texel centres a crest
-    may rise into a cone, and a ray come out within it: on gravel and bricks none of 130,000 rays
-    did, on one-texel posts one in 4,000, on a checkerboard of single texels one in 500.
+    higher than the cone there is one beyond which the surface falls away in that direction. So, as
+    far as texels tell, a ray that goes below the surface within a cone does not come out within it,
+    and a binary search between the two ends of a step finds its first hit. A cell has the narrowest
+    cone of its four corners. What does not: between texel centres a crest may rise into a cone, and
+    a ray come out within it: on gravel and bricks none of 130,000 rays did, on one-texel posts one
+    in 4,000, on a checkerboard of single texels one in 500.
 
     After F. Policarpo and M. M. Oliveira, Relaxed Cone Stepping for Relief Mapping, 2007, who try
     rays from the top above each texel only, so that others may come out again within a cone.
