@@ -28,11 +28,12 @@ def clamp(uv: Vec2) -> Vec2:
     return saturate(uv)
 
 
-# --- the same for cells, which lie between texel centres; counted in floats, as rays are ----------
+# --- the same for cells, which lie between texel centres; counted in floats: no processor ------
+# divides whole numbers in many lanes
 
 
 @slot
-def cell_in_map(cell: Vec2, extent: Vec2) -> Vec2:
+def cells_in_map(cell: Vec2, extent: Vec2) -> Vec2:
     """A cell as a map of so many texels has it: its far neighbour may lie one beyond the map."""
 
 
@@ -47,6 +48,12 @@ def wrap_cell(cell: Vec2, extent: Vec2) -> Vec2:
 def clamp_cell(cell: Vec2, extent: Vec2) -> Vec2:
     """The cells beyond the border are all alike: −1 to count − 1."""
     return minimum(maximum(cell, -1.0), extent - 1.0)
+
+
+@shader
+def cell_in_map(cell: int, count: int) -> int:
+    """The same along one axis, in whole numbers."""
+    return int(cells_in_map(Vec2(float(cell), 0.0), Vec2(float(count), 1.0)).x)
 
 
 @slot
@@ -75,4 +82,4 @@ def edges_of(edge: Literal["wrap", "clamp"]) -> dict[Any, Any]:
         "wrap": (wrap, wrap_cell, wrap_baked),
         "clamp": (clamp, clamp_cell, clamp_baked),
     }
-    return dict(zip((in_tile, cell_in_map, cell_is_baked), both[edge], strict=True))
+    return dict(zip((in_tile, cells_in_map, cell_is_baked), both[edge], strict=True))

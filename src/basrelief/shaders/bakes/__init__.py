@@ -1,1 +1,1 @@
-"""What is worked out from a height map once: an entry for each step, one invocation a texel."""
+"""What is worked out from the heights before anything is drawn, texel by texel, as shaders."""

@@ -20,7 +20,7 @@ from basrelief.lang import (
     size,
     struct,
 )
-from basrelief.shaders.edge import cell_in_map
+from basrelief.shaders.edge import cells_in_map
 from basrelief.shaders.techniques.exact import (
     BLOCK,
     FAR,
@@ -216,7 +216,7 @@ def patch_ahead(field: HeightField, ahead: Ahead, cell: IVec2) -> Vec4:
 @shader
 def patch(field: HeightField, cell: IVec2) -> Vec4:
     """The four heights around any cell, beyond the edges too."""
-    held = cell_in_map(Vec2(float(cell.x), float(cell.y)), extent_of(field))
+    held = cells_in_map(Vec2(float(cell.x), float(cell.y)), extent_of(field))
     return corners(field, IVec2(int(held.x), int(held.y)), 0)
 
 

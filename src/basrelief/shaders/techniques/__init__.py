@@ -11,16 +11,16 @@ from collections.abc import Iterator
 
 from basrelief.shaders.height import height_under
 from basrelief.shaders.ray import Hit, Ray, at
+from basrelief.shaders.techniques.cone import cone, relaxed_cone
 from basrelief.shaders.techniques.exact import exact
 from basrelief.shaders.techniques.march import fixed_length, parallax_occlusion, relief, steep
 from basrelief.shaders.techniques.offset import flat, offset, offset_limited
 from basrelief.shaders.techniques.technique import Nothing, Technique, displace, technique
 
 __all__ = [
-    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "displace", "exact", "fixed_length",
-    "flat",
-    "height_under", "offset", "offset_limited", "parallax_occlusion", "relief", "steep",
-    "technique",
+    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "cone", "displace", "exact",
+    "fixed_length", "flat", "height_under", "offset", "offset_limited", "parallax_occlusion",
+    "relaxed_cone", "relief", "steep", "technique",
 ]  # fmt: skip
 
 

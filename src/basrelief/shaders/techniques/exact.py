@@ -23,7 +23,7 @@ from basrelief.lang import (
     stored,
     struct,
 )
-from basrelief.shaders.edge import cell_in_map, cell_is_baked
+from basrelief.shaders.edge import cell_is_baked, cells_in_map
 from basrelief.shaders.ray import Hit, Ray, at
 from basrelief.shaders.techniques.technique import Nothing, technique
 
@@ -128,7 +128,7 @@ def goes_on(walk: Walk) -> bool:
 @shader
 def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Walk) -> Walk:
     """From a cell as far as nothing is in the way, or to what is."""
-    walls = (walk.cell + 1.0 - line.start) * line.pace
+    walls = walls_of(line, walk.cell)
     out = max(min(walls.x, walls.y), walk.t)
     t = free_until(baked, line, walk.cell, extent, walk.t, out)
     reads = walk.reads + 2
@@ -139,9 +139,7 @@ def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Wal
         found = is_met(above)
         reads = reads + 1
         t = walk.t if found else out
-    # rounding never takes the ray back
-    beside = walk.cell + (Vec2(1.0, 0.0) if walls.x <= walls.y else Vec2(0.0, 1.0))
-    return Walk(maximum(beside, floor(line.start + line.way * t)), t, found, above, reads)
+    return Walk(cell_after(line, walk.cell, walls, t), t, found, above, reads)
 
 
 # --- the ray among the cells ----------------------------------------------------------------------
@@ -179,13 +177,33 @@ def blocks_of(extent: Vec2, side: int) -> IVec2:
     return IVec2((int(extent.x) + side - 1) // side, (int(extent.y) + side - 1) // side)
 
 
+@shader
+def cell_of_map(line: Line, cell: Vec2, extent: Vec2) -> Vec2:
+    """A cell of the line's as the map has it."""
+    return cells_in_map(line.first + line.sign * cell, extent)
+
+
+@shader
+def walls_of(line: Line, cell: Vec2) -> Vec2:
+    """When the line crosses the two walls that lead out of a cell."""
+    return (cell + 1.0 - line.start) * line.pace
+
+
+@shader
+def cell_after(line: Line, cell: Vec2, walls: Vec2, t: float) -> Vec2:
+    """The cell that the line is in at t, having left one."""
+    # the one beside at least: rounding never takes the ray back
+    beside = cell + (Vec2(1.0, 0.0) if walls.x <= walls.y else Vec2(0.0, 1.0))
+    return maximum(beside, floor(line.start + line.way * t))
+
+
 # --- how far nothing is in the way ----------------------------------------------------------------
 
 
 @shader
 def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, out: float) -> float:
     """How far along the line is proven free, seen from a cell from t until it leaves it."""
-    held = cell_in_map(line.first + line.sign * cell, extent)
+    held = cell_of_map(line, cell, extent)
     x = max(int(held.x), 0)
     y = max(int(held.y), 0)
     near = stored(baked, line.near + IVec2(x >> 1, y >> 1))
@@ -215,7 +233,7 @@ def clearance(
     field: HeightField, line: Line, cell: Vec2, extent: Vec2, t: float, out: float
 ) -> Clearance:
     """The line above a cell's patch, from t until it leaves the cell."""
-    held = cell_in_map(line.first + line.sign * cell, extent)
+    held = cell_of_map(line, cell, extent)
     four = corners(field, IVec2(int(held.x), int(held.y)), 0)
     place = 0.5 + line.sign * (line.start + line.way * t - cell - 0.5)
     way = line.sign * line.way
@@ -231,9 +249,15 @@ def clearance(
 
 
 @shader
+def clearance_after(line: Clearance, s: float) -> float:
+    """How far above the patch the line is after s more."""
+    return line.c + s * (line.b + s * line.a)
+
+
+@shader
 def is_met(line: Clearance) -> bool:
     """Whether the line comes down to the patch: at the end, or in between, to rise above again."""
-    below = line.c <= 0.0 or line.c + line.span * (line.b + line.span * line.a) <= 0.0
+    below = line.c <= 0.0 or clearance_after(line, line.span) <= 0.0
     turns = line.a > 0.0 and line.b < 0.0 and -line.b < 2.0 * line.a * line.span
     return below or (turns and line.b * line.b >= 4.0 * line.a * line.c)
 
