@@ -13,7 +13,6 @@ from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shaders import (
     cast,
-    edge,
     fog,
     height,
     lighting,
@@ -23,6 +22,7 @@ from basrelief.shaders import (
     shadow,
     shapes,
 )
+from basrelief.shaders.edge import edges_of
 from basrelief.shaders.lighting import Light
 from basrelief.shaders.meeting import View
 from basrelief.shaders.surfaces import landscape, standard, surface
@@ -118,15 +118,6 @@ def _inside(thing: Object) -> Any:
     if thing.edge != "clip":
         return pixel.anywhere
     return pixel.within if thing.shape in ("plane", "box") else pixel.within_rims
-
-
-def edges_of(beyond: Edge) -> dict[Any, Any]:
-    """What lies beyond a map, for coordinates and for cells."""
-    return {
-        edge.in_tile: getattr(edge, beyond),
-        edge.cell_in_map: getattr(edge, f"{beyond}_cell"),
-        edge.cell_is_baked: getattr(edge, f"{beyond}_baked"),
-    }
 
 
 def map_edge(thing: Object) -> Edge:

@@ -1,5 +1,15 @@
 """What is worked out from the maps of a material once, before anything is drawn."""
 
 from basrelief.bake.bounds import bounds
+from basrelief.bake.height import Integrated, height_map
+from basrelief.bake.horizon import ambient_occlusion, horizon_map
+from basrelief.bake.normal import normal_map
 
-__all__ = ["bounds"]
+__all__ = [
+    "Integrated",
+    "ambient_occlusion",
+    "bounds",
+    "height_map",
+    "horizon_map",
+    "normal_map",
+]

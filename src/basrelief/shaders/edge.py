@@ -6,7 +6,10 @@ come from the border that each map has (`lang.resources`).
 
 from __future__ import annotations
 
+from typing import Any
+
 from basrelief.lang import Vec2, fract, saturate, shader, slot
+from basrelief.lang.resources import Edge
 
 
 @slot
@@ -47,6 +50,17 @@ def clamp_cell(cell: int, count: int) -> int:
 
 
 @slot
+def next_cell(cell: int, count: int) -> int:
+    """The same, of a cell that lies no further beyond the map than the map is long."""
+
+
+@shader
+def wrap_next(cell: int, count: int) -> int:
+    """Less a tile: a division for each step would be slow."""
+    return cell - count if cell >= count else cell + count if cell < 0 else cell
+
+
+@slot
 def cell_is_baked(cell: int, count: int) -> bool:
     """Whether what is baked for a cell of the map is true of this one, its slopes too."""
 
@@ -61,3 +75,18 @@ def wrap_baked(cell: int, count: int) -> bool:
 def clamp_baked(cell: int, count: int) -> bool:
     """Beyond the border the heights no longer change."""
     return cell >= 0 and cell < count
+
+
+# --- binding them ---------------------------------------------------------------------------------
+
+
+_OF_CELLS = (cell_in_map, next_cell, cell_is_baked)
+
+
+def edges_of(beyond: Edge) -> dict[Any, Any]:
+    """What a program binds for an edge: for coordinates and for cells."""
+    if beyond == "wrap":
+        cells = (wrap_cell, wrap_next, wrap_baked)
+        return {in_tile: wrap, **dict(zip(_OF_CELLS, cells, strict=True))}
+    cells = (clamp_cell, clamp_cell, clamp_baked)
+    return {in_tile: clamp, **dict(zip(_OF_CELLS, cells, strict=True))}
