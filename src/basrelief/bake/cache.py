@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import basrelief
+from basrelief import engine
+from basrelief._version import __version__
 from basrelief.engine import cache
 from basrelief.lang.resources import Edge
 
@@ -66,8 +67,8 @@ def _key(
 @functools.cache
 def _source() -> str:
     """A digest of the source that bakes are made by."""
-    home = Path(basrelief.__file__).parent
-    digest = hashlib.sha256(basrelief.__version__.encode())
+    home = Path(engine.__file__).parent.parent
+    digest = hashlib.sha256(__version__.encode())
     for part in _SAYING:
         for file in sorted((home / part).rglob("*.py")):
             digest.update(file.read_bytes())

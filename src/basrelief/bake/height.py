@@ -55,8 +55,8 @@ def height_map(normals: Normals, edge: Edge) -> Integrated:
     raised = _integrated(*_slopes(normals), edge)
     low, high = float(raised.min()), float(raised.max())
     reach = high - low
-    heights = (raised - low) / reach if reach > 0.0 else np.zeros((rows, columns))
-    heights = np.clip(heights, 0.0, 1.0).astype(np.float32)
+    shares = (raised - low) / reach if reach > 0.0 else np.zeros((rows, columns))
+    heights: Heights = np.clip(shares, 0.0, 1.0).astype(np.float32)
     scale = reach / columns
     return Integrated(heights, scale, _residual(normals, normal_map(heights, edge, scale)))
 

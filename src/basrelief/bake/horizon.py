@@ -66,9 +66,10 @@ def ambient_occlusion(
     `heights`, `edge`, `scale` and the order of directions as in `horizon_map`. Each way out
     weighs as its cosine to the normal of `normal_map`; the relief is black and lets no light
     through. The estimator is the mean over evenly spread directions of the slice between horizon
-    and zenith, which is integrated in closed form: with horizon elevation e, normal n and n_d its
-    part along the direction, max(n.z cos² e + n_d (π/2 − e − cos e sin e), 0). After L. Bavoil,
-    M. Sainz and R. Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008, with Max's horizons.
+    and zenith, which is integrated in closed form: with horizon elevation e, normal n and n_d
+    its part along the direction, max(n.z cos² e + n_d (π/2 − e − cos e sin e), 0). Horizons lower
+    than a slope of 0.004 count as level, those further off than a tile by what could stand there.
+    After L. Bavoil, M. Sainz and R. Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008.
     Raises InputError as `horizon_map`.
     """
     heights = checked(heights, edge)
@@ -89,7 +90,7 @@ def _values(heights: Heights, edge: Edge, scale: float, least: float) -> dict[st
     rise = checked_scale(scale) * heights.shape[1]
     cells = _highest_of_cells(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, least),
+        "sights": shaders.Sights(float(heights.max()), rise, least, edge == "clamp"),
         "near": HeightField([_highest_of_blocks(cells, shaders.NEAR)], edge),
         "far": HeightField([_highest_of_blocks(cells, shaders.FAR)], edge),
     }
@@ -125,7 +126,7 @@ def _way(shape: tuple[int, ...], edge: Edge, angle: float, tiles: int) -> shader
     if edge == "clamp":
         # outside along both axes the heights no longer change
         out = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
-        return shaders.Way(Vec2(x, y), max(out) + 1.0, math.inf)
+        return shaders.Way(Vec2(x, y), max(out) + 1.0, float(tiles * max(rows, columns)))
     repeats = math.inf
     if y == 0.0:
         repeats = float(columns)

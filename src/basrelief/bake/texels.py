@@ -21,7 +21,7 @@ Heights = NDArray[np.float32]
 
 
 def checked(heights: Heights, edge: Edge) -> Heights:
-    """The heights as bakes take them; raises InputError where they are none, or the edge unknown."""
+    """The heights as bakes take them; raises InputError for other arrays and edges."""
     heights = np.ascontiguousarray(heights, np.float32)
     if heights.ndim != 2 or heights.size == 0:
         raise InputError(f"heights are an array of (rows, columns), not of shape {heights.shape}")

@@ -32,6 +32,8 @@ FAR = 64
 """Cells along each side of the two sizes of blocks that are passed over whole."""
 MOST = 1048576
 """More steps than any line takes; a line that would is cut short, and stays on the safe side."""
+BEYOND = 16777216
+"""Texels further off than any map reaches."""
 BLUR = 2.5e-7
 """Heights that float32 cannot tell apart on the way, by texel of distance."""
 FLATTEST = 1e-20
@@ -57,11 +59,13 @@ class Sights:
 
     `top` is the highest point of the map, `per_texel` what the whole height range rises in widths
     of a texel; sights no steeper than `least`, in heights a texel, count as level.
+    `clamped` where the border of the map goes on for ever.
     """
 
     top: float
     per_texel: float
     least: float
+    clamped: bool
 
 
 @struct
@@ -162,6 +166,16 @@ def steepest(
             side = NEAR
             highest = corners(near, IVec2(held.x >> 3, held.y >> 3), 0).x
         last = IVec2(min(first.x + side, extent.x) - 1, min(first.y + side, extent.y) - 1)
+        if sights.clamped:
+            # beyond the border nothing changes along that axis
+            first = IVec2(
+                -BEYOND if forth.x == 0 and mapped.x < 0 else first.x,
+                -BEYOND if forth.y == 0 and mapped.y < 0 else first.y,
+            )
+            last = IVec2(
+                BEYOND if forth.x > 0 and mapped.x >= extent.x - 1 else last.x,
+                BEYOND if forth.y > 0 and mapped.y >= extent.y - 1 else last.y,
+            )
         # the block's first and last cells, and the walls that the line leaves through
         low = IVec2(cell.x + first.x - held.x, cell.y + first.y - held.y)
         high = IVec2(cell.x + last.x - held.x, cell.y + last.y - held.y)
