@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `bake`, `demo`, `gallery`, `info`, and what lists things."""
+"""The command line: `basrelief render`, `bake`, `demo`, `gallery`, and what tells what there is."""
 
 from __future__ import annotations
 
