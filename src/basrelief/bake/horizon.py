@@ -18,6 +18,8 @@ from basrelief.shaders.bakes import horizon as shaders
 _MOST = 65535
 _TILES = 8
 """Tiles after which a line that never comes to the same heights again is cut short."""
+_SEEN = 1.0
+"""Tiles beyond which nothing takes from the light of the sky."""
 _LOWEST = 0.004
 """Tangents of horizons that take too little of the sky to be looked for: less than 0.1 %."""
 
@@ -68,13 +70,13 @@ def ambient_occlusion(
     through. The estimator is the mean over evenly spread directions of the slice between horizon
     and zenith, which is integrated in closed form: with horizon elevation e, normal n and n_d
     its part along the direction, max(n.z cos² e + n_d (π/2 − e − cos e sin e), 0). Horizons lower
-    than a slope of 0.004 count as level, those further off than a tile by what could stand there.
+    than a slope of 0.004 count as level, and nothing further off than a tile counts.
     After L. Bavoil, M. Sainz and R. Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008.
     Raises InputError as `horizon_map`.
     """
     heights = checked(heights, edge)
     _count(directions)
-    ways = Buffer(_ways(heights.shape, edge, directions, tiles=1))
+    ways = Buffer(_ways(heights.shape, edge, directions, _SEEN))
     least = _LOWEST / max(checked_scale(scale) * heights.shape[1], _LOWEST)
     values = _values(heights, edge, scale, max(least, shaders.BLUR))
     return run(shaders.openness, heights, edge, engine, ways=ways, **values)["open"]
@@ -90,7 +92,7 @@ def _values(heights: Heights, edge: Edge, scale: float, least: float) -> dict[st
     rise = checked_scale(scale) * heights.shape[1]
     cells = _highest_of_cells(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, least, edge == "clamp"),
+        "sights": shaders.Sights(float(heights.max()), rise, least, int(edge == "clamp")),
         "near": HeightField([_highest_of_blocks(cells, shaders.NEAR)], edge),
         "far": HeightField([_highest_of_blocks(cells, shaders.FAR)], edge),
     }
@@ -113,20 +115,22 @@ def _highest_of_blocks(cells: Heights, side: int) -> Heights:
 
 
 def _ways(
-    shape: tuple[int, ...], edge: Edge, directions: int, tiles: int = _TILES
+    shape: tuple[int, ...], edge: Edge, directions: int, seen: float = math.inf
 ) -> list[shaders.Way]:
-    return [_way(shape, edge, 2.0 * math.pi * k / directions, tiles) for k in range(directions)]
+    return [_way(shape, edge, 2.0 * math.pi * k / directions, seen) for k in range(directions)]
 
 
-def _way(shape: tuple[int, ...], edge: Edge, angle: float, tiles: int) -> shaders.Way:
-    """The way at an angle from +u towards the top."""
+def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shaders.Way:
+    """The way at an angle from +u towards the top; what lies beyond so many tiles is not there."""
     rows, columns = shape
+    larger = max(rows, columns)
+    seen, longest = seen * larger, float(_TILES * larger)
     # the axes and the diagonals exactly
     x, y = (round(part, 12) + 0.0 for part in (math.cos(angle), -math.sin(angle)))
     if edge == "clamp":
         # outside along both axes the heights no longer change
         out = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
-        return shaders.Way(Vec2(x, y), max(out) + 1.0, float(tiles * max(rows, columns)))
+        return shaders.Way(Vec2(x, y), min(max(out) + 1.0, seen), longest)
     repeats = math.inf
     if y == 0.0:
         repeats = float(columns)
@@ -134,4 +138,4 @@ def _way(shape: tuple[int, ...], edge: Edge, angle: float, tiles: int) -> shader
         repeats = float(rows)
     elif abs(x) == abs(y):
         repeats = math.lcm(rows, columns) / abs(x)
-    return shaders.Way(Vec2(x, y), repeats, float(tiles * max(rows, columns)))
+    return shaders.Way(Vec2(x, y), min(repeats, seen), longest)
