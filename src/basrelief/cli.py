@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `demo`, `gallery`, `info`, `techniques`, `presets`."""
+"""The command line: `basrelief render`, `bake`, `demo`, `gallery`, and what tells what there is."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import typer
 
 from basrelief import options
 from basrelief._version import __version__
-from basrelief.errors import BasreliefError
+from basrelief.errors import BasreliefError, InputError
 
 if TYPE_CHECKING:
     from basrelief.material import Material
@@ -283,6 +283,56 @@ def render(
     # the first and the last of many
     files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
     print(f"{files}  ({made.engine})")
+
+
+@app.command()
+@options.taking(..., options.Bakes, options.Sources)
+def bake(
+    path: PathArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The folder for the files (FOLDER/baked)."),
+    ] = None,
+    edge: Annotated[str, typer.Option(help="Beyond the map: wrap or clamp.")] = "wrap",
+    scale: Annotated[
+        float | None,
+        typer.Option(help="Depth as a fraction of a tile's width; else the material's, or 0.05."),
+    ] = None,
+    green: Annotated[str, typer.Option(help="Green of normals is up (gl) or down (dx).")] = "gl",
+    bits: Annotated[int, typer.Option(help="Of normals, heights, occlusion: 8 or 16.")] = 16,
+    directions: Annotated[int, typer.Option(help="Of the horizon; four go into a file.")] = 8,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace files that are there.")
+    ] = False,
+    **given: Any,
+) -> None:
+    """Bake maps from a material's heights, or heights from its normals, for other programs."""
+    from basrelief.baking import BAKES, Baking, bake_to
+
+    names = [name for name in BAKES if given.pop(name)]
+    if not names:
+        raise InputError(f"nothing to bake: name {', '.join('--' + name for name in BAKES)}")
+    for option, value, known in (
+        ("edge", edge, ("wrap", "clamp")), ("green", green, ("gl", "dx")), ("bits", bits, (8, 16)),
+    ):  # fmt: skip
+        if value not in known:
+            raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
+    with _Progress(f"reading {path}") as progress:
+        from basrelief import arguments
+        from basrelief.scene.objects import DEFAULT_SCALE
+
+        arguments.check_lengths(given["depth"], given["tile"], scale)
+        maps = {name.removesuffix("_map"): value for name, value in given.items()}
+        material = _loaded(path, **maps)
+        progress.task = f"baking {material.name}"
+        used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
+        chosen = Baking(material, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
+        made = bake_to(folder, names, chosen, overwrite=overwrite)
+    for file, note in made:
+        print(f"{file}  ({note})" if note else file)
+    if set(names) & {"normal", "occlusion", "horizon"}:
+        print(f"scale {used:g}: the relief is as deep as that share of the map's width")
 
 
 @app.command()

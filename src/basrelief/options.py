@@ -14,7 +14,20 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-__all__ = ["Camera", "Further", "Light", "Maps", "Relief", "Surface", "names_of", "taking"]
+from basrelief.baking import BAKES
+
+__all__ = [
+    "Bakes",
+    "Camera",
+    "Further",
+    "Light",
+    "Maps",
+    "Relief",
+    "Sources",
+    "Surface",
+    "names_of",
+    "taking",
+]
 
 Text = str | None
 Number = float | None
@@ -129,6 +142,32 @@ class Further:
             "color=1/0.5/0.2, technique=relief, scale=0.05; repeat.",
             "SHAPE,NAME=VALUE…",
         ),
+    ]
+
+
+def _flag(name: str, help: str) -> Any:
+    return Annotated[bool | None, typer.Option(f"--{name.replace('_', '-')}", help=help)]
+
+
+class Bakes:
+    """What is baked."""
+
+    __annotations__ = {name: _flag(name, each.help) for name, each in BAKES.items()}
+
+
+class Sources:
+    """Where the maps are that are baked from, and how they are read."""
+
+    depth: Annotated[Number, _option("How deep the heights reach, in metres.")]
+    tile: Annotated[Number, _option("How wide a tile is, in metres.")]
+    height_map: Annotated[Path | None, _option("Heights.", _FILE)]
+    normal_map: Annotated[Path | None, _option("Normals.", _FILE)]
+    normal_convention: Annotated[Text, _option("Their green is: auto, gl (up) or dx.")]
+    normal_packing: Annotated[Text, _option("Stored in: rgb, ag, rg or ag_or_rgb.")]
+    height_polarity: Annotated[Text, _option("White is: auto, height (high) or depth.")]
+    height_channel: Annotated[Text, _option("auto, r, g, b, a, a_or_r or luminance.")]
+    stretch_height: Annotated[
+        bool | None, typer.Option("--stretch-height", help="Spread the heights over 0 to 1.")
     ]
 
 

@@ -2,5 +2,17 @@
 
 from basrelief.bake.bounds import bounds
 from basrelief.bake.cones import cone_map, relaxed_cone_map
+from basrelief.bake.height import Integrated, height_map
+from basrelief.bake.horizon import ambient_occlusion, horizon_map
+from basrelief.bake.normal import normal_map
 
-__all__ = ["bounds", "cone_map", "relaxed_cone_map"]
+__all__ = [
+    "Integrated",
+    "ambient_occlusion",
+    "bounds",
+    "cone_map",
+    "height_map",
+    "horizon_map",
+    "normal_map",
+    "relaxed_cone_map",
+]

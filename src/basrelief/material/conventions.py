@@ -101,6 +101,7 @@ _SPELLINGS: Mapping[str, Meaning] = {
     "specular spec specularlevel reflection refl ior f0 sss subsurface scattering": _UNUSED,
     "translucency translucent transmission thickness curvature cavity id detail": _UNUSED,
     "anisotropy anisotropic sheen fuzz clearcoat coat position worldnormal bentnormal": _UNUSED,
+    "cone relaxedcone horizon bounds": _UNUSED,
     "basrelief preview previews thumb thumbnail render rendered renders sphere screenshot": _UNUSED,
 }
 

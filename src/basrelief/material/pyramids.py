@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief import bake
+from basrelief.bake.cache import kept
 from basrelief.lang.resources import Edge, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.picture import srgb_decode
@@ -46,7 +47,7 @@ def baked(material: Material, edge: Edge, what: str | None) -> Texture | None:
     make = getattr(bake, what)
 
     def once() -> Texture:
-        return Texture([make(np.ascontiguousarray(height.linear()[:, :, 0]), edge)], edge)
+        return Texture([kept(make, height.linear()[:, :, 0], edge)], edge)
 
     return _once(height, ("baked", what, edge), once)
 
@@ -223,12 +224,6 @@ def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
 
 
 def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:
-    """Encoded normals of a height field of square texels, green up."""
-    columns = heights.shape[1]
-    padded = np.pad(heights, 1, mode="wrap" if edge == "wrap" else "edge")
-    per_texel = np.float32(scale * columns / 2.0)
-    right = (padded[1:-1, 2:] - padded[1:-1, :-2]) * per_texel
-    down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) * per_texel
-    length = np.sqrt(right * right + down * down + 1.0)
-    made = (-right / length, down / length, 1.0 / length)
-    return [np.rint((n * 0.5 + 0.5) * _UNIT).astype(np.uint16) for n in made]
+    """Encoded normals of a height field, channels first."""
+    made = bake.normal_map(heights, edge, scale)
+    return [np.rint((made[:, :, k] * 0.5 + 0.5) * _UNIT).astype(np.uint16) for k in range(3)]
