@@ -239,6 +239,12 @@ def scene(
     return replace(whole, objects=(*whole.objects, *map(object_from, add)))
 
 
+def plain_settings(texts: Sequence[str]) -> dict[str, float]:
+    """Numbers by their names, from "steps=16" and the like."""
+    given = dict(named(text, "--set") for text in texts)
+    return {name: number(text, f"--set {name}") for name, text in given.items()}
+
+
 def _as_it_is(value: Any) -> Any:
     return value
 

@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `demo`, `gallery`, `info`, `techniques`, `presets`."""
+"""The command line: `basrelief render`, `compare`, `tune`, `demo`, `gallery`, `info` and lists."""
 
 from __future__ import annotations
 
@@ -283,6 +283,67 @@ def render(
     # the first and the last of many
     files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
     print(f"{files}  ({made.engine})")
+
+
+@app.command()
+@options.taking(..., options.Maps)
+def compare(
+    path: PathArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The folder for the page, pictures and compare.json."),
+    ] = None,
+    technique: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="One to compare (all of them), as relief,max_steps=64 too; repeat.",
+            metavar="NAME|FILE.py:NAME[,SETTING=VALUE…]",
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", help="A setting for all techniques that have it; repeat.", metavar="NAME=VALUE"
+        ),
+    ] = None,
+    angles: Annotated[str, typer.Option(help="Degrees from the normal.")] = "0,45,60,75,85",
+    size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
+    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
+    scale: Annotated[
+        float | None, typer.Option(help="Depth as a fraction of a tile's width.")
+    ] = None,
+    level: Annotated[
+        float | None, typer.Option(help="The height on the polygon (each technique's own).")
+    ] = None,
+    projection: Annotated[
+        str | None, typer.Option(help="full, biased or limited (each technique's own).")
+    ] = None,
+    engine: EngineOption = "auto",
+    **maps: Any,
+) -> None:
+    """Measure every technique on a material: a page that says what to ship, and why."""
+    with _Progress(f"reading {path}") as progress:
+        from basrelief import arguments
+        from basrelief.measure.compare import compare as compared
+
+        seen, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
+        arguments.check_lengths(maps["depth"], maps["tile"], scale)
+        said = arguments.plain_settings(settings or [])
+        relief = _said({"scale": scale, "level": level, "projection": projection})
+        if "bias" in said:
+            relief["bias"] = said.pop("bias")
+        material = _loaded(path, **maps)
+
+        def heard(what: str, share: float) -> None:
+            progress.task = what
+            progress(share)
+
+        found = compared(
+            material, technique, angles=seen, size=pixels, samples=samples, engine=engine,
+            settings=said, progress=heard, **relief,
+        )  # fmt: skip
+        page = found.save(output or Path(f"{material.name}-compare"))
+    print(f"{found.summary()}\n{page}  ({found.engine})")
 
 
 @app.command()

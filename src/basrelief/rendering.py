@@ -93,6 +93,11 @@ class Frame:
             np.copyto(getattr(self, name), getattr(other, name))
 
     @property
+    def mean_reads(self) -> float:
+        """The mean number of heights read at the pixels that are covered."""
+        return float(self.reads[self.hit].mean()) if self.hit.any() else 0.0
+
+    @property
     def image(self) -> Image:
         """The picture."""
         return Image(self.color)
