@@ -41,11 +41,15 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A technique with settings, under a name of its own within a comparison."""
+    """A technique with settings, under a name of its own within a comparison.
+
+    `spelled` is how it is asked for: its name, or FILE.py:NAME.
+    """
 
     name: str
     technique: Technique[..., Any]
     settings: Mapping[str, Any]
+    spelled: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +264,7 @@ def candidates(
     named = [*TECHNIQUES] if techniques is None else [*techniques]
     found = [_candidate(each, settings) for each in named]
     if not any(each.technique is exact and each.name == "exact" for each in found):
-        found.append(Candidate("exact", exact, {}))
+        found.append(Candidate("exact", exact, {}, "exact"))
     for name in settings:
         if not any(name in each.technique.settings.__dataclass_fields__ for each in found):
             raise InputError(f"{name}: none of these techniques has such a setting")
@@ -285,7 +289,9 @@ def _candidate(
             raise InputError(f"{technique.name} has no setting {name!r}; there are {there}")
     name = " ".join([technique.name, *(f"{key}={value:g}" for key, value in own.items())])
     usual = {key: value for key, value in settings.items() if key in known}
-    return Candidate(name, technique, {**usual, **own})
+    return Candidate(
+        name, technique, {**usual, **own}, text if isinstance(text, str) else technique.name
+    )
 
 
 def _own_settings(text: str) -> tuple[str, dict[str, float]]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from basrelief.errors import InputError
 from basrelief.measure.advice import VISIBLE, Advice, advice, mean_seconds, passes
 from basrelief.measure.colors import heat
+from basrelief.measure.errors import Spread
 from basrelief.measure.plot import Point, plot
 from basrelief.picture import srgb_encode, write_picture
 from basrelief.webpage import check_ours, document, write_page
@@ -48,7 +49,7 @@ td:first-child { color: var(--ink); font-size: 1rem; }
 .ship td:first-child::after, h3.ship::after { content: "ship this"; margin-left: .6rem;
   font-size: .74rem; font-weight: 600; background: var(--link); color: var(--card);
   border-radius: 1rem; padding: .12rem .55rem; white-space: nowrap; vertical-align: .1em; }
-.row { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr) 17rem; gap: .9rem;
+.row { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr) 19rem; gap: .9rem;
   margin: 0 0 1rem; align-items: start; }
 .row img { border-radius: .35rem; }
 .row h3 { margin: 0 0 .1rem; font-size: 1.05rem; }
@@ -247,12 +248,8 @@ def _facts(each: Result) -> Iterator[tuple[str, str]]:
     if found.missed > 0.0:
         yield "… passed through", _share(found.passed)
         yield "… stopped short", _share(found.short)
-    yield "texels off: median", _texels(found.uv.median)
-    yield "… 99 % within", _texels(found.uv.percentile_99)
-    yield "… worst", _texels(found.uv.worst)
-    yield "depth off, % of a tile", _texels(100.0 * found.depth.median)
-    yield "… 99 % within", _texels(100.0 * found.depth.percentile_99)
-    yield "… worst", _texels(100.0 * found.depth.worst)
+    yield "texels off: median, 99 %, worst", _spread(found.uv, 1.0)
+    yield "depth off, in % of a tile", _spread(found.depth, 100.0)
     yield "heights read a pixel", f"{found.reads:.1f}"
     yield "time", _time(each.seconds)
 
@@ -295,7 +292,12 @@ def _share(share: float) -> str:
     )  # fmt: skip
 
 
-def _texels(number: float) -> str:
+def _spread(spread: Spread, times: float) -> str:
+    numbers = (spread.median, spread.percentile_99, spread.worst)
+    return " · ".join(_short(number * times) for number in numbers)
+
+
+def _short(number: float) -> str:
     return f"{number:.2f}" if number < 10.0 else f"{number:.0f}"
 
 
