@@ -42,7 +42,7 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
     `depth-error`.
 
     Overshoot is in texels, depth error in world units, both signed: orange is too far, blue not far
-    enough. The scale reaches from 0, or to both sides of it, up to a round number that holds 99 of
+    enough, both by square roots. The scale reaches from 0, or to both sides of it, up to a round number that holds 99 of
     100 pixels. Raises InputError for anything else, and where a truth is needed and not given.
     """
     check_shown(what)
@@ -88,11 +88,13 @@ def _missed(frame: Frame, truth: Truth) -> DebugPicture:
 
 def _signed(values: NDArray[np.float64], what: str, unit: str) -> DebugPicture:
     most = _round_up(np.abs(values))
-    pixels = _over(colors.signed(values / most), np.isnan(values))
+    # by square roots, or a few that are far off would hide the many that are a little
+    share = np.copysign(np.sqrt(np.abs(values) / most), values)
+    pixels = _over(colors.signed(share), np.isnan(values))
     image = _with_scale(pixels, colors.signed, -1.0)
     told = (
         f"{what}, from {-most:g} {unit} (pale blue: not far enough) over 0 (dark) to {most:g} "
-        "(pale orange: too far)"
+        f"(pale orange: too far); half-way to either end is {most / 4.0:g}"
     )
     return DebugPicture(image, told)
 
