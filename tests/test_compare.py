@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import sys
 
 import numpy as np
@@ -24,6 +25,7 @@ from basrelief.rendering import render
 from basrelief.shaders.techniques import TECHNIQUES
 from command_line import done, refused, write_heights, write_material
 from made_up import map_of, noise, plain
+from test_demo import blocks, commands
 
 SIZE = (48, 27)
 ANGLES = (0.0, 60.0)
@@ -205,7 +207,7 @@ def test_the_front_is_what_nothing_beats() -> None:
     assert [p.name for p in front(points)] == ["fast", "middling", "slow and good"]
     drawn = plot(points, "error", 0.2)
     assert drawn.count("<circle") == 5
-    assert drawn.count('class="on"') == 3
+    assert drawn.count('<circle class="on"') == 3
     # one dot alone, at no error, is drawn too
     assert "<circle" in plot([Point("only", 1.0, 0.0)], "error")
 
@@ -286,6 +288,45 @@ def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
     for wrong in (("colour", true), ("missed", None)):
         with pytest.raises(InputError):
             debug_picture(wrong[0], frame, wrong[1])
+
+
+# --- what the documentation shows ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("page", ["docs/compare.md", "docs/command-line.md"])
+def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
+    """Each comparison and each search runs as it stands, but small and with few techniques."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
+    write_heights(tmp_path / "FOLDER")
+    (tmp_path / "my.py").write_text(
+        next(block for block in blocks("README.md") if "@technique" in block)
+    )
+    ran = 0
+    for line in commands(page):
+        words = shlex.split(line.replace("sample:cobbles", "FOLDER"))[1:]
+        if words[0] not in ("compare", "tune"):
+            continue
+        words += ["--size", "16x9", "--engine", "cpu"]
+        if "--technique" not in words:
+            words += ["--technique", "exact", "--technique", "flat"]
+        if words[0] == "compare":
+            words += ["--samples", "1", "--angles", "60"]
+        printed = done(*words)
+        written = re.search(r"^(\S+)  \(cpu", printed, flags=re.MULTILINE)
+        assert written is not None
+        assert (tmp_path / written[1]).is_file()
+        ran += 1
+    assert ran >= 2
+
+
+def test_python_that_the_page_shows(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.measure.tune.APART", 40.0)
+    scope: dict[str, object] = {}
+    for block in blocks("docs/compare.md"):
+        exec(compile(block, "docs/compare.md", "exec"), scope)
+    assert {each.name for each in tmp_path.iterdir()} == {"OUT", "cobbles.toml", "overshoot.png"}
 
 
 # --- the command line ----------------------------------------------------------------------------

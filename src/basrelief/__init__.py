@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
     from basrelief.measure.compare import Comparison, compare
+    from basrelief.measure.debug import debug_picture
     from basrelief.measure.errors import Errors
     from basrelief.measure.truth import Truth, truth
+    from basrelief.measure.tune import Tuned, tune
     from basrelief.motion import Lighting, Opening, Orbiting, Scrolling
     from basrelief.presets import PRESETS, Preset, preset
     from basrelief.rendering import Frame, Image, render
@@ -48,8 +50,10 @@ _HOMES = {
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
     "basrelief.measure.compare": ("Comparison", "compare"),
+    "basrelief.measure.debug": ("debug_picture",),
     "basrelief.measure.errors": ("Errors",),
     "basrelief.measure.truth": ("Truth", "truth"),
+    "basrelief.measure.tune": ("Tuned", "tune"),
     "basrelief.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
     "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
@@ -67,9 +71,10 @@ __all__ = [
     "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Finish",
     "Frame", "Hit", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
     "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling",
-    "Shading", "Tiling", "Truth", "__version__", "choose_engine", "compare", "directional",
-    "frames", "load", "placed", "point", "preset", "render", "sample", "setting", "shader",
-    "spot", "struct", "technique", "truth", "turned", "write_film",
+    "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_engine", "compare",
+    "debug_picture", "directional", "frames", "load", "placed", "point", "preset", "render",
+    "sample", "setting", "shader", "spot", "struct", "technique", "truth", "tune", "turned",
+    "write_film",
 ]  # fmt: skip
 
 

@@ -322,7 +322,7 @@ def _show(
     frame = render(scene, size=size, samples=samples, engine=runner)
     made = debug_picture(what, frame, true)
     made.image.save(target, bits=bits, quality=quality)
-    print(f"{made.meaning}\n{target}  ({frame.engine})")
+    print(f"{target}  ({frame.engine})\n{made.meaning}")
 
 
 @app.command()

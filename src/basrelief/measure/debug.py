@@ -41,9 +41,10 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
     """How many heights each pixel `reads`, or against the truth its `missed` hit, `overshoot` or
     `depth-error`.
 
-    Overshoot is in texels, depth error in world units, both signed: orange is too far, blue not far
-    enough, both by square roots. The scale reaches from 0, or to both sides of it, up to a round number that holds 99 of
-    100 pixels. Raises InputError for anything else, and where a truth is needed and not given.
+    Overshoot is in texels, depth error in world units, both signed and by square roots: orange is
+    too far, blue not far enough. The scale reaches from 0, or to both sides of it, up to a round
+    number that holds 99 of 100 pixels. Raises InputError for anything else, and where a truth is
+    needed and not given.
     """
     check_shown(what)
     if what == "reads":

@@ -32,7 +32,8 @@ _QUALITY = 92
 
 _STYLE = """
 .two { display: grid; gap: 0 3rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 30rem), 1fr)); }
+  grid-template-columns: minmax(0, max-content) minmax(24rem, 1fr); }
+@media (max-width: 70rem) { .two { grid-template-columns: minmax(0, 1fr); } }
 summary { font-size: 1.15rem; font-weight: 600; margin: 1.6rem 0 .8rem; cursor: pointer; }
 summary span { font-size: .92rem; font-weight: normal; color: var(--quiet); margin-left: .6rem; }
 .advice { font-size: 1.12rem; max-width: 52rem; border-left: .3rem solid var(--link);
@@ -64,13 +65,12 @@ td:first-child { color: var(--ink); font-size: 1rem; }
 .plot { width: 100%; max-width: 54rem; height: auto; font: 13px system-ui, sans-serif; }
 .plot text { fill: var(--ink); paint-order: stroke; stroke: var(--paper); stroke-width: 4px; }
 .plot text { stroke-linejoin: round; }
-.plot .tick, .plot .axis, .plot .off text { fill: var(--quiet); }
+.plot .tick, .plot .axis, .plot text.off { fill: var(--quiet); }
 .grid-line { stroke: var(--line); fill: none; } .front { stroke: var(--link); fill: none;
   stroke-width: 1.5; stroke-dasharray: 5 4; }
 .fine { fill: #2f9e64; opacity: .14; }
-.plot .on circle, .plot .chosen circle { fill: var(--link); }
-.plot .chosen text { font-weight: 700; } .plot .chosen circle { r: 8px; }
-.plot .off circle { fill: none; stroke: var(--quiet); stroke-width: 1.5; }
+.plot circle { fill: var(--link); } .plot text.chosen { font-weight: 700; }
+.plot circle.off { fill: var(--paper); stroke: var(--quiet); stroke-width: 1.5; }
 @media (max-width: 60rem) { .row { grid-template-columns: 1fr 1fr; }
   .row > div { grid-column: 1 / -1; } }
 """
@@ -132,7 +132,6 @@ def page_html(comparison: Comparison) -> str:
 {_plot(comparison, said)}</div>
 </div>
 <h2>Picture by picture</h2>
-{_legend()}
 {sections}
 <footer><p>{_how(comparison)}</p></footer>
 </main>"""
@@ -206,6 +205,7 @@ def _section(comparison: Comparison, angle: float, said: Advice) -> str:
     same = all(each.errors.uv.worst <= LEAST for each in found)
     note = " <span>all alike: what is deep is not yet displaced</span>" if same else ""
     return f"""<details{"" if same else " open"}><summary>{seen}{note}</summary>
+{_legend()}
 {rows}
 </details>"""
 
@@ -217,7 +217,8 @@ def _legend() -> str:
     return (
         '<div class="legend"><span>off by, in texels of the height map:</span>'
         f'<span class="ramp"><i style="background:linear-gradient(90deg,{colors})"></i>'
-        f"<b>{texels}</b></span></div>"
+        f"<b>{texels}</b></span>"
+        "<span>Three numbers in a row: the median, what 99 % stay within, the worst.</span></div>"
     )
 
 
@@ -248,8 +249,8 @@ def _facts(each: Result) -> Iterator[tuple[str, str]]:
     if found.missed > 0.0:
         yield "… passed through", _share(found.passed)
         yield "… stopped short", _share(found.short)
-    yield "texels off: median, 99 %, worst", _spread(found.uv, 1.0)
-    yield "depth off, in % of a tile", _spread(found.depth, 100.0)
+    yield "texels off", _spread(found.uv, 1.0)
+    yield "depth off, % of a tile", _spread(found.depth, 100.0)
     yield "heights read a pixel", f"{found.reads:.1f}"
     yield "time", _time(each.seconds)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from html import escape
 
 _WIDTH, _HEIGHT = 760, 380
-_LEFT, _RIGHT, _TOP, _BOTTOM = 64, 170, 18, 52
-_LINE = 15
-"""Pixels between the lines of labels."""
+_LEFT, _RIGHT, _TOP, _BOTTOM = 64, 170, 26, 52
+_LINE, _LABEL = 15, 170
+"""Pixels between the lines of labels, and the most that one is long."""
 
 
 @dataclass(frozen=True)
@@ -68,18 +68,21 @@ def plot(points: Sequence[Point], error: str, limit: float | None = None) -> str
         steps.append(f"H{x(point.seconds * 1e3):.1f}V{y(point.error):.1f}")
     steps.append(f"H{_LEFT + wide}")
     parts.append(f'<path class="front" d="{"".join(steps)}"/>')
+    parts += [
+        f'<circle class="{_kind(point, best)}" cx="{x(point.seconds * 1e3):.1f}" '
+        f'cy="{y(point.error):.1f}" r="{8 if point.chosen else 5}"/>'
+        for point in points
+    ]
     # labels from the lowest up, each no nearer to the one below than a line
     room: list[tuple[float, float]] = []
     for point in sorted(points, key=lambda p: p.error):
-        px, py = x(point.seconds * 1e3), y(point.error)
-        line = py + 4.0
-        while any(abs(line - other) < _LINE and abs(px - at) < 170.0 for at, other in room):
+        px, line = x(point.seconds * 1e3) + 8.0, y(point.error) - 6.0
+        while any(abs(line - other) < _LINE and abs(px - at) < _LABEL for at, other in room):
             line -= 1.0
         room.append((px, line))
-        kind = "chosen" if point.chosen else "on" if point in best else "off"
         parts.append(
-            f'<g class="{kind}"><circle cx="{px:.1f}" cy="{py:.1f}" r="5"/>'
-            f'<text x="{px + 10:.1f}" y="{line:.1f}">{escape(point.name)}</text></g>'
+            f'<text class="{_kind(point, best)}" x="{px:.1f}" y="{line:.1f}">'
+            f"{escape(point.name)}</text>"
         )
     middle = _LEFT + wide / 2
     parts.append(
@@ -89,6 +92,11 @@ def plot(points: Sequence[Point], error: str, limit: float | None = None) -> str
         f'text-anchor="middle">{escape(error)}</text></svg>'
     )
     return "\n".join(parts)
+
+
+def _kind(point: Point, best: Sequence[Point]) -> str:
+    """How a dot is drawn: chosen, on the front, or off it."""
+    return "chosen" if point.chosen else "on" if point in best else "off"
 
 
 def _ticks(low: float, high: float) -> list[float]:

@@ -46,7 +46,7 @@ APART = 15.0
 """Degrees between the angles of a range that are measured."""
 MOST = 1024
 """The most effort that is tried."""
-_RUNS = 3
+_RUNS = 5
 _FLIP_SAMPLES = 4
 
 
