@@ -347,6 +347,7 @@ def test_compare_on_the_command_line(tmp_path) -> None:
     ]
     assert read["angles"] == [30.0, 60.0]
     assert read["scale"] == 0.2
+    assert "0 × 9: give 1 to" in refused("compare", folder, "--size", "0x9")
     assert "an angle of 95" in refused("compare", folder, "--angles", "95", "--engine", "cpu")
 
 

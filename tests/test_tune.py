@@ -112,6 +112,20 @@ def test_flip_can_be_the_bound(monkeypatch) -> None:
         tune(ground, flip=0.05, **SMALL)
 
 
+def test_a_technique_without_settings_and_numbers_that_stay(tmp_path) -> None:
+    """What is chosen can be written and drawn again, with the numbers as they were given."""
+    ground = level_ground(0.3)
+    found = tune(ground, missed=1.0, techniques=["flat"], **SMALL)
+    assert basrelief.preset(found.preset.save(tmp_path / "a.toml")).values["object"]["scale"] == 0.5
+    kept = {"settings": {"step_length": 0.03}, "bias": 0.1, "projection": "biased"}
+    found = tune(ground, missed=1.0, techniques=["fixed_length"], **SMALL, **kept)
+    assert found.settings["step_length"] == 0.03
+    assert "--set step_length=0.03 --set bias=0.1" in found.command
+    read = basrelief.preset(found.preset.save(tmp_path / "b.toml")).values["object"]
+    assert (read["bias"], read["projection"]) == (0.1, "biased")
+    assert read["settings"]["step_length"] == 0.03
+
+
 def test_what_cannot_be() -> None:
     ground = level_ground(0.3)
     with pytest.raises(InputError, match=r"nothing stays under 0 .* the nearest is flat"):

@@ -27,7 +27,7 @@ from basrelief.measure.errors import Errors, Spread, errors, flip, has_flip, uv_
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import ANGLES, at_angle
-from basrelief.rendering import Frame, render
+from basrelief.rendering import Frame, check_picture, render
 from basrelief.scene import Object, Scene, technique_named
 from basrelief.shaders.techniques import TECHNIQUES, Technique, exact, flat
 
@@ -151,6 +151,7 @@ def compare(
     share that is done.
     Raises InputError for a material without a height map, and for what `render` would refuse.
     """
+    size = check_picture(size, samples)
     material = what if isinstance(what, Material) else load(what)
     chosen = candidates(techniques, settings or {})
     check_measurable(material, options)
@@ -323,7 +324,8 @@ def settings_of(thing: Object) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     if isinstance(value, Vec3):
         return [float(each) for each in value]
-    return value.item() if hasattr(value, "item") else value
+    # the shortest number that is the same in 32 bits
+    return float(str(value)) if isinstance(value, np.float32) else int(value)
 
 
 def _described(name: str, thing: Object) -> dict[str, Any]:

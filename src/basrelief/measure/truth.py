@@ -16,6 +16,7 @@ from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.measure.oracle import first_hits
 from basrelief.programs import map_edge, maps_of, rays_of, values_of
+from basrelief.rendering import check_picture
 from basrelief.scene import Object, Scene
 
 __all__ = ["Truth", "truth"]
@@ -52,6 +53,7 @@ def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine =
     fades; whatever its `projection` and `heights`, the true ray is straight and the true surface
     is the finest level's. Raises InputError for a scene of anything but one plane with heights.
     """
+    size = check_picture(size)
     scene = what if isinstance(what, Scene) else Scene((what,))
     thing = measurable(scene)
     runner = choose_engine(engine) if isinstance(engine, str) else engine

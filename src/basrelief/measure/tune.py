@@ -36,7 +36,7 @@ from basrelief.measure.timing import Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import at_angle
 from basrelief.presets import Preset
-from basrelief.rendering import Frame, render
+from basrelief.rendering import Frame, check_picture, render
 from basrelief.scene import Scene
 from basrelief.shaders.techniques import Technique
 
@@ -89,6 +89,8 @@ class Tuned:
         parts = ["basrelief", "render", self.source, "--technique", self.chosen.candidate.spelled]
         for name, value in self.settings.items():
             parts += ["--set", f"{name}={value:g}"]
+        if "bias" in self.options:
+            parts += ["--set", f"bias={self.options['bias']:g}"]
         parts += ["--scale", f"{self.scale:g}"]
         for name in ("level", "projection"):
             if name in self.options:
@@ -173,6 +175,7 @@ def tune(
         raise InputError(f"a bound of {bound:g}: give a share from 0 to 1, as 0.001 for 0.1 %")
     if flip is not None:
         check_flip()
+    size = check_picture(size)
     material = what if isinstance(what, Material) else load(what)
     check_measurable(material, options)
     kept = dict(settings or {})
