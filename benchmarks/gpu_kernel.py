@@ -72,29 +72,12 @@ def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, An
 
 def milliseconds(engine: GpuEngine, jobs: dict[str, Job], rows: int) -> dict[str, float]:
     """Median time of a dispatch of each job, several to a measurement, in turn."""
-    import wgpu
-
-    gpu = engine.gpu
-    stamps = gpu.create_query_set(type="timestamp", count=2)
-    place = gpu.create_buffer(
-        size=16, usage=wgpu.BufferUsage.QUERY_RESOLVE | wgpu.BufferUsage.COPY_SRC
-    )
     found: dict[str, list[float]] = {name: [] for name in jobs}
     for run in range(RUNS + 3):
         for name, job in jobs.items():
-            job.dispatch(0, rows)  # the GPU is busy just before, or its clocks are not up
-            writes = {
-                "query_set": stamps,
-                "beginning_of_pass_write_index": 0,
-                "end_of_pass_write_index": 1,
-            }
-            job.dispatch(0, rows, writes, DISPATCHES)
-            encoder = gpu.create_command_encoder()
-            encoder.resolve_query_set(stamps, 0, 2, place, 0)
-            gpu.queue.submit([encoder.finish()])
-            first, last = np.frombuffer(gpu.queue.read_buffer(place), np.uint64)
+            seconds = engine.seconds(job, rows, DISPATCHES)
             if run >= 3:
-                found[name].append(float(last - first) * 1e-6 / DISPATCHES)
+                found[name].append(seconds * 1e3)
     return {name: statistics.median(times) for name, times in found.items()}
 
 

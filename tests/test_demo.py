@@ -17,7 +17,7 @@ from command_line import done, environment, write_heights
 
 REPOSITORY = Path(__file__).parent.parent
 PAGES = ("README.md", "docs/command-line.md", "docs/presets.md", "docs/bake.md")
-DRAWS_MANY = re.compile("basrelief (demo|gallery)")
+DRAWS_MANY = re.compile("basrelief (demo|gallery|compare|tune)")
 SMALL = ["--size", "24x18", "--samples", "1"]
 
 
@@ -112,7 +112,9 @@ def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_every_command_is_shown() -> None:
     shown = {line.split()[1] for line in commands("docs/command-line.md")}
-    assert shown == {"render", "bake", "info", "techniques", "presets", "demo", "gallery"}
+    assert shown == {
+        "render", "bake", "compare", "tune", "info", "techniques", "presets", "demo", "gallery",
+    }  # fmt: skip
     assert len(commands("README.md")) >= 5
 
 

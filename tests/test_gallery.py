@@ -17,7 +17,6 @@ import goldens
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES, Page
-from basrelief.gallery.drawing import reads_of
 from basrelief.gallery.folder import chosen, write
 from basrelief.picture import read_picture
 from basrelief.rendering import render
@@ -101,7 +100,7 @@ def test_costs_are_what_the_pages_say() -> None:
         ]
         for name in ("strength", "normal-map", "march")
     }
-    assert [reads_of(frame) for frame in frames["strength"]] == [0.0, 1.0, 1.0, 1.0]
+    assert [frame.mean_reads for frame in frames["strength"]] == [0.0, 1.0, 1.0, 1.0]
     assert not any(frame.reads.any() for frame in frames["normal-map"])
     assert [int(frame.reads.max()) <= most for frame, most in zip(
         frames["march"], (1, 10, 100, 10, 13), strict=True

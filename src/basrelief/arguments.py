@@ -75,6 +75,25 @@ def numbers(text: str, what: str) -> tuple[float, ...]:
     return tuple(number(part, what) for part in re.split(r"[,/]", text))
 
 
+def share(text: str, what: str) -> float:
+    """A share of the whole, 0 to 1, from "0.1%" or "0.001"."""
+    plain = text.strip()
+    found = number(plain.removesuffix("%"), what) / (100.0 if plain.endswith("%") else 1.0)
+    if not 0.0 <= found <= 1.0:
+        raise InputError(f"{what} {text}: write 0% to 100%, or 0 to 1")
+    return found
+
+
+def span(text: str, what: str) -> tuple[float, float]:
+    """Two numbers from 0 up, the smaller first, from "0-75"; one stands for both."""
+    first, dash, last = text.partition("-")
+    low = number(first, what)
+    high = number(last, what) if dash else low
+    if not low <= high:
+        raise InputError(f"{what} {text}: write the smaller number first, as 0-75")
+    return low, high
+
+
 def vector(text: str, what: str) -> tuple[float, ...]:
     """Three numbers apart by commas or slashes."""
     found = numbers(text, what)
@@ -237,6 +256,12 @@ def scene(
         said["transform"] = placed(scale=vector(stretch, "--stretch")) @ lying
     whole = scene_of(material, said)
     return replace(whole, objects=(*whole.objects, *map(object_from, add)))
+
+
+def plain_settings(texts: Sequence[str]) -> dict[str, float]:
+    """Numbers by their names, from "steps=16" and the like."""
+    given = dict(named(text, "--set") for text in texts)
+    return {name: number(text, f"--set {name}") for name, text in given.items()}
 
 
 def _as_it_is(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The command line: `basrelief render`, `bake`, `demo`, `gallery`, and what tells what there is."""
+"""The command line: what `basrelief` does, one function a command."""
 
 from __future__ import annotations
 
@@ -248,6 +248,13 @@ def render(
             rich_help_panel="Picture",
         ),
     ] = None,
+    show: Annotated[
+        str,
+        typer.Option(
+            help="color, or what it hides: reads, missed, overshoot, depth-error.",
+            rich_help_panel="Picture",
+        ),
+    ] = "color",
     engine: EngineOption = "auto",
     **given: Any,
 ) -> None:
@@ -266,9 +273,13 @@ def render(
         )
         drawn_with = scene.objects[0].drawn_with.name
         # a name that `load` knows for one of ours, and takes for no map
-        target = output or Path(f"{material.name}-{drawn_with}-basrelief.png")
+        shown = "" if show == "color" else f"-{show}"
+        target = output or Path(f"{material.name}-{drawn_with}{shown}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
+        if show != "color":
+            _show(show, scene, pixels, samples, engine, frames, target, bits, quality)
+            return
         drawn = film.frames(
             scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
             progress=progress,
@@ -283,6 +294,148 @@ def render(
     # the first and the last of many
     files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
     print(f"{files}  ({made.engine})")
+
+
+def _show(
+    what: str,
+    scene: Any,
+    size: tuple[int, int],
+    samples: int,
+    engine: str,
+    frames: int,
+    target: Path,
+    bits: int | None,
+    quality: int,
+) -> None:
+    """Draw a debug picture, and say what its colours mean."""
+    from basrelief.engine import choose_engine
+    from basrelief.errors import InputError
+    from basrelief.measure.debug import check_shown, debug_picture
+    from basrelief.measure.truth import truth
+    from basrelief.rendering import render
+
+    check_shown(what)
+    if frames != 1:
+        raise InputError(f"--show {what}: one picture shows it; leave --frames away")
+    runner = choose_engine(engine)
+    true = None if what == "reads" else truth(scene, size, engine=runner)
+    frame = render(scene, size=size, samples=samples, engine=runner)
+    made = debug_picture(what, frame, true)
+    made.image.save(target, bits=bits, quality=quality)
+    print(f"{target}  ({frame.engine})\n{made.meaning}")
+
+
+@app.command()
+@options.taking(..., options.Maps)
+def compare(
+    path: PathArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The folder for the page, pictures and compare.json."),
+    ] = None,
+    technique: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="One to compare (all of them), as relief,max_steps=64 too; repeat.",
+            metavar="NAME|FILE.py:NAME[,SETTING=VALUE…]",
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", help="A setting for all techniques that have it; repeat.", metavar="NAME=VALUE"
+        ),
+    ] = None,
+    angles: Annotated[str, typer.Option(help="Degrees from the normal.")] = "0,45,60,75,85",
+    size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
+    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
+    scale: Annotated[
+        float | None, typer.Option(help="Depth as a fraction of a tile's width.")
+    ] = None,
+    level: Annotated[
+        float | None, typer.Option(help="The height on the polygon (each technique's own).")
+    ] = None,
+    projection: Annotated[
+        str | None, typer.Option(help="full, biased or limited (each technique's own).")
+    ] = None,
+    engine: EngineOption = "auto",
+    **maps: Any,
+) -> None:
+    """Measure every technique on a material: a page that says what to ship, and why."""
+    with _Progress(f"reading {path}") as progress:
+        from basrelief import arguments
+        from basrelief.measure.compare import compare as compared
+
+        seen, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
+        arguments.check_lengths(maps["depth"], maps["tile"], scale)
+        said = arguments.plain_settings(settings or [])
+        relief = _said({"scale": scale, "level": level, "projection": projection})
+        if "bias" in said:
+            relief["bias"] = said.pop("bias")
+        material = _loaded(path, **maps)
+
+        def heard(what: str, share: float) -> None:
+            progress.task = what
+            progress(share)
+
+        found = compared(
+            material, technique, angles=seen, size=pixels, samples=samples, engine=engine,
+            settings=said, progress=heard, **relief,
+        )  # fmt: skip
+        page = found.save(output or Path(f"{material.name}-compare"))
+    print(f"{found.summary()}\n{page}  ({found.engine})")
+
+
+@app.command()
+@options.taking(..., options.Maps)
+def tune(
+    path: PathArgument,
+    missed: Annotated[
+        str | None, typer.Option(help="The most missed hits, as 0.1%.", metavar="SHARE")
+    ] = None,
+    flip: Annotated[float | None, typer.Option(help="The most FLIP error, as 0.05.")] = None,
+    angles: Annotated[str, typer.Option(help="Degrees from the normal, from-to.")] = "0-75",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The preset, a .toml file.")
+    ] = None,
+    technique: Annotated[
+        list[str] | None,
+        typer.Option(help="One to try (all of them); repeat.", metavar="NAME|FILE.py:NAME"),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="A setting to keep as it is; repeat.", metavar="NAME=VALUE"),
+    ] = None,
+    size: Annotated[str, typer.Option(help="Width × height of what is measured.")] = "320x180",
+    scale: Annotated[
+        float | None, typer.Option(help="Depth as a fraction of a tile's width.")
+    ] = None,
+    engine: EngineOption = "auto",
+    **maps: Any,
+) -> None:
+    """Find the cheapest technique and settings that keep an error under a bound."""
+    with _Progress(f"reading {path}") as progress:
+        from basrelief import arguments
+        from basrelief.measure.tune import tune as tuned
+
+        bound = None if missed is None else arguments.share(missed, "--missed")
+        seen, pixels = arguments.span(angles, "--angles"), arguments.size(size)
+        arguments.check_lengths(maps["depth"], maps["tile"], scale)
+        said, relief = arguments.plain_settings(settings or []), _said({"scale": scale})
+        if "bias" in said:
+            relief["bias"] = said.pop("bias")
+        material = _loaded(path, **maps)
+
+        def heard(what: str, share: float) -> None:
+            progress.task = what
+            progress(share)
+
+        found = tuned(
+            material, missed=bound, flip=flip, angles=seen, techniques=technique, size=pixels,
+            engine=engine, settings=said, progress=heard, source=path, **relief,
+        )  # fmt: skip
+        written = found.preset.save(output or Path(f"{material.name}-tuned.toml"))
+    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.engine})")
 
 
 @app.command()

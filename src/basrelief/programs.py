@@ -21,6 +21,7 @@ from basrelief.shaders import (
     relief,
     shadow,
     shapes,
+    view_ray,
 )
 from basrelief.shaders.edge import edges_of
 from basrelief.shaders.lighting import Light
@@ -73,6 +74,19 @@ def reach_of(thing: Object) -> Program:
     if thing.casts == "opaque":
         bindings[standard.opacity_of] = standard.opaque
     return Program(pixel.reach, bindings, map_edge(thing))
+
+
+def rays_of(thing: Object) -> Program:
+    """The program that gives the true view ray of each pixel, whatever the technique."""
+    return Program(
+        view_ray.view_ray,
+        {
+            shapes.shape: getattr(shapes, thing.shape),
+            relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
+            projection.projection: projection.full,
+        },
+        map_edge(thing),
+    )
 
 
 def _bindings_of(thing: Object) -> dict[Any, Any]:

@@ -93,6 +93,11 @@ class Frame:
             np.copyto(getattr(self, name), getattr(other, name))
 
     @property
+    def mean_reads(self) -> float:
+        """The mean number of heights read at the pixels that are covered."""
+        return float(self.reads[self.hit].mean()) if self.hit.any() else 0.0
+
+    @property
     def image(self) -> Image:
         """The picture."""
         return Image(self.color)
@@ -129,6 +134,14 @@ def render(
     Raises InputError for values that make no picture, EngineError for an engine that cannot run.
     """
     scene = scene_of(what, {**options, "preset": preset})
+    width, height = check_picture(size, samples)
+    scene.check_camera()
+    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    return _Drawing(scene, (width, height), samples, runner, progress).frame()
+
+
+def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:
+    """Width and height of a picture; raises InputError for sizes and samples that make none."""
     width, height = _checked_size(size)
     if width * height > _MOST_PIXELS:
         raise InputError(
@@ -139,9 +152,7 @@ def render(
         raise InputError(f"a picture of {width} × {height}: give 1 to {_LARGEST} pixels a side")
     if not 1 <= samples <= 1024:
         raise InputError(f"{samples} samples a pixel: give 1 to 1024")
-    scene.check_camera()
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
-    return _Drawing(scene, (width, height), samples, runner, progress).frame()
+    return width, height
 
 
 def _checked_size(size: Any) -> tuple[int, int]:

@@ -46,17 +46,12 @@ def drawn(
         frame = render(panel.scene, size=size, samples=samples, engine=engine)
         headline = _headline_seconds(page, panel.scene, engine)
         seconds = seconds_of(panel.scene, size, engine)
-        yield Drawn(panel, frame, reads_of(frame), seconds, headline)
+        yield Drawn(panel, frame, frame.mean_reads, seconds, headline)
         progress((number + 1) / len(panels))
 
 
 def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:
     return None if page.headline is None else seconds_of(scene, page.headline.size, engine)
-
-
-def reads_of(frame: Frame) -> float:
-    """The mean number of heights read at the pixels that are covered."""
-    return float(frame.reads[frame.hit].mean()) if frame.hit.any() else 0.0
 
 
 def seconds_of(scene: Scene, size: tuple[int, int], engine: Engine) -> float:

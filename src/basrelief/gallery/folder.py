@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import os
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -14,6 +12,7 @@ from basrelief.gallery import PAGES, SOURCES
 from basrelief.gallery.drawing import Drawn, drawn
 from basrelief.gallery.html import GENERATOR, index_html, page_html, picture_name
 from basrelief.gallery.page import Page
+from basrelief.webpage import check_ours, is_ours, write_page
 
 Progress = Callable[[str, float], None]
 """Hears what is being drawn, and the share of the whole that is done."""
@@ -60,9 +59,9 @@ def write(
             progress(page.title, number / len(pages))
             heard = functools.partial(_passed_on, progress, page.title, number, len(pages))
             panels = _pictures(folder, page, drawn(page, size, samples, engine, heard))
-            _write_text(folder / f"{page.name}.html", page_html(page, panels, here))
+            write_page(folder / f"{page.name}.html", page_html(page, panels, here))
         index = folder / "index.html"
-        _write_text(index, index_html(here))
+        write_page(index, index_html(here))
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
@@ -92,23 +91,8 @@ def _beside(folder: Path, pages: Sequence[Page]) -> list[Page]:
 
 def _check_ours(folder: Path, pages: Sequence[Page]) -> None:
     for name in ("index.html", *(f"{page.name}.html" for page in pages)):
-        file = folder / name
-        if file.exists() and not _is_ours(file):
-            raise InputError(f"{file}: is there, and not a page of the gallery; choose a folder")
+        check_ours(folder / name, GENERATOR, "a page of the gallery")
 
 
 def _is_ours(file: Path) -> bool:
-    return file.is_file() and GENERATOR in file.read_text(encoding="utf-8", errors="replace")
-
-
-def _write_text(file: Path, text: str) -> None:
-    """Whole or not at all."""
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=".gallery-", suffix=".html")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        os.chmod(name, 0o644)
-        os.replace(name, file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    return is_ours(file, GENERATOR)

@@ -1,0 +1,364 @@
+"""Every technique on one material, from head-on to grazing: errors, costs, pictures.
+
+    basrelief.compare("FOLDER").save("OUT")
+
+writes a page for people (`measure.page`) and `compare.json` for programs.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief._version import __version__
+from basrelief.engine import Engine, choose_engine
+from basrelief.errors import InputError
+from basrelief.lang import Vec3
+from basrelief.material import Material, load
+from basrelief.measure.advice import VISIBLE, advice
+from basrelief.measure.errors import Errors, Spread, errors, flip, has_flip, uv_error
+from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
+from basrelief.measure.truth import Truth, truth
+from basrelief.measure.views import ANGLES, at_angle
+from basrelief.rendering import Frame, check_picture, render
+from basrelief.scene import Object, Scene, technique_named
+from basrelief.shaders.techniques import TECHNIQUES, Technique, exact, flat
+
+__all__ = ["Candidate", "Comparison", "Result", "compare"]
+
+VERSION = 1
+"""Of `compare.json`; raised when a key changes its meaning or goes."""
+Progress = Callable[[str, float], None]
+"""Hears what is being measured, and the share of the whole that is done."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A technique with settings, under a name of its own within a comparison.
+
+    `spelled` is how it is asked for: its name, or FILE.py:NAME.
+    """
+
+    name: str
+    technique: Technique[..., Any]
+    settings: Mapping[str, Any]
+    spelled: str
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """One technique at one angle, in degrees: errors against the truth, cost, and how it looks.
+
+    `flip` is the mean FLIP error against the picture by `exact`, None where FLIP is not installed;
+    `seconds` the median time of the drawing program; `picture` (H, W, 3) linear, `off` (H, W) the
+    uv error of each pixel in texels, NaN where there is none; both float16.
+    """
+
+    angle: float
+    technique: str
+    errors: Errors
+    flip: float | None
+    seconds: float
+    picture: NDArray[np.float16]
+    off: NDArray[np.float16]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What `compare` found: `results` by angle, and there by technique, the cheapest first."""
+
+    material: str
+    texels: tuple[int, int]
+    scale: float
+    engine: str
+    size: tuple[int, int]
+    samples: int
+    timing: Timing
+    runs: int
+    angles: tuple[float, ...]
+    objects: Mapping[str, Object]
+    results: tuple[Result, ...]
+
+    def at(self, angle: float) -> list[Result]:
+        """The results at one angle."""
+        return [each for each in self.results if each.angle == angle]
+
+    def of(self, technique: str) -> list[Result]:
+        """The results of one technique, angle by angle."""
+        return [each for each in self.results if each.technique == technique]
+
+    def summary(self) -> str:
+        """What to ship, in a sentence or two of plain text."""
+        return advice(self).sentence(max(self.angles))
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `compare.json` holds; docs/compare.md describes the keys."""
+        return {
+            "format": "basrelief compare",
+            "version": VERSION,
+            "basrelief": __version__,
+            "material": self.material,
+            "texels": list(self.texels),
+            "scale": self.scale,
+            "engine": self.engine,
+            "size": list(self.size),
+            "samples": self.samples,
+            "time": {"size": list(self.timing.size), "by": self.timing.by, "runs": self.runs},
+            "angles": list(self.angles),
+            "visible": VISIBLE,
+            "techniques": [_described(name, each) for name, each in self.objects.items()],
+            "results": [_result(each) for each in self.results],
+            "advice": advice(self).to_dict(),
+        }
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Write `index.html`, its pictures and `compare.json`; returns the page's path.
+
+        Raises InputError for a folder that cannot be written to, or with another `index.html`.
+        """
+        from basrelief.measure.page import write
+
+        return write(Path(folder), self)
+
+
+def compare(
+    what: Material | str | os.PathLike[str],
+    techniques: Sequence[str | Technique[..., Any] | Candidate] | None = None,
+    *,
+    angles: Sequence[float] = ANGLES,
+    size: tuple[int, int] = (480, 270),
+    samples: int = 4,
+    engine: str | Engine = "auto",
+    runs: int = RUNS,
+    settings: Mapping[str, Any] | None = None,
+    progress: Progress = lambda what, share: None,
+    **options: Any,
+) -> Comparison:
+    """Measure techniques on a material, or on what is in a folder, at some angles.
+
+    `techniques` are names, "FILE.py:NAME", techniques or `Candidate`s, all of the library's without
+    it; "relief,max_steps=64" is one with settings of its own. `exact` is always among them: FLIP
+    is measured against its picture. `angles` are degrees from the normal, `size` (width, height).
+    `settings` go to every technique that has them. `options` are those of `Object` and `Scene`
+    (`scale`, `level`, `projection`, `lights` …). `progress` hears what is being measured, and the
+    share that is done.
+    Raises InputError for a material without a height map, and for what `render` would refuse.
+    """
+    size = check_picture(size, samples)
+    material = what if isinstance(what, Material) else load(what)
+    chosen = candidates(techniques, settings or {})
+    check_measurable(material, options)
+    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    angles = tuple(dict.fromkeys(float(angle) for angle in angles))
+    if not angles:
+        raise InputError("there are no angles; give one, as 60")
+    # all views are made before the first is measured, so that what is wrong is told at once
+    views = {
+        angle: {
+            each.name: at_angle(
+                material, angle, size,
+                {**options, "technique": each.technique, "settings": each.settings},
+            )
+            for each in chosen
+        }
+        for angle in angles
+    }  # fmt: skip
+    timing = timing_on(runner, size)
+    results: list[Result] = []
+    for number, (angle, scenes) in enumerate(views.items()):
+
+        def heard(share: float, angle: float = angle, number: int = number) -> None:
+            progress(f"measuring {material.name} at {angle:g}°", (number + share) / len(views))
+
+        results += _at_one_angle(angle, scenes, size, samples, timing, runs, runner, heard)
+    first = views[angles[0]]
+    cost = {
+        name: float(np.mean([each.seconds for each in results if each.technique == name]))
+        for name in first
+    }
+    results.sort(key=lambda each: (angles.index(each.angle), cost[each.technique]))
+    height = material.height
+    assert height is not None
+    return Comparison(
+        material=material.name,
+        texels=(height.width, height.height),
+        scale=first["exact"].objects[0].relief_scale,
+        engine=f"{runner.name}: {runner.device}",
+        size=size,
+        samples=samples,
+        timing=timing,
+        runs=runs,
+        angles=angles,
+        objects={name: first[name].objects[0] for name in sorted(cost, key=lambda n: cost[n])},
+        results=tuple(results),
+    )
+
+
+def check_measurable(material: Material, options: Mapping[str, Any]) -> None:
+    """Raise InputError for a material without heights, and for options that fix the view."""
+    if material.height is None:
+        raise InputError(
+            f"{material.name} has no height map, so no technique has anything to do; add one, "
+            "for example --height FILE"
+        )
+    ours = ("shape", "tiling", "transform", "camera", "technique", "alpha", "edge", "fade")
+    for name in (*ours, "heights"):
+        if name in options:
+            raise InputError(f"{name}: a comparison sets it itself; leave it away")
+
+
+def _at_one_angle(
+    angle: float,
+    scenes: Mapping[str, Scene],
+    size: tuple[int, int],
+    samples: int,
+    timing: Timing,
+    runs: int,
+    engine: Engine,
+    progress: Callable[[float], None],
+) -> Iterable[Result]:
+    """One angle, all techniques: they fill the same space, so one truth holds for all."""
+    progress(0.0)
+    true = truth(scenes["exact"], size, engine=engine)
+    reference = render(scenes["exact"], size=size, samples=samples, engine=engine)
+    progress(0.5)
+    seconds = seconds_of(scenes, timing, engine, runs)
+    for number, (name, scene) in enumerate(scenes.items()):
+        drawn = name != "exact"
+        frame = render(scene, size=size, samples=samples, engine=engine) if drawn else reference
+        yield _measured(angle, name, frame, reference, true, seconds[name])
+        progress(0.6 + 0.4 * (number + 1) / len(scenes))
+
+
+def _measured(
+    angle: float, name: str, frame: Frame, reference: Frame, true: Truth, seconds: float
+) -> Result:
+    return Result(
+        angle=angle,
+        technique=name,
+        errors=errors(frame, true),
+        flip=flip(reference, frame) if has_flip() else None,
+        seconds=seconds,
+        picture=frame.color[:, :, :3].astype(np.float16),
+        off=uv_error(frame, true).astype(np.float16),
+    )
+
+
+# --- which techniques ----------------------------------------------------------------------------
+
+
+def candidates(
+    techniques: Sequence[str | Technique[..., Any] | Candidate] | None,
+    settings: Mapping[str, Any],
+) -> list[Candidate]:
+    """What is to be compared, `exact` among it, each under a name of its own.
+
+    Raises InputError for techniques that there are not, and for settings that none of them has.
+    """
+    named = [*TECHNIQUES] if techniques is None else [*techniques]
+    found = [_candidate(each, settings) for each in named]
+    if not any(each.technique is exact and each.name == "exact" for each in found):
+        found.append(Candidate("exact", exact, {}, "exact"))
+    for name in settings:
+        if not any(name in each.technique.settings.__dataclass_fields__ for each in found):
+            raise InputError(f"{name}: none of these techniques has such a setting")
+    names = [each.name for each in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{name} is there twice; give one of them other settings")
+    return found
+
+
+def _candidate(
+    given: str | Technique[..., Any] | Candidate, settings: Mapping[str, Any]
+) -> Candidate:
+    if isinstance(given, Candidate):
+        return given
+    text, own = (given, {}) if not isinstance(given, str) else _own_settings(given)
+    technique = technique_named(text) if isinstance(text, str) else text
+    known = technique.settings.__dataclass_fields__
+    for name in own:
+        if name not in known:
+            there = ", ".join(known) or "none"
+            raise InputError(f"{technique.name} has no setting {name!r}; there are {there}")
+    name = " ".join([technique.name, *(f"{key}={value:g}" for key, value in own.items())])
+    usual = {key: value for key, value in settings.items() if key in known}
+    return Candidate(
+        name, technique, {**usual, **own}, text if isinstance(text, str) else technique.name
+    )
+
+
+def _own_settings(text: str) -> tuple[str, dict[str, float]]:
+    """Name and settings of "relief,max_steps=64"."""
+    name, *parts = text.split(",")
+    own = {}
+    for part in parts:
+        key, sign, number = part.partition("=")
+        try:
+            own[key.strip()] = float(number)
+        except ValueError:
+            sign = ""
+        if not sign:
+            raise InputError(f"{text}: write a technique and its settings as relief,max_steps=64")
+    return name.strip(), own
+
+
+# --- as JSON -------------------------------------------------------------------------------------
+
+
+def settings_of(thing: Object) -> dict[str, Any]:
+    """The settings of an object's technique, as plain numbers."""
+    if thing.drawn_with is flat:
+        return {}
+    record = thing.settings
+    return {name: _plain(getattr(record, name)) for name in type(record).__dataclass_fields__}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Vec3):
+        return [float(each) for each in value]
+    # the shortest number that is the same in 32 bits
+    return float(str(value)) if isinstance(value, np.float32) else int(value)
+
+
+def _described(name: str, thing: Object) -> dict[str, Any]:
+    return {
+        "name": name,
+        "technique": thing.drawn_with.name,
+        "settings": settings_of(thing),
+        "level": thing.relief_level,
+        "projection": thing.relief_projection,
+    }
+
+
+def _result(each: Result) -> dict[str, Any]:
+    found = each.errors
+    return {
+        "angle": each.angle,
+        "technique": each.technique,
+        "pixels": found.pixels,
+        "missed": found.missed,
+        "passed": found.passed,
+        "short": found.short,
+        "uv_error": _spread(found.uv),
+        "depth_error": _spread(found.depth),
+        "flip": each.flip,
+        "reads": found.reads,
+        "seconds": each.seconds,
+    }
+
+
+def _spread(spread: Spread) -> dict[str, float]:
+    return asdict(spread)
+
+
+def to_json(comparison: Comparison) -> str:
+    """The text of `compare.json`."""
+    return json.dumps(comparison.to_dict(), indent=2, ensure_ascii=False) + "\n"

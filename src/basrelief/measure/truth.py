@@ -1,0 +1,113 @@
+"""Where the view rays of a picture truly end: the first hits of the oracle, pixel by pixel.
+
+Only the rays come from the shaders: where each meets the polygon, and how its texture coordinates
+move while it falls. The heights that the oracle sees are those of the very field that techniques
+read, in 32 bits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.engine import Engine, choose_engine
+from basrelief.errors import InputError
+from basrelief.measure.oracle import first_hits
+from basrelief.programs import map_edge, maps_of, rays_of, values_of
+from basrelief.rendering import check_picture
+from basrelief.scene import Object, Scene
+
+__all__ = ["Truth", "truth"]
+
+Floats = NDArray[np.float64]
+_AT_ONCE = 1 << 15
+"""Rays that are walked side by side: what they hold stays near the processor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The true first hit of every pixel's ray; arrays are (height, width, …), row 0 at the top.
+
+    `uv` (…, 2) are the texture coordinates of the hit, not taken into one tile; `height` (0 to 1)
+    is that of the surface there, `depth` the distance along the ray in world units. `there` says
+    which pixels show the object at all; where it is False the others are 0. `fall` (…, 2) is how
+    far the ray's coordinates move while it falls from height 1 to 0. `texels` is the size of the
+    height map, (along u, along v), and `wraps` whether it repeats.
+    """
+
+    uv: Floats
+    height: Floats
+    depth: Floats
+    there: NDArray[np.bool_]
+    fall: Floats
+    texels: tuple[int, int]
+    wraps: bool
+
+
+def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine = "auto") -> Truth:
+    """The true first hits of a scene of one plane with a relief, as `render` would draw it.
+
+    `size` is (width, height). The relief lies where the object's `level` says, and fades where it
+    fades; whatever its `projection` and `heights`, the true ray is straight and the true surface
+    is the finest level's. Raises InputError for a scene of anything but one plane with heights.
+    """
+    size = check_picture(size)
+    scene = what if isinstance(what, Scene) else Scene((what,))
+    thing = measurable(scene)
+    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    values = values_of(thing, scene, size)
+    rays = runner.run(rays_of(thing), values, size)
+    found = rays["found"] != 0
+    start, fall = (
+        np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1).astype(np.float64)
+        for name in ("uv", "fall")
+    )
+    heights = _heights(thing)
+    # where the ray is at height 1
+    start = start + fall * (thing.relief_level - 1.0)
+    uv, height = np.zeros_like(start), np.zeros(found.shape)
+    uv[found], height[found] = _met(heights, start[found], fall[found], map_edge(thing))
+    depth = rays["distance"] + (thing.relief_level - height) * rays["per_height"].astype(float)
+    there = found & (depth > 0.0)
+    if thing.edge == "clip":
+        place = (uv - thing.shift) / thing.tiles
+        there &= ((place >= 0.0) & (place <= 1.0)).all(-1)
+    return Truth(
+        uv, height, np.where(there, depth, 0.0), there, fall, heights.shape[::-1],
+        map_edge(thing) == "wrap",
+    )  # fmt: skip
+
+
+def measurable(scene: Scene) -> Object:
+    """The one object of a scene whose truth is known; raises InputError where there is none."""
+    if len(scene.objects) != 1 or scene.objects[0].shape != "plane":
+        raise InputError("errors are measured on one plane; give a scene of one object, a plane")
+    thing = scene.objects[0]
+    if thing.material.height is None:
+        raise InputError(
+            f"{thing.material.name} has no height map, so there is nothing to measure; add one"
+        )
+    return thing
+
+
+def _heights(thing: Object) -> NDArray[np.float32]:
+    """The finest level of the field that programs read."""
+    from basrelief.material import pyramids
+
+    field = maps_of(thing)["field"] or pyramids.height_field(thing.material, map_edge(thing))
+    assert field is not None
+    heights: NDArray[np.float32] = field.levels[0]
+    return heights
+
+
+def _met(
+    heights: NDArray[np.float32], start: Floats, fall: Floats, edge: str
+) -> tuple[Floats, Floats]:
+    uv, height = np.empty_like(start), np.empty(len(start))
+    for first in range(0, len(start), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        hits = first_hits(heights, start[some], fall[some], edge)  # type: ignore[arg-type]
+        uv[some], height[some] = hits.uv, hits.height
+    return uv, height
