@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from basrelief.film import frames, write_film
     from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
+    from basrelief.measure.explain import Explanation, explain
     from basrelief.motion import Lighting, Opening, Orbiting, Scrolling
     from basrelief.presets import PRESETS, Preset, preset
     from basrelief.rendering import Frame, Image, render
@@ -44,6 +45,7 @@ _HOMES = {
     "basrelief.film": ("frames", "write_film"),
     "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
+    "basrelief.measure.explain": ("Explanation", "explain"),
     "basrelief.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
     "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
@@ -58,11 +60,12 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "PRESETS", "TECHNIQUES", "BasreliefError", "EngineError", "Finish", "Frame", "Hit", "Image",
-    "InputError", "Layer", "Light", "Lighting", "LookAt", "Map", "Material", "Object", "Opening",
-    "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling", "Shading", "Tiling", "__version__",
-    "choose_engine", "directional", "frames", "load", "placed", "point", "preset", "render",
-    "sample", "setting", "shader", "spot", "struct", "technique", "turned", "write_film",
+    "PRESETS", "TECHNIQUES", "BasreliefError", "EngineError", "Explanation", "Finish", "Frame",
+    "Hit", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map", "Material",
+    "Object", "Opening", "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling", "Shading",
+    "Tiling", "__version__", "choose_engine", "directional", "explain", "frames", "load", "placed",
+    "point", "preset", "render", "sample", "setting", "shader", "spot", "struct", "technique",
+    "turned", "write_film",
 ]  # fmt: skip
 
 

@@ -41,7 +41,7 @@ from basrelief.lang.intrinsics import (
     transpose,
 )
 from basrelief.lang.resources import Buffer, HeightField, Texture
-from basrelief.lang.shader import Shader, bound, shader, slot
+from basrelief.lang.shader import Shader, bound, shader, slot, watched
 from basrelief.lang.types import ShaderError, TypeSlot, setting, struct
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
@@ -51,5 +51,5 @@ __all__ = [
     "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
     "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
     "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "struct", "tan",
-    "texel", "transpose",
+    "texel", "transpose", "watched",
 ]  # fmt: skip
