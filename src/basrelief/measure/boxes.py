@@ -77,6 +77,8 @@ def _walls(start: Floats, way: Floats) -> tuple[Floats, NDArray[np.int64]]:
 
 def _tops(field: Floats, texels: NDArray[np.int64], edge: str) -> Floats:
     height, width = field.shape
+    x, y = texels.T
     if edge == "wrap":
-        return field[texels[:, 1] % height, texels[:, 0] % width]
-    return field[np.clip(texels[:, 1], 0, height - 1), np.clip(texels[:, 0], 0, width - 1)]
+        x, y = x % width, y % height
+    tops: Floats = field[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
+    return tops

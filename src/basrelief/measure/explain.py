@@ -105,7 +105,7 @@ class Explanation:
 
     @property
     def direction(self) -> Floats:
-        """The ray's way over the map in texels, of length 1; along u where it falls straight down."""
+        """The ray's way over the map in texels, of length 1; along u where there is none."""
         way: Floats = np.array(self.fall) * self.texels
         length = float(np.linalg.norm(way))
         return way / length if length > 1e-9 else np.array([1.0, 0.0])
@@ -310,8 +310,8 @@ class _Notes:
             self._add_cell(whole if of == "height" else of, IVec2(*self.cell))
         else:
             # read by its texel alone, whose middle stands for it
-            size = self.heights.shape[::-1]
-            self._add(of, Vec2((x + 0.5) / size[0], (y + 0.5) / size[1]), None)
+            rows, columns = self.heights.shape
+            self._add(of, Vec2((x + 0.5) / columns, (y + 0.5) / rows), None)
 
     def _add(self, kind: Kind, uv: Vec2, surface: float | None) -> None:
         place = _numbers(uv)
@@ -326,7 +326,7 @@ class _Notes:
         """The ray's height over a place, by how far along its way it is."""
         fall = _numbers(self.ray.fall)
         moved = place - _numbers(self.ray.uv)
-        return float(self.ray.level - moved @ fall / max(fall @ fall, 1e-30))
+        return float(self.ray.level - moved @ fall / max(float(fall @ fall), 1e-30))
 
     def _add_cell(self, kind: Kind, cell: IVec2) -> None:
         """A read of a whole cell, or box: noted where the ray comes to it."""
@@ -335,7 +335,7 @@ class _Notes:
         start, way = _at(self.ray, 1.0) * texels - half, _numbers(self.ray.fall) * texels
         low = np.array([int(cell.x), int(cell.y)], np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
-            walls = np.where(way > 0, low - start, low + 1 - start) / way
+            walls = np.divide(low + (way <= 0) - start, way)
         enter = float(np.clip(np.nanmax(np.where(way == 0, -np.inf, walls)), 0.0, 1.0))
         place = (start + way * enter + half) / texels
         # a little further on, so that the box is the one behind the wall
@@ -353,8 +353,9 @@ def _surface(heights: Floats, uv: Floats, edge: Edge, boxes: bool) -> Floats:
     def read(right: int, down: int) -> Floats:
         x, y = (first + np.array([right, down])).T
         if edge == "wrap":
-            return heights[y % size[1], x % size[0]]
-        return heights[np.clip(y, 0, size[1] - 1), np.clip(x, 0, size[0] - 1)]
+            x, y = x % size[0], y % size[1]
+        found: Floats = heights[np.clip(y, 0, size[1] - 1), np.clip(x, 0, size[0] - 1)]
+        return found
 
     if boxes:
         return read(0, 0)

@@ -30,7 +30,9 @@ def write_section(explained: Explanation, path: Path) -> Path:
         raise InputError(f"{path}: a cross-section is written as {', '.join(_SUFFIXES)}")
     matplotlib = _matplotlib()
     # no date and no chance, so that the same ray makes the same file
-    more = {".png": {"dpi": 150}, ".svg": {"metadata": {"Date": None}}}.get(path.suffix.lower(), {})
+    more: Any = {".png": {"dpi": 150}, ".svg": {"metadata": {"Date": None}}}.get(
+        path.suffix.lower(), {}
+    )
     with matplotlib.rc_context(_STYLE):
         figure = _figure(explained)
         write_whole(path, lambda partial: figure.savefig(partial, **more))
@@ -88,7 +90,9 @@ class _Section:
 
     def ground(self) -> None:
         """The surface that is cut, and the polygon."""
-        x = np.linspace(self.left, self.right, 4001)
+        walls = [x for axis in (0, 1) for x in self.walls(axis)]
+        beside = [x + side for x in walls[:1000] for side in (-1e-5, 1e-5)]
+        x = np.sort([*np.linspace(self.left, self.right, 601), *beside])
         step = self.of.direction / self.of.texels
         height = self.of.surface(np.array(self.of.uv) + x[:, None] * step)
         self.axes.fill_between(x, -0.2, height, color=_GROUND, linewidth=0, zorder=1)
@@ -177,15 +181,19 @@ class _Section:
         axes.set_ylabel("height")
         axes.set_xlabel("texels along the ray, from where it meets the polygon")
         axes.spines[["top", "right"]].set_visible(False)
-        start = np.array(self.of.uv) * self.of.texels
-        for axis in (0, 1):
-            pace = self.of.direction[axis]
-            ends = sorted(start[axis] + pace * np.array([self.left, self.right]))
-            if abs(pace) < 1e-9 or ends[1] - ends[0] > _MOST_LINES:
-                continue
-            for wall in np.arange(np.ceil(ends[0]), ends[1]):
-                x = (wall - start[axis]) / pace
-                axes.plot([x, x], [-0.16, -0.135], color=_QUIET, linewidth=0.9, zorder=5)
+        for walls in (self.walls(0), self.walls(1)):
+            if len(walls) <= _MOST_LINES:
+                axes.vlines(walls, -0.16, -0.135, color=_QUIET, linewidth=0.9, zorder=5)
+
+    def walls(self, axis: int) -> NDArray[np.float64]:
+        """Where the ray comes to another texel along u (0) or v (1)."""
+        start = self.of.uv[axis] * self.of.texels[axis]
+        pace = float(self.of.direction[axis])
+        if abs(pace) < 1e-9:
+            return np.zeros(0)
+        ends = sorted(start + pace * np.array([self.left, self.right]))
+        walls: NDArray[np.float64] = (np.arange(np.ceil(ends[0]), ends[1]) - start) / pace
+        return walls
 
 
 def _words(explained: Explanation, figure: Any) -> None:
