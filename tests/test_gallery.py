@@ -112,7 +112,8 @@ def test_costs_are_what_the_pages_say() -> None:
 
 def test_every_row_of_the_sources_is_on_a_page() -> None:
     wanted = {f"{letter}{n + 1}" for letter in "CWGHL" for n in range(COUNTS[letter])}
-    shown = {row for page in PAGES.values() for row in page.rows}
+    ours = [page for page in PAGES.values() if page.source != "beyond"]
+    shown = {row for page in ours for row in page.rows}
     assert shown == wanted - NOT_SHOWN
 
 

@@ -46,6 +46,7 @@ from basrelief.shaders.techniques import (
     Hit,
     Nothing,
     Ray,
+    contact,
     displace,
     fixed_length,
     flat,
@@ -53,7 +54,9 @@ from basrelief.shaders.techniques import (
     offset_limited,
     parallax_occlusion,
     relief,
+    secant,
     steep,
+    texel,
 )
 from basrelief.shaders.techniques.march import (
     MOST_READS,
@@ -67,6 +70,7 @@ from basrelief.shaders.techniques.march import (
     steps_by_angle,
 )
 from basrelief.shaders.techniques.offset import Offset
+from basrelief.shaders.techniques.refine import Contact, Secant
 from basrelief.shaders.techniques.technique import Settings
 
 Surface = Callable[[float, float], float]
@@ -77,7 +81,8 @@ ROUNDING = 3e-6
 """What float32 may add to texture coordinates and heights of about one."""
 
 MODULES = [
-    importlib.import_module(f"basrelief.shaders.techniques.{name}") for name in ("march", "offset")
+    importlib.import_module(f"basrelief.shaders.techniques.{name}")
+    for name in ("march", "offset", "refine")
 ]
 EMPTY = HeightField([np.zeros((1, 1))])
 UNBAKED = Texture([np.zeros((1, 1, 4), np.uint16)])
@@ -149,6 +154,8 @@ def everywhere(steps: int = 10):
             (steep, Steps(steps)),
             (parallax_occlusion, March(steps, steps)),
             (relief, Relief(steps, steps, 12)),
+            (secant, Secant(steps, steps, 3)),
+            (contact, Contact(steps, steps)),
             (fixed_length, FixedLength(400, 0.01)),
         )
     ]
@@ -158,14 +165,15 @@ MARCHING = [
     pytest.param(steep, Steps, id="steep"),
     pytest.param(parallax_occlusion, lambda n: March(n, n), id="parallax_occlusion"),
     pytest.param(relief, lambda n: Relief(n, n, 0), id="relief"),
+    pytest.param(secant, lambda n: Secant(n, n, 0), id="secant"),
 ]
 
 
 def test_everything_is_tested_here() -> None:
-    """But for those that read what is baked: `test_exact.py`, `test_cones.py`."""
-    assert {p.values[0] for p in everywhere()} == {
-        made for made in TECHNIQUES.values() if made.bake is None
-    }
+    """But for those that read what is baked: `test_exact.py`, `test_cones.py`; and for `texel`,
+    which sees another field."""
+    apart = {texel, *(made for made in TECHNIQUES.values() if made.bake is not None)}
+    assert {p.values[0] for p in everywhere()} == set(TECHNIQUES.values()) - apart
 
 
 # --- the ray --------------------------------------------------------------------------------------
@@ -429,6 +437,128 @@ def test_without_a_search_relief_is_steep() -> None:
     """Interpolation is off when searching: 0 halvings leave the layer itself."""
     hit, _ = traced(relief, level_surface(0.66), ray_of(), Relief(10, 10, 0))
     assert_ends(hit, ray_of(), 0.6)
+
+
+# --- regula falsi ---------------------------------------------------------------------------------
+
+
+@given(ramps(), st.integers(10, 50), st.integers(0, 6))
+def test_secant_meets_a_ramp_at_the_first_cut(ramp, steps: int, cuts: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(secant, form, ray, Secant(steps, steps, cuts))
+    assert hit.found
+    assert_ends(hit, ray, met, 5e-5)
+
+
+def test_the_first_cut_reads_where_the_chord_meets_the_ray() -> None:
+    """h = u²: layers at ½ (surface 0.09) and 0 (0.64); ½ − ½ · 0.41 ÷ 1.05 is read, u = 0.4952."""
+    ray = ray_of(uv=(-0.2, 0.5), fall=(1.0, 0.0))
+    hit, read = traced(secant, lambda u, v: u * u, ray, Secant(2, 2, 0))
+    assert read == pytest.approx([1.0, 0.5])
+    assert not hit.found
+    ray = ray_of(uv=(0.0, 0.5), fall=(0.8, 0.0))
+    # 1, ⅔, ⅓: surfaces 0, (0.8 ÷ 3)², (1.6 ÷ 3)²; the last is below none, so four steps: ¼ is
+    hit, read = traced(secant, lambda u, v: u * u, ray, Secant(4, 4, 1))
+    over, under = 0.5 - 0.4**2, 0.6**2 - 0.25
+    first = 0.5 - 0.25 * over / (over + under)
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, first], abs=1e-6)
+    assert hit.reads == 5
+
+
+@pytest.mark.parametrize(("cuts", "within"), [(0, 2e-2), (1, 3e-3), (2, 3e-4), (4, 2e-6)])
+def test_on_a_sine_each_cut_comes_nearer(cuts: int, within: float) -> None:
+    """h = ½ + 0.4 sin 2πu along a ray whose meeting is found in float64 by bisection."""
+
+    def sine(u: float, v: float) -> float:
+        return 0.5 + 0.4 * math.sin(2 * math.pi * u)
+
+    for start in np.linspace(0.0, 1.0, 23):
+        ray = ray_of(uv=(start, 0.5), fall=(0.2, 0.0))
+        met = met_by(sine, ray)
+        hit, _ = traced(secant, sine, ray, Secant(16, 16, cuts))
+        assert hit.found
+        assert float(hit.height) == pytest.approx(met, abs=within)
+
+
+def met_by(form: Surface, ray: Ray, layers: int = 4096) -> float:
+    """The ray's height where it first meets a closed form: a fine march, then halvings."""
+    high, low = 1.0, 0.0
+    for k in range(1, layers + 1):
+        low = 1.0 - k / layers
+        if low <= form(*place_on(ray, low)):
+            break
+        high = low
+    for _ in range(60):
+        middle = (high + low) / 2
+        high, low = (high, middle) if middle <= form(*place_on(ray, middle)) else (middle, low)
+    return low
+
+
+def test_at_a_wall_the_end_that_stays_counts_half() -> None:
+    """The wall is at the height 0.6 of a step from 0.625 to 0.5625; without the Illinois trick six
+    cuts, all from above, would leave 0.6147."""
+    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+    errors = []
+    for cuts in (2, 6, 12):
+        hit, _ = traced(secant, cliff, ray, Secant(16, 16, cuts))
+        errors.append(abs(float(hit.height) - 0.6))
+    assert errors[1] < 2e-3
+    assert errors[2] < 1e-4
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_step_to_cut_nothing_more_is_read(height: float) -> None:
+    hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 5))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
+
+
+# --- contact refinement ---------------------------------------------------------------------------
+
+
+def test_contact_goes_back_a_layer_and_on_in_finer_ones() -> None:
+    """Five layers: 1, 0.8, 0.6, 0.4 is below 0.53; then from 0.6 on by 0.04."""
+    hit, read = traced(contact, level_surface(0.53), ray_of(), Contact(5, 5))
+    assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52], abs=1e-6)
+    assert_ends(hit, ray_of(), 0.52)
+    assert (hit.found, hit.reads) == (True, 6)
+
+
+def test_contact_does_not_read_its_coarse_layer_again() -> None:
+    hit, read = traced(contact, level_surface(0.41), ray_of(), Contact(5, 5))
+    assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52, 0.48, 0.44], abs=1e-6)
+    assert_ends(hit, ray_of(), 0.4)
+    assert hit.reads == 8
+
+
+@given(ramps(), st.integers(10, 40))
+def test_contact_is_within_a_fine_step_of_a_ramp(ramp, steps: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(contact, form, ray, Contact(steps, steps))
+    assert hit.found
+    assert met - 1 / steps**2 - 1e-4 <= float(hit.height) <= met + 1e-4
+    assert hit.reads <= 2 * steps - 1
+    assert_ends(hit, ray, float(hit.height))
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_layer_before_there_is_no_contact(height: float) -> None:
+    hit, read = traced(contact, level_surface(height), ray_of(), Contact(4, 4))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
+
+
+@pytest.mark.parametrize(("technique", "record"), [(secant, Secant), (contact, Contact)])
+def test_at_a_wall_they_end_where_it_stands(technique, record) -> None:
+    """Contact within a fine step of 0.6, by 16 + 16 reads where steep takes 256."""
+    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+    hit, _ = traced(technique, cliff, ray, record(16, 16))
+    assert hit.found
+    assert float(hit.height) == pytest.approx(0.6, abs=1 / 16 / 4)
+    fine, _ = traced(contact, cliff, ray, Contact(16, 16))
+    assert 0.6 - 1 / 256 <= float(fine.height) <= 0.6 + 1e-6
 
 
 # --- the number of steps --------------------------------------------------------------------------

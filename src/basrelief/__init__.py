@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from basrelief.measure.compare import Comparison, compare
     from basrelief.measure.debug import debug_picture
     from basrelief.measure.errors import Errors
+    from basrelief.measure.explain import Explanation, explain
     from basrelief.measure.truth import Truth, truth
     from basrelief.measure.tune import Tuned, tune
     from basrelief.motion import Lighting, Opening, Orbiting, Scrolling
@@ -54,6 +55,7 @@ _HOMES = {
     "basrelief.measure.errors": ("Errors",),
     "basrelief.measure.truth": ("Truth", "truth"),
     "basrelief.measure.tune": ("Tuned", "tune"),
+    "basrelief.measure.explain": ("Explanation", "explain"),
     "basrelief.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
     "basrelief.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.rendering": ("Frame", "Image", "render"),
@@ -68,13 +70,13 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Finish",
-    "Frame", "Hit", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
+    "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Explanation",
+    "Finish", "Frame", "Hit", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
     "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling",
     "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_engine", "compare",
-    "debug_picture", "directional", "frames", "load", "placed", "point", "preset", "render",
-    "sample", "setting", "shader", "spot", "struct", "technique", "truth", "tune", "turned",
-    "write_film",
+    "debug_picture", "directional", "explain", "frames", "load", "placed", "point", "preset",
+    "render", "sample", "setting", "shader", "spot", "struct", "technique", "truth", "tune",
+    "turned", "write_film",
 ]  # fmt: skip
 
 

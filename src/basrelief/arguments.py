@@ -59,6 +59,14 @@ def size(text: str) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
+def pixel(text: str) -> tuple[int, int]:
+    """(x, y) from "640,360"."""
+    found = re.fullmatch(r"\s*(\d{1,6})\s*,\s*(\d{1,6})\s*", text)
+    if found is None:
+        raise InputError(f"--pixel {text}: write x,y, for example 640,360")
+    return int(found[1]), int(found[2])
+
+
 def number(text: str, what: str) -> float:
     """A finite number."""
     try:

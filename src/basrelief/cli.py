@@ -489,6 +489,60 @@ def bake(
 
 
 @app.command()
+@options.taking(
+    options.Relief, options.Surface, options.Light, options.Camera, ...,
+    options.Maps, options.Further,
+)  # fmt: skip
+def explain(
+    path: PathArgument,
+    pixel: Annotated[
+        str,
+        typer.Option(
+            help="Which pixel's ray, from the top left.",
+            metavar="X,Y",
+            rich_help_panel="Picture",
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="The cross-section: svg, png or pdf.",
+            rich_help_panel="Picture",
+        ),
+    ] = None,
+    size: Annotated[
+        str, typer.Option(help="Width × height in pixels.", rich_help_panel="Picture")
+    ] = "1280x720",
+    table: Annotated[
+        bool, typer.Option("--table", help="List each read.", rich_help_panel="Picture")
+    ] = False,
+    **given: Any,
+) -> None:
+    """Show what a technique reads along the ray of one pixel, and where it should have ended."""
+    with _Progress(f"reading {path}"):
+        from basrelief import arguments
+        from basrelief.measure.explain import explain as explained
+
+        place, pixels = arguments.pixel(pixel), arguments.size(size)
+        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
+        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
+        chosen = arguments.preset_from(given.pop("preset"))
+        material = _loaded(path, **{**chosen.maps, **_said(maps)})
+        scene = arguments.scene(
+            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
+        )
+        found = explained(scene, pixel=place, size=pixels)
+        made = None if output is None else found.save(output)
+    print(found.summary)
+    if table or made is None:
+        print(found.table())
+    if made is not None:
+        print(made)
+
+
+@app.command()
 def demo(
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the pictures go.")] = Path(
         "basrelief-demo"

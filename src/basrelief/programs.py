@@ -12,6 +12,7 @@ from basrelief.material import pyramids
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shaders import (
+    boxes,
     cast,
     fog,
     height,
@@ -44,16 +45,19 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
     scene = scene or Scene((thing,))
     shadowed = thing.has_relief and scene.shadows != "none"
+    boxed = thing.has_relief and thing.drawn_with.boxes
     bindings = {
         **_bindings_of(thing),
+        pixel.facing: pixel.as_the_side if boxed else pixel.as_mapped,
         relief.unhidden: relief.self_shadowed if shadowed else relief.everything,
         relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
         relief.flat_height: (
-            relief.as_stored
+            (boxes.top_at if boxed else relief.as_stored)
             if thing.surface == "landscape" or scene.occlusion_kind == "directional"
             else relief.unread
         ),
-        shadow.shadow: shadow.soft if scene.shadows == "soft" else shadow.hard,
+        relief.lit_from: relief.on_the_box if boxed else relief.on_the_surface,
+        shadow.shadow: _shadow(scene.shadows == "soft", boxed),
         lighting.reflectance: getattr(lighting, scene.shading_model),
         cast.reaching_past_others: cast.past_others if scene.casts else cast.nothing_else,
         pixel.receiver: (
@@ -65,6 +69,13 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
         fog.fogged: fog.clear if scene.fog == "none" else getattr(fog, scene.fog),
     }
     return Program(pixel.pixel, bindings, map_edge(thing))
+
+
+def _shadow(soft: bool, boxed: bool) -> Any:
+    """What the relief hides of a light."""
+    if boxed:
+        return shadow.soft_of_boxes if soft else shadow.hard_of_boxes
+    return shadow.soft if soft else shadow.hard
 
 
 def reach_of(thing: Object) -> Program:
@@ -93,6 +104,7 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     """What an object's own choices bind: where rays end, and what is read there."""
     smooth, three = thing.heights == "smooth", thing.mapping == "triplanar"
     three = three and thing.has_relief and thing.material.base_color is not None
+    boxed = thing.has_relief and thing.drawn_with.boxes
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
     bindings: dict[Any, Any] = {
         shapes.shape: getattr(shapes, thing.shape),
@@ -103,8 +115,8 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
         relief.depth_seen: relief.as_deep,
         relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
         relief.flat_height: relief.unread,
-        relief.slope_of: relief.of_heights if three else relief.unasked,
-        height.surface_height: height.smooth if smooth else height.sharp,
+        relief.slope_of: _slope(three, boxed),
+        height.surface_height: _heights(smooth, boxed),
         displace: thing.drawn_with if thing.has_relief else flat,
         projection.projection: getattr(projection, thing.relief_projection),
         surface.surface_at: (
@@ -122,9 +134,25 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     for name, slot in _MAPPED.items():
         kind = "plain" if maps[name] is None else "mapped"
         bindings[slot] = getattr(standard, f"{kind}_{name}")
+    if boxed and maps["base_color"] is not None:
+        bindings[standard.base_color_of] = standard.pixelated_base_color
     if three:
         bindings[standard.base_color_of] = standard.triplanar_base_color
     return bindings
+
+
+def _heights(smooth: bool, boxed: bool) -> Any:
+    """How heights are read between texel centres."""
+    if boxed:
+        return boxes.top_at
+    return height.smooth if smooth else height.sharp
+
+
+def _slope(asked: bool, boxed: bool) -> Any:
+    """How the relief lies: boxes have sides, which nothing else in a program knows of."""
+    if boxed:
+        return relief.of_boxes
+    return relief.of_heights if asked else relief.unasked
 
 
 def _inside(thing: Object) -> Any:
@@ -148,11 +176,13 @@ def maps_of(thing: Object) -> dict[str, Any]:
     material, beyond = thing.material, map_edge(thing)
     glow = pyramids.emission(material, beyond)
     over = thing.layer and thing.layer.material
+    # the tops of boxes are level, whatever the heights beside them
+    level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
     return {
         "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
         "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
         "base_color": pyramids.base_color(material, beyond),
-        "normal": pyramids.normal(material, beyond, thing.relief_scale),
+        "normal": None if level else pyramids.normal(material, beyond, thing.relief_scale),
         "response": pyramids.response(material, beyond),
         "emission": glow and glow[0],
         "layer_color": over and pyramids.base_color(over, beyond),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import IVec2, ShaderError, TypeSlot, Vec2, bound, shader, slot, struct
+from basrelief.lang import IVec2, ShaderError, TypeSlot, Vec2, bound, shader, slot, struct, watched
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
 
@@ -88,3 +88,36 @@ def test_by_name_as_by_position() -> None:
     with bound({weighed: without_count}):
         by_name = weighed(count=1, knobs=Gain(2.0), place=Vec2(3.0, 4.0))
     assert float(by_name) == 2.0
+
+
+def test_a_watch_stands_around_every_call() -> None:
+    """Slots, what is bound to them, and arguments by name; what it returns is the result."""
+    seen: list[tuple[str, dict]] = []
+
+    def watch(called, given, run):
+        seen.append((called.name, dict(given)))
+        result = run()
+        return -result if called is watched_slot else result
+
+    with bound({watched_slot: watched_double}), watched(watch):
+        assert watched_entry(3.0) == -6.0 + 1.0
+    assert [name for name, _ in seen] == ["watched_entry", "watched_slot", "watched_double"]
+    assert [given for _, given in seen] == [{"x": 3.0}] * 3
+    with bound({watched_slot: watched_double}):
+        assert watched_entry(3.0) == 7.0
+    assert len(seen) == 3
+
+
+@slot
+def watched_slot(x: float) -> float:
+    """To be bound."""
+
+
+@shader
+def watched_double(x: float) -> float:
+    return x * 2.0
+
+
+@shader
+def watched_entry(x: float) -> float:
+    return watched_slot(x) + 1.0

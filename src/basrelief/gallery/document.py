@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from basrelief.gallery import PAGES, SOURCES
-from basrelief.gallery.page import Page
+from basrelief.gallery.page import Page, heading
 
 _HEAD = """\
 # The gallery
@@ -27,7 +27,7 @@ def text() -> str:
 
 def _sections() -> Iterator[str]:
     for source, title in SOURCES.items():
-        yield f"## After {source}\n\n{title}.\n"
+        yield f"## {heading(source)}\n\n{title}.\n"
         for page in PAGES.values():
             if page.source == source:
                 yield "\n".join(_section(page))

@@ -19,6 +19,12 @@ def picture_name(page: Page, number: int) -> str:
     return f"{page.name}-{number}.png"
 
 
+def _origin(page: Page) -> str:
+    """What a page is after."""
+    title = SOURCES[page.source]
+    return title if page.source == "beyond" else f"After {title}"
+
+
 def page_html(page: Page, panels: Sequence[Drawn], beside: Sequence[Page]) -> str:
     """A page with its pictures; `beside` are all pages of the folder, for the way on."""
     first = panels[0].frame
@@ -27,13 +33,13 @@ def page_html(page: Page, panels: Sequence[Drawn], beside: Sequence[Page]) -> st
     rows = "\n".join(f"<dt>{row}</dt><dd>{escape(how)}.</dd>" for row, how in page.rows.items())
     body = f"""{_way(page, beside)}
 <h1>{escape(page.title)}</h1>
-<p class="source">After {escape(SOURCES[page.source])}</p>
+<p class="source">{escape(_origin(page))}</p>
 <p class="look">{escape(page.look)}</p>
 {_headline(page.headline)}
 <div class="grid">
 {figures}
 </div>
-<h2>What the article shows</h2>
+<h2>{"What is said of it" if page.source == "beyond" else "What the article shows"}</h2>
 <p>{escape(page.article)}</p>
 <h2>What these pictures show</h2>
 <p>{escape(page.ours)}</p>

@@ -16,8 +16,15 @@ SOURCES = {
     "gamedev": "GameDev.net: A Closer Look at Parallax Occlusion Mapping",
     "halliwell": "S. Halliwell: Parallax Offset",
     "habrador": "Habrador, Advanced shaders in Unity: 3. Parallax mapping",
+    "beyond": "What the five articles do not have, after the literature",
 }
-"""The articles by the short names that pages use, in the order of the index."""
+"""The articles by the short names that pages use, in the order of the index; then what goes beyond
+them."""
+
+
+def heading(source: str) -> str:
+    """What stands above the pages of a source."""
+    return "Beyond the articles" if source == "beyond" else f"After {source}"
 
 
 @dataclass(frozen=True, eq=False)

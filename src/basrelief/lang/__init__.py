@@ -42,7 +42,7 @@ from basrelief.lang.intrinsics import (
     transpose,
 )
 from basrelief.lang.resources import Buffer, HeightField, Texture
-from basrelief.lang.shader import Shader, bound, shader, slot
+from basrelief.lang.shader import Shader, bound, shader, slot, watched
 from basrelief.lang.types import ShaderError, TypeSlot, setting, struct
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
@@ -52,5 +52,5 @@ __all__ = [
     "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
     "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
     "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "stored",
-    "struct", "tan", "texel", "transpose",
+    "struct", "tan", "texel", "transpose", "watched",
 ]  # fmt: skip

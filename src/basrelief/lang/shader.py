@@ -94,6 +94,13 @@ class Shader(Generic[P, R]):
         return _as_32_bits(self)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        watch = getattr(_running, "watch", None)
+        if watch is None:
+            return self._run(*args, **kwargs)
+        given = inspect.signature(self.function).bind(*args, **kwargs).arguments
+        return watch(self, given, lambda: self._run(*args, **kwargs))
+
+    def _run(self, *args: Any, **kwargs: Any) -> R:
         if self.is_slot:
             bound = getattr(_running, "bindings", {}).get(self)
             if bound is None:
@@ -164,6 +171,24 @@ def bound(bindings: Mapping[Shader[..., Any], Shader[..., Any]]) -> Iterator[Non
         yield
     finally:
         _running.bindings = before
+
+
+Watch = Callable[[Shader[..., Any], Mapping[str, Any], Callable[[], Any]], Any]
+
+
+@contextlib.contextmanager
+def watched(watch: Watch) -> Iterator[None]:
+    """Let `watch(shader, arguments, run)` stand around each call of a shader as plain Python.
+
+    It is given the arguments by name, and `run`, whose result it returns. For this thread, within
+    the `with` block.
+    """
+    before = getattr(_running, "watch", None)
+    _running.watch = watch
+    try:
+        yield
+    finally:
+        _running.watch = before
 
 
 class Source:

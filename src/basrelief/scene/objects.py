@@ -139,7 +139,8 @@ class Object:
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
-        if self.drawn_with.bake is not None and self.heights == "smooth":
+        sharp = self.drawn_with.bake is not None or self.drawn_with.boxes
+        if sharp and self.heights == "smooth":
             raise InputError(
                 f"{self.drawn_with.name} reads its heights sharp; leave heights smooth away"
             )

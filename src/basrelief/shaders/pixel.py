@@ -100,7 +100,7 @@ def pixel(
     )
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    point = shading_point(ray, placement, met, surface, distance)
+    point = shading_point(ray, placement, met, surface, spot.slope, distance)
     receiving = receiver(point, ray, met)
     color = ambient_light(point, shading) + point.emission
     reads = moved.reads
@@ -186,13 +186,18 @@ def spot_on(field: HeightField, met: Meeting, moved: Displaced, depth: Depth) ->
 
 @shader
 def shading_point(
-    ray: CameraRay, placement: Placement, met: Meeting, surface: Surface, distance: float
+    ray: CameraRay,
+    placement: Placement,
+    met: Meeting,
+    surface: Surface,
+    slope: Vec3,
+    distance: float,
 ) -> ShadingPoint:
     """The displaced point in world space, its normal bent by the normal map."""
     # a tile of other proportions than its maps is as steep as they are stretched
     stretch = met.frame.aspect / placement.proportion
     slanted = Vec3(surface.normal.x, surface.normal.y * stretch, surface.normal.z)
-    bent = from_tangent(met.frame, slanted)
+    bent = from_tangent(met.frame, facing(slanted, slope))
     return ShadingPoint(
         position=ray.origin + ray.direction * distance,
         normal=normalize(transpose(placement.to_object) @ bent),
@@ -203,6 +208,23 @@ def shading_point(
         occlusion=surface.occlusion,
         emission=surface.emission,
     )
+
+
+@slot
+def facing(normal: Vec3, slope: Vec3) -> Vec3:
+    """Which way the surface faces in tangent space: the maps' normal, and the relief's own."""
+
+
+@shader
+def as_mapped(normal: Vec3, slope: Vec3) -> Vec3:
+    """The maps know."""
+    return normal
+
+
+@shader
+def as_the_side(normal: Vec3, slope: Vec3) -> Vec3:
+    """On the side of a box as the side does, which no map knows."""
+    return slope if slope.z < 0.5 else normal
 
 
 # --- the edge of the object ----------------------------------------------------------------------

@@ -16,6 +16,7 @@ from basrelief.lang import (
     sqrt,
     struct,
 )
+from basrelief.shaders.boxes import INSET, side_at
 from basrelief.shaders.gradients import Footprint, level_of_detail
 from basrelief.shaders.height import Smoothing, height_at, slope_at, surface_height
 from basrelief.shaders.meeting import Meeting
@@ -208,6 +209,19 @@ def of_heights(field: HeightField, moved: Displaced, met: Meeting, depth: Depth)
     return Slope(normal, moved.height * scale)
 
 
+@shader
+def of_boxes(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+    """Level on the top of a box; on its side, as the side faces."""
+    scale = depth_seen(depth, met.point.distance).scale
+    deep = moved.height * scale
+    if scale <= 0.0 or not moved.found:
+        return Slope(Vec3(0.0, 0.0, 1.0), deep)
+    way = to_texture(-met.view.xy, met.frame.aspect)
+    side = side_at(field, moved.uv, moved.height, way)
+    # v runs down where y runs up
+    return Slope(Vec3(side.x, -side.y, 1.0 - abs(side.x) - abs(side.y)), deep)
+
+
 # --- what it hides from a light ------------------------------------------------------------------
 
 
@@ -238,6 +252,36 @@ def everything(
     return Reaching(1.0, 0)
 
 
+@struct
+class Start:
+    """Where the way to a light starts: texture coordinates, and a height."""
+
+    uv: Vec2
+    height: float
+
+
+@slot
+def lit_from(field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float) -> Start:
+    """Where the displaced point is, for the way to a light."""
+
+
+@shader
+def on_the_surface(
+    field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float
+) -> Start:
+    """On the surface itself: a technique may end the view ray below it."""
+    return Start(moved.uv, surface_height(field, moved.uv, lod, fade))
+
+
+@shader
+def on_the_box(field: HeightField, met: Meeting, moved: Displaced) -> Start:
+    """On the box's top, or as far before its side as the view ray was put within it."""
+    side = side_at(field, moved.uv, moved.height, to_texture(-met.view.xy, met.frame.aspect))
+    extent = size(field, 0)
+    texels = Vec2(float(extent.x), float(extent.y))
+    return Start(moved.uv + side * (2.0 * INSET) / texels, moved.height)
+
+
 @shader
 def self_shadowed(
     field: HeightField,
@@ -257,8 +301,7 @@ def self_shadowed(
         return Reaching(1.0, 0)
     rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)
     lod = lod_seen(field, met.footprint, smoothing)
-    # from the surface itself: a technique may end the view ray below it
-    surface = surface_height(field, moved.uv, lod, smoothing.mip_fade)
-    ray = ShadowRay(moved.uv, surface, rise, lod, smoothing.mip_fade)
+    start = lit_from(field, met, moved, lod, smoothing.mip_fade)
+    ray = ShadowRay(start.uv, start.height, rise, lod, smoothing.mip_fade)
     reaching = shadow(field, ray, shadowing)
     return Reaching(reaching.share, reaching.reads + 1)

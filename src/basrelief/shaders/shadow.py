@@ -6,7 +6,8 @@ Surface Rendering, 2006, for the soft form.
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, saturate, setting, shader, slot, struct
+from basrelief.lang import HeightField, Vec2, saturate, setting, shader, size, slot, struct
+from basrelief.shaders.boxes import MOST_BOXES, leaving, line_over, next_box, top_of
 from basrelief.shaders.height import surface_height
 
 MOST_READS = 4096
@@ -86,3 +87,44 @@ def soft(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
         above = surface - ray.height - risen - shadowing.shadow_offset
         darkest = max(darkest, above * (1.0 - share))
     return Reaching(1.0 - saturate(darkest * shadowing.shadow_softness), count)
+
+
+# --- where texels are boxes -----------------------------------------------------------------------
+
+
+@shader
+def hard_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """All of it, or none once a box stands above the ray: exact, however many steps are asked."""
+    most = above_boxes(field, ray, shadowing.shadow_offset, 0.0)
+    return Reaching(1.0 if most.share <= 0.0 else 0.0, most.reads)
+
+
+@shader
+def soft_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """Less the more of a box stands above the ray, what is near counting most."""
+    softness = shadowing.shadow_softness
+    most = above_boxes(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
+    return Reaching(1.0 - saturate(most.share * softness), most.reads)
+
+
+@shader
+def above_boxes(field: HeightField, ray: ShadowRay, offset: float, enough: float) -> Reaching:
+    """How far boxes stand above the ray where it comes to them, the most of it, and the reads.
+
+    The box that the ray leaves does not count, and the walk ends once it is more than `enough`.
+    """
+    extent = size(field, 0)
+    climb = 1.0 - ray.height
+    line = line_over(extent, ray.uv, ray.rise * climb)
+    cell = line.cell
+    most = 0.0
+    reads = 0
+    share = 0.0
+    while reads < MOST_BOXES and share < 1.0 and most <= enough:
+        leave = leaving(line, cell)
+        share = max(min(leave.x, leave.y), share)
+        cell = next_box(line, cell, leave)
+        above = top_of(field, extent, cell) - ray.height - share * climb - offset
+        most = max(most, above * max(1.0 - share, 0.0))
+        reads = reads + 1
+    return Reaching(most, reads)

@@ -33,6 +33,17 @@ def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
 
 
 @shader
+def pixelated(map: Texture, uv: Vec2, footprint: Footprint) -> Vec4:
+    """One texel's channels wherever a pixel sees no more than that, else as wide as it sees."""
+    extent = size(map, 0)
+    texels = Vec2(float(extent.x), float(extent.y))
+    place = uv * texels
+    centre = Vec2(floor(place.x) + 0.5, floor(place.y) + 0.5) / texels
+    seen = level_of_detail(footprint, extent) > 0.0
+    return trilinear(map, uv if seen else centre, footprint)
+
+
+@shader
 def trilinear(map: Texture, uv: Vec2, footprint: Footprint) -> Vec4:
     """The four channels at texture coordinates, as wide as the pixel sees them."""
     lod = level_of_detail(footprint, size(map, 0))

@@ -28,7 +28,7 @@ from basrelief.shaders.surfaces.surface import (
     spot_of,
     turned,
 )
-from basrelief.shaders.texture import trilinear
+from basrelief.shaders.texture import pixelated, trilinear
 
 MIDDLE_GREY = 0.214041
 """Half of sRGB's range, linear: a detail map of this grey changes nothing."""
@@ -73,6 +73,12 @@ def base_color_of(map: Texture, spot: Spot) -> Vec4:
 def mapped_base_color(map: Texture, spot: Spot) -> Vec4:
     """From the map."""
     return trilinear(map, spot.uv, spot.footprint)
+
+
+@shader
+def pixelated_base_color(map: Texture, spot: Spot) -> Vec4:
+    """From the map, texel by texel, where texels are boxes."""
+    return pixelated(map, spot.uv, spot.footprint)
 
 
 @shader

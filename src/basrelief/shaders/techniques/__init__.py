@@ -15,12 +15,14 @@ from basrelief.shaders.techniques.cone import cone, relaxed_cone
 from basrelief.shaders.techniques.exact import exact
 from basrelief.shaders.techniques.march import fixed_length, parallax_occlusion, relief, steep
 from basrelief.shaders.techniques.offset import flat, offset, offset_limited
+from basrelief.shaders.techniques.refine import contact, secant
 from basrelief.shaders.techniques.technique import Nothing, Technique, displace, technique
+from basrelief.shaders.techniques.texel import texel
 
 __all__ = [
-    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "cone", "displace", "exact",
-    "fixed_length", "flat", "height_under", "offset", "offset_limited", "parallax_occlusion",
-    "relaxed_cone", "relief", "steep", "technique",
+    "TECHNIQUES", "Hit", "Nothing", "Ray", "Technique", "at", "cone", "contact", "displace",
+    "exact", "fixed_length", "flat", "height_under", "offset", "offset_limited",
+    "parallax_occlusion", "relaxed_cone", "relief", "secant", "steep", "technique", "texel",
 ]  # fmt: skip
 
 

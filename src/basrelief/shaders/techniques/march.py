@@ -164,10 +164,20 @@ def layers(field: HeightField, ray: Ray, steps: int, step: float) -> Layers:
 @shader
 def chord(end: Layers) -> float:
     """The height at which the ray cuts the straight line between the last two surface points."""
-    before = end.height_before - end.surface_before
-    after = end.surface - end.height
-    share = saturate(before / max(before + after, 1e-9))
-    return mix(end.height_before, end.height, share)
+    return crossing(
+        end.height_before,
+        end.height_before - end.surface_before,
+        end.height,
+        end.surface - end.height,
+    )
+
+
+@shader
+def crossing(above: float, over: float, below: float, under: float) -> float:
+    """The height at which the ray meets the surface that it is `over` at the height `above` and
+    `under` at the height `below`, if both run straight."""
+    share = saturate(over / max(over + under, 1e-9))
+    return mix(above, below, share)
 
 
 @shader

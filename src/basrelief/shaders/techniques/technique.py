@@ -45,6 +45,8 @@ class Technique(Shader[P, R]):
     """Heights read at most with the default settings, a first idea of the cost."""
     bake: str | None = None
     """What has to be baked from the heights for it, by its name in `basrelief.bake`."""
+    boxes: bool = False
+    """Whether it takes each texel for a box (`shaders.boxes`), and no bilinear surface."""
 
     @property
     def settings(self) -> Any:
@@ -59,17 +61,19 @@ def technique(
     projection: Projection = "full",
     most_reads: int = 0,
     bake: str | None = None,
+    boxes: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
     """Mark a shader as a technique; `level` and `projection` are its defaults.
 
     `most_reads` says how many heights it reads at most with its default settings, `bake` what is
-    baked for it: such a technique takes `(field, baked, ray, settings)`.
+    baked for it: such a technique takes `(field, baked, ray, settings)`. With `boxes` the object's
+    normals and shadows are those of boxes, one for each texel.
     """
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
         made.level, made.projection, made.most_reads = level, projection, most_reads
-        made.bake = bake
+        made.bake, made.boxes = bake, boxes
         return made
 
     return mark
