@@ -23,7 +23,7 @@ from basrelief import bake
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
 from basrelief.programs import edges_of
-from basrelief.shaders.height import sharp, surface_height
+from basrelief.shaders.height import heights_of
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import Nothing, displace, exact, parallax_occlusion
 from basrelief.shaders.techniques.march import March
@@ -107,7 +107,7 @@ def _unit(values: np.ndarray) -> np.ndarray:
 
 def programs(steps: int) -> dict[str, tuple[Program, Any]]:
     """Each technique's program and settings."""
-    plain = {**edges_of("wrap"), surface_height: sharp}
+    plain = {**edges_of("wrap"), **heights_of("sharp")}
     return {
         "march": (
             Program(kernel, {displace: parallax_occlusion, **plain}), March(steps, steps),

@@ -241,7 +241,7 @@ def test_places_and_sizes() -> None:
         ({"stretch": "2"}, "--stretch 2: write three numbers"),
         ({"stretch": "1/0/1"}, "transform"),
         ({"background": "red"}, "--background red: write a number"),
-        ({"heights": "soft"}, "heights is one of sharp, smooth, not 'soft'"),
+        ({"heights": "soft"}, "heights is one of sharp, smooth, mip, not 'soft'"),
         ({"fade": "near"}, "--fade near: write a number"),
         ({"fade": "3,1"}, "fade 3 to 1: give two distances, the nearer first"),
         ({"surface": "sea"}, "surface is one of standard, landscape, not 'sea'"),

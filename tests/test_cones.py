@@ -15,7 +15,7 @@ from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, str
 from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
 from basrelief.programs import edges_of
-from basrelief.shaders.height import sharp, surface_height
+from basrelief.shaders.height import heights_of
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import cone, displace, relaxed_cone
 from basrelief.shaders.techniques.cone import Cones, RelaxedCones
@@ -219,7 +219,7 @@ def landed(
     found it; its reads."""
     heights = np.asarray(heights, np.float32)
     baked = getattr(bake, technique.bake)(heights, edge, engine)
-    program = Program(ended, {**edges_of(edge), displace: technique, surface_height: sharp}, edge)
+    program = Program(ended, {**edges_of(edge), displace: technique, **heights_of("sharp")}, edge)
     given = {
         "fan": Fan(reach, 0),
         "field": HeightField([heights], edge),
@@ -294,6 +294,6 @@ def test_cone_runs_in_plain_python() -> None:
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([bake.cone_map(heights, "wrap")])
     uv, fall = np.array([[0.31, 0.64]], np.float32), np.array([[0.4, -0.2]], np.float32)
-    with bound({**edges_of("wrap"), surface_height: sharp}):
+    with bound({**edges_of("wrap"), **heights_of("sharp")}):
         hit = cone(field, baked, Ray(Vec2(*uv[0]), Vec2(*fall[0]), 1.0, 0.5), Cones(64))
     assert float(hit.height) == pytest.approx(first_hits(heights, uv, fall).height[0], abs=2e-5)

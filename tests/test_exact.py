@@ -13,15 +13,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agreement import assert_engines_agree
 from basrelief import bake
+from basrelief.bake.levels import levels_of
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import sample
 from basrelief.measure.oracle import first_hits
-from basrelief.programs import edges_of
 from basrelief.rendering import render
-from basrelief.scene import Object
+from basrelief.scene import Object, Orbit, Scene
+from basrelief.shaders.edge import edges_of
+from basrelief.shaders.height import heights_of
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import Nothing, exact
 
@@ -67,6 +70,11 @@ def traced(at: IVec2, fan: Fan, field: HeightField, baked: Texture) -> Traced:
     return Traced(uv, fall, hit.height, hit.reads)
 
 
+def bindings(edge: str) -> dict[Any, Any]:
+    """What a program with `exact` needs bound."""
+    return {**edges_of(edge), **heights_of("sharp")}
+
+
 @functools.cache
 def maps() -> dict[str, np.ndarray]:
     random = np.random.default_rng(0)
@@ -93,7 +101,7 @@ def rays(engine: Any, heights, edge: str, reach: float, size=(128, 128), seed: i
     field = HeightField([heights], edge)
     baked = Texture([bake.bounds(np.asarray(heights, np.float32), edge)], edge)
     values = {"fan": Fan(reach, seed), "field": field, "baked": baked}
-    planes = engine.run(Program(traced, edges_of(edge), edge), values, size)
+    planes = engine.run(Program(traced, bindings(edge), edge), values, size)
     uv = np.stack([planes["uv.x"], planes["uv.y"]], -1).reshape(-1, 2).astype(float)
     fall = np.stack([planes["fall.x"], planes["fall.y"]], -1).reshape(-1, 2).astype(float)
     return uv, fall, planes["height"].ravel().astype(float), planes["reads"].ravel()
@@ -141,7 +149,7 @@ def test_rays_along_the_axes_and_straight_down(cpu) -> None:
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
     random = np.random.default_rng(1)
-    with bound(edges_of("wrap")):
+    with bound(bindings("wrap")):
         for fall in ([0, 0], [0.7, 0], [0, -0.4], [-0.3, 0], [1e-30, 0.2], [0.25, 0.25]):
             uv = random.random(2)
             hit = exact(field, baked, Ray(Vec2(*uv), Vec2(*fall), 1.0, 0.5), Nothing())
@@ -155,7 +163,7 @@ def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
     """The sign of a zero takes no ray sideways through all cells."""
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
-    with bound(edges_of("wrap")):
+    with bound(bindings("wrap")):
         hit = exact(field, baked, Ray(Vec2(0.31, 0.64), Vec2(*fall), 1.0, 0.5), Nothing())
     uv = [float(np.float32(0.31)), float(np.float32(0.64))]
     wanted = first_hits(heights, [uv], [[float(np.float32(f)) for f in fall]])
@@ -169,7 +177,7 @@ def test_a_ray_that_is_cut_off_says_so(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_STEPS", 2)
     heights = np.zeros((64, 64), np.float32)
     field, baked = HeightField([heights]), Texture([bake.bounds(heights, "wrap")])
-    with bound(edges_of("wrap")):
+    with bound(bindings("wrap")):
         hit = exact(field, baked, Ray(Vec2(0.3, 0.6), Vec2(5.0, 1.0), 1.0, 0.1), Nothing())
     assert not hit.found
     assert 0.0 < hit.height < 1.0
@@ -194,3 +202,48 @@ def test_it_draws_what_a_march_of_very_many_steps_draws() -> None:
     apart = np.abs(found.uv - march.uv).max(-1)[found.hit] * 128
     assert (apart < LATE).mean() > 0.999
     assert found.reads.mean() < 0.05 * march.reads.mean()
+
+
+@pytest.mark.parametrize("shape", [(48, 48), (37, 53), (64, 16)])
+def test_on_each_level_it_is_exact_on_that_level(shape) -> None:
+    """B1: with heights "mip" the surface is that of the level that the ray reads."""
+    random = np.random.default_rng(5)
+    heights = random.random(shape).astype(np.float32)
+    levels = levels_of(heights)
+    field = HeightField(levels)
+    baked = Texture([bake.bounds(heights, "wrap", all_levels=True)])
+    uv = random.random((12, 2)).astype(np.float32)
+    fall = (random.random((12, 2)) - 0.5).astype(np.float32)
+    with bound({**edges_of("wrap"), **heights_of("mip")}):
+        for level, of_level in enumerate(levels):
+            wanted = first_hits(of_level, uv, fall).height
+            for k in range(12):
+                ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 0.5, 1.0, float(level))
+                hit = exact(field, baked, ray, Nothing())
+                assert float(hit.height) == pytest.approx(wanted[k], abs=2e-5)
+
+
+def test_the_level_is_the_one_that_the_pixel_sees() -> None:
+    """From afar, a picture by the finest level and by the one that is seen differ; one texel of the
+    lower level lies as wide as a pixel, and from near by they are the same picture."""
+    material = sample("gravel", 64)
+    far, near = Orbit(20.0, 40.0, 14.0), Orbit(20.0, 60.0, 0.4)
+    for camera, alike in ((far, False), (near, True)):
+        sharp, mip = (
+            render(Object(material, technique="exact", heights=kind, scale=0.1),
+                   size=(64, 36), samples=1, camera=camera)
+            for kind in ("sharp", "mip")
+        )  # fmt: skip
+        assert np.allclose(sharp.uv, mip.uv, atol=1e-5) == alike
+        both = sharp.hit & mip.hit
+        assert np.abs(sharp.uv - mip.uv)[both].max() < 0.5
+    assert mip.hit.mean() > 0.5
+
+
+@pytest.mark.gpu
+def test_engines_agree_on_each_level() -> None:
+    scene = Scene(
+        (Object(sample("gravel", 256), technique="exact", heights="mip", scale=0.1),),
+        Orbit(30.0, 30.0, 2.0),
+    )
+    assert_engines_agree(scene, 256, size=(64, 36))

@@ -636,7 +636,9 @@ PARALLAX = {
     "corners", "with_relief", "relief_ray", "beyond", "height_at", "height_under", "sharp", "march",
     "chord", "at",
     "steps_by_angle", "step_count", "shifted", "to_texture", "full", "biased", "limited",
-    *(name for name in TECHNIQUES),
+    "line_over", "share_of_cone",
+    # these two are what other functions are called too
+    *(name for name in TECHNIQUES if name not in ("texel", "cone")),
 }  # fmt: skip
 
 

@@ -359,7 +359,7 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
         ("[object]\nscale = 1e999", "scale is inf: give a number from 0 to 10"),
         ("[object]\ntechnique = 'bump'", "no technique is called 'bump'; use one of flat"),
         ("[object]\ntechnique = 'my.py:bump'", "my.py: there is no such file"),
-        ("[object]\nheights = 'soft'", "heights is one of sharp, smooth, not 'soft'"),
+        ("[object]\nheights = 'soft'", "heights is one of sharp, smooth, mip, not 'soft'"),
         ("[object]\nlengths = 'm'", "object.lengths is one of tile, shape, not 'm'"),
         ("[object]\nsurface = 'sea'", "surface is one of standard, landscape, not 'sea'"),
         ("[object]\ntiling = 2", "object.tiling is 2: give two numbers, as [1, 2]"),

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from basrelief.bake.levels import halved
 from basrelief.material import Map, Material, pyramids, sample
-from basrelief.material.pyramids import halved
 from basrelief.picture import srgb_decode
 
 UNIT = 65535

@@ -494,7 +494,7 @@ def test_straight_down_needs_no_up() -> None:
         (lambda: Scene((), fog="linear", air={"fog_start": 4, "fog_end": 1}), "fog from 4 to 1"),
         (
             lambda: Object(BUMPY, technique="exact", heights="smooth"),
-            "exact reads its heights sharp; leave heights smooth away",
+            "exact reads its heights sharp or mip; leave heights smooth away",
         ),
     ],
 )

@@ -464,7 +464,9 @@ def bake(
 
     names = [name for name in BAKES if given.pop(name)]
     if not names:
-        raise InputError(f"nothing to bake: name {', '.join('--' + name for name in BAKES)}")
+        raise InputError(
+            f"nothing to bake: name {', '.join('--' + name.replace('_', '-') for name in BAKES)}"
+        )
     for option, value, known in (
         ("edge", edge, ("wrap", "clamp")), ("green", green, ("gl", "dx")), ("bits", bits, (8, 16)),
     ):  # fmt: skip

@@ -51,7 +51,7 @@ class Relief:
     scale: Annotated[Number, _option("Depth as a fraction of a tile's width.")]
     level: Annotated[Number, _option("The height on the polygon: 1 pushes the relief in.")]
     projection: Annotated[Text, _option("full, biased or limited.")]
-    heights: Annotated[Text, _option("How they are read: sharp or smooth.")]
+    heights: Annotated[Text, _option("How they are read: sharp, smooth or mip.")]
     fade: Annotated[Text, _option("Whole up to a distance, gone from another.", "NEAR,FAR")]
     edge: Annotated[Text, _option("Beyond the map: wrap, clamp or clip.")]
     shape: Annotated[Text, _option("plane, box, sphere or cylinder.")]

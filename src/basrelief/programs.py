@@ -30,6 +30,11 @@ from basrelief.shaders.meeting import View
 from basrelief.shaders.surfaces import landscape, standard, surface
 from basrelief.shaders.techniques import Nothing, displace, flat
 
+_LEVELS = {
+    "sharp": relief.finest,
+    "smooth": relief.as_the_pixel_sees,
+    "mip": relief.nearest_level,
+}
 _MAPPED = {
     "base_color": standard.base_color_of,
     "normal": standard.normal_of,
@@ -102,7 +107,7 @@ def rays_of(thing: Object) -> Program:
 
 def _bindings_of(thing: Object) -> dict[Any, Any]:
     """What an object's own choices bind: where rays end, and what is read there."""
-    smooth, three = thing.heights == "smooth", thing.mapping == "triplanar"
+    three = thing.mapping == "triplanar"
     three = three and thing.has_relief and thing.material.base_color is not None
     boxed = thing.has_relief and thing.drawn_with.boxes
     alpha = {"blend": standard.blended, "mask": standard.masked, "opaque": standard.opaque}
@@ -113,10 +118,10 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
         relief.displaced: relief.with_relief if thing.has_relief else relief.without_relief,
         # whole, as for a light; what is seen may fade
         relief.depth_seen: relief.as_deep,
-        relief.lod_seen: relief.as_the_pixel_sees if smooth else relief.finest,
+        relief.lod_seen: _LEVELS[thing.heights],
         relief.flat_height: relief.unread,
         relief.slope_of: _slope(three, boxed),
-        height.surface_height: _heights(smooth, boxed),
+        **height.heights_of(thing.heights),
         displace: thing.drawn_with if thing.has_relief else flat,
         projection.projection: getattr(projection, thing.relief_projection),
         surface.surface_at: (
@@ -134,18 +139,13 @@ def _bindings_of(thing: Object) -> dict[Any, Any]:
     for name, slot in _MAPPED.items():
         kind = "plain" if maps[name] is None else "mapped"
         bindings[slot] = getattr(standard, f"{kind}_{name}")
+    if boxed:
+        bindings[height.surface_height] = boxes.top_at
     if boxed and maps["base_color"] is not None:
         bindings[standard.base_color_of] = standard.pixelated_base_color
     if three:
         bindings[standard.base_color_of] = standard.triplanar_base_color
     return bindings
-
-
-def _heights(smooth: bool, boxed: bool) -> Any:
-    """How heights are read between texel centres."""
-    if boxed:
-        return boxes.top_at
-    return height.smooth if smooth else height.sharp
 
 
 def _slope(asked: bool, boxed: bool) -> Any:
@@ -180,7 +180,9 @@ def maps_of(thing: Object) -> dict[str, Any]:
     level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
     return {
         "field": pyramids.height_field(material, beyond) if thing.has_relief else None,
-        "baked": pyramids.baked(material, beyond, thing.drawn_with.bake),
+        "baked": pyramids.baked(
+            material, beyond, thing.drawn_with.bake, all_levels=thing.heights == "mip"
+        ),
         "base_color": pyramids.base_color(material, beyond),
         "normal": None if level else pyramids.normal(material, beyond, thing.relief_scale),
         "response": pyramids.response(material, beyond),

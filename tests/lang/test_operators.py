@@ -135,7 +135,7 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
     ]),
 }  # fmt: skip
 
-RESOURCES = {"corners", "texel", "size", "levels", "len"}
+RESOURCES = {"corners", "texel", "stored", "size", "levels", "len"}
 """Intrinsics that `test_map_reads.py` holds."""
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.bake.levels import levels_of
 from basrelief.engine import Engine, choose_engine
 from basrelief.lang import Shader
 from basrelief.lang.program import Program
@@ -28,19 +29,28 @@ Heights = NDArray[np.float32]
 Records = NDArray[np.uint16]
 
 
-def bounds(heights: Heights, edge: Edge, engine: Engine | None = None) -> Records:
+def bounds(
+    heights: Heights, edge: Edge, engine: Engine | None = None, *, all_levels: bool = False
+) -> Records:
     """The records of a height map (h, w), 0 to 1, as one table (rows, columns, 4) of uint16.
 
     Of N × M blocks the near records are 2N rows of 2M: u and v growing, u shrinking beside them, v
-    shrinking below. The far ones, in the same order, lie below at the left; what is left is 0.
-    Some 10 bytes a texel. On the CPU, or on an engine that is given.
+    shrinking below. The far ones, in the same order, lie below at the left; what is left is 0. With
+    `all_levels` those of each lower level of the map's pyramid follow below. Some 10 bytes a texel.
+    On the CPU, or on an engine that is given.
     """
-    making = _Making(np.ascontiguousarray(heights, np.float32), edge, engine)
-    near, far = making.near(), making.far()
-    rows, columns = near.shape[0] + far.shape[0], max(near.shape[1], far.shape[1])
-    made = np.zeros((rows, columns, 4), np.uint16)
-    made[: near.shape[0], : near.shape[1]] = near
-    made[near.shape[0] :, : far.shape[1]] = far
+    levels = levels_of(heights) if all_levels else [np.ascontiguousarray(heights, np.float32)]
+    parts = []
+    for level in levels:
+        making = _Making(level, edge, engine)
+        parts += [making.near(), making.far()]
+    made = np.zeros(
+        (sum(len(part) for part in parts), max(part.shape[1] for part in parts), 4), np.uint16
+    )
+    row = 0
+    for part in parts:
+        made[row : row + len(part), : part.shape[1]] = part
+        row += len(part)
     return made
 
 

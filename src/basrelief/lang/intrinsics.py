@@ -376,5 +376,5 @@ def stored(texture: Texture, cell: IVec2) -> Vec4:
     For tables, where each read counts: the cell must be one there is. Of one that is not, an engine
     may make what it likes.
     """
-    height, width = texture.shape
-    return Vec4(*texture.levels[0][min(max(cell.y, 0), height - 1), min(max(cell.x, 0), width - 1)])
+    _, row, column = texture.texel_index(cell.x, cell.y, 0)
+    return Vec4(*texture.levels[0][row, column])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from basrelief import bake
 from basrelief.bake.cache import kept
+from basrelief.bake.levels import halved, levels_of
 from basrelief.lang.resources import Edge, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.picture import srgb_decode
@@ -31,25 +32,25 @@ def height_field(material: Material, edge: Edge) -> HeightField | None:
         return None
 
     def make() -> HeightField:
-        levels = [np.ascontiguousarray(height.linear()[:, :, 0])]
-        while max(levels[-1].shape) > 1:
-            levels.append(halved(levels[-1]))
-        return HeightField(levels, edge)
+        return HeightField(levels_of(height.linear()[:, :, 0]), edge)
 
     return _once(height, ("heights", edge), make)
 
 
-def baked(material: Material, edge: Edge, what: str | None) -> Texture | None:
-    """What a technique has baked from the heights, None where it needs nothing."""
+def baked(
+    material: Material, edge: Edge, what: str | None, *, all_levels: bool = False
+) -> Texture | None:
+    """What a technique has baked from the heights, or from all their levels; None without any."""
     height = material.height
     if height is None or what is None:
         return None
     make = getattr(bake, what)
 
     def once() -> Texture:
-        return Texture([kept(make, height.linear()[:, :, 0], edge)], edge)
+        levels = {"all_levels": True} if all_levels else {}
+        return Texture([kept(make, height.linear()[:, :, 0], edge, **levels)], edge)
 
-    return _once(height, ("baked", what, edge), once)
+    return _once(height, ("baked", what, edge, all_levels), once)
 
 
 def base_color(material: Material, edge: Edge) -> Texture | None:
@@ -194,33 +195,6 @@ def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint1
     weight = level[:, :, 3:].astype(np.float32) + 1.0
     color = halved(level[:, :, :3] * weight) / halved(weight)
     return np.rint(np.concatenate([color, halved(level[:, :, 3:])], 2)).astype(np.uint16)
-
-
-def halved(level: NDArray[Any]) -> NDArray[np.float32]:
-    """The next level of a pyramid: each side ⌊n ÷ 2⌋, at least 1, each texel an area average."""
-    return _halved_along(_halved_along(level, 0), 1)
-
-
-def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
-    n = level.shape[axis]
-    if n == 1:
-        return level.astype(np.float32, copy=False)
-    m = n // 2
-    parts = [
-        level[tuple(slice(k, k + 2 * m - 1, 2) if a == axis else slice(None) for a in (0, 1))]
-        for k in range(2 if n % 2 == 0 else 3)
-    ]
-    if n % 2 == 0:
-        return (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
-    # an odd side: each new texel covers two old ones and a share of a third
-    step = np.arange(m, dtype=np.float32)
-    shape = [1] * level.ndim
-    shape[axis] = m
-    weights = [(m - step) / n, np.full(m, m / n, np.float32), (step + 1) / n]
-    total = np.zeros(parts[0].shape, np.float32)
-    for part, weight in zip(parts, weights, strict=True):
-        total += part * weight.reshape(shape).astype(np.float32)
-    return total
 
 
 def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:

@@ -24,7 +24,7 @@ from basrelief.programs import map_edge, program_of, values_of
 from basrelief.rendering import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shaders.camera import primary_ray
-from basrelief.shaders.edge import cell_in_map, in_tile
+from basrelief.shaders.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.shaders.height import surface_height
 from basrelief.shaders.meeting import Meeting, meet
 from basrelief.shaders.ray import Hit, Ray, at
@@ -245,8 +245,9 @@ class _Notes:
     """What is read while a technique runs.
 
     A shader says where it reads before it does: by `in_tile`, which takes texture coordinates, or
-    by `cell_in_map`, once for each axis. What is read after that is one read, however many texels
-    it takes; and all that `surface_height` does is one.
+    by `cells_in_map`, or once for each axis by `cell_in_map`. The heights read after that are one
+    read, however many texels it takes, and all that `surface_height` does is one; each record of
+    what is baked is one.
     """
 
     def __init__(self, ray: Ray, field: HeightField, boxes: bool) -> None:
@@ -270,13 +271,18 @@ class _Notes:
             if not self.within:
                 self._add("height", given["uv"], float(result))
             return result
+        if shader is cell_in_map:
+            before = self.cell
+            result = run()
+            self._reads_at(None, [*before[-1:], int(given["cell"])])
+            return result
         result = run()
         if shader is at:
             self.known[_key(result)] = float(given["height"])
         elif shader is in_tile:
             self._reads_at(given["uv"], [])
-        elif shader is cell_in_map:
-            self._reads_at(None, [*self.cell[-1:], int(given["cell"])])
+        elif shader is cells_in_map:
+            self._reads_at(None, [int(each) for each in given["cell"]])
         return result
 
     def _reads_at(self, place: Vec2 | None, cell: list[int]) -> None:
@@ -301,7 +307,8 @@ class _Notes:
         """A texel of a map is read, the first of those that make one read."""
         if self.within or kind in self.noted:
             return
-        self.noted.add(kind)
+        if kind is not Texture:
+            self.noted.add(kind)
         of: Kind = "record" if kind is Texture else "height"
         if self.place is not None:
             self._add(of, self.place, None)

@@ -89,7 +89,8 @@ class Object:
     mapping of the fields to change. `scale` defaults to the material's, `level` and `projection`
     to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a layer too,
     whose tiles then do not repeat), or "clip" (nothing).
-    `heights` are read "sharp", from the finest level, or "smooth", as `smoothing` says. `fade` is
+    `heights` are read "sharp", from the finest level, "smooth", as `smoothing` says, or "mip", from
+    the one level whose texels are as large as the pixel sees them. `fade` is
     the distance from the camera, in world units, up to which the relief is whole, and that at which
     it is gone.
 
@@ -110,7 +111,7 @@ class Object:
     level: float | None = None
     projection: Literal["full", "biased", "limited"] | None = None
     bias: float = 0.42
-    heights: Literal["sharp", "smooth"] = "sharp"
+    heights: Literal["sharp", "smooth", "mip"] = "sharp"
     smoothing: Any = field(default_factory=dict)
     fade: tuple[float, float] | None = None
     edge: Literal["wrap", "clamp", "clip"] = "wrap"
@@ -130,7 +131,7 @@ class Object:
         self._choose_technique()
         one_of("shape", self.shape, SHAPES)
         one_of("projection", self.projection, (None, "full", "biased", "limited"))
-        one_of("heights", self.heights, ("sharp", "smooth"))
+        one_of("heights", self.heights, ("sharp", "smooth", "mip"))
         one_of("edge", self.edge, ("wrap", "clamp", "clip"))
         one_of("mapping", self.mapping, ("planar", "triplanar"))
         one_of("alpha", self.alpha, ("blend", "mask", "opaque"))
@@ -139,10 +140,11 @@ class Object:
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
-        sharp = self.drawn_with.bake is not None or self.drawn_with.boxes
-        if sharp and self.heights == "smooth":
+        able = self.drawn_with.takes_heights
+        if self.heights not in able:
             raise InputError(
-                f"{self.drawn_with.name} reads its heights sharp; leave heights smooth away"
+                f"{self.drawn_with.name} reads its heights {' or '.join(able)}; "
+                f"leave heights {self.heights} away"
             )
         self._check_fade()
         self._check_tilings()

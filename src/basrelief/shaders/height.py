@@ -7,6 +7,8 @@ steps would miss here and hit there.
 
 from __future__ import annotations
 
+from typing import Any, Literal
+
 from basrelief.lang import (
     HeightField,
     IVec2,
@@ -62,6 +64,12 @@ def surface_height(field: HeightField, uv: Vec2, lod: float, fade: float) -> flo
 def sharp(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
     """The finest level's."""
     return height_at(field, uv)
+
+
+@shader
+def from_one_level(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
+    """That of the one level that the ray reads."""
+    return height_in(field, uv, int(lod))
 
 
 @shader
@@ -135,3 +143,51 @@ def cell_at(uv: Vec2, extent: IVec2) -> Cell:
 def within(four: Vec4, x: float, y: float) -> float:
     """Bilinear interpolation between upper left, upper right, lower left and lower right."""
     return mix(mix(four.x, four.y, x), mix(four.z, four.w, x), y)
+
+
+# --- whole cells, for techniques that solve them --------------------------------------------------
+
+
+@slot
+def level_under(ray: Ray) -> int:
+    """The level whose bilinear surface a ray meets."""
+
+
+@shader
+def finest_level(ray: Ray) -> int:
+    """The map as it is."""
+    return 0
+
+
+@shader
+def level_of_ray(ray: Ray) -> int:
+    """The one that the ray says."""
+    return int(ray.lod)
+
+
+@slot
+def patch_of(field: HeightField, cell: IVec2, level: int) -> Vec4:
+    """The four heights around a cell of a level, as `corners` has them."""
+
+
+@shader
+def patch_of_finest(field: HeightField, cell: IVec2, level: int) -> Vec4:
+    """From the finest level, written out as 0: on a GPU that reads all four texels at once."""
+    return corners(field, cell, 0)
+
+
+@shader
+def patch_of_level(field: HeightField, cell: IVec2, level: int) -> Vec4:
+    """From any level."""
+    return corners(field, cell, level)
+
+
+# --- bound ----------------------------------------------------------------------------------------
+
+
+def heights_of(kind: Literal["sharp", "smooth", "mip"]) -> dict[Any, Any]:
+    """The slots of this module as a way to read heights binds them."""
+    read = {"sharp": sharp, "smooth": smooth, "mip": from_one_level}[kind]
+    if kind == "mip":
+        return {surface_height: read, level_under: level_of_ray, patch_of: patch_of_level}
+    return {surface_height: read, level_under: finest_level, patch_of: patch_of_finest}

@@ -8,6 +8,8 @@ from basrelief.lang import (
     Vec2,
     Vec3,
     clamp,
+    floor,
+    levels,
     normalize,
     saturate,
     shader,
@@ -96,6 +98,13 @@ def finest(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> fl
 def as_the_pixel_sees(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
     """By the gradients of the undisplaced coordinates, and lower still."""
     return level_of_detail(footprint, size(field, 0)) + smoothing.mip_bias
+
+
+@shader
+def nearest_level(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """The one level whose texels are nearest in size to what the pixel covers."""
+    lod = level_of_detail(footprint, size(field, 0))
+    return floor(clamp(lod + 0.5, 0.0, float(levels(field) - 1)))
 
 
 # --- where the ray ends --------------------------------------------------------------------------

@@ -31,6 +31,7 @@ from basrelief.shaders.techniques.exact import (
     STEEPEST,
     WINDOW,
     blocks_of,
+    extent_of,
 )
 
 MOST = 65535.0
@@ -106,7 +107,7 @@ def far_record(
     most: HeightField,
 ) -> Packed:
     """The room above the highest points of four ever larger windows ahead of a block."""
-    blocks = blocks_of(extent_of(field), FAR_BLOCK)
+    blocks = blocks_of(extent_of(field, 0), FAR_BLOCK)
     return packed(
         Vec4(
             room_code(least, ahead_of(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
@@ -121,7 +122,7 @@ def far_record(
 def near_record(at: IVec2, field: HeightField, windows: HeightField) -> Packed:
     """The room above a plane over the cells ahead of a block, its slopes, and the room above the
     highest point of a larger window ahead."""
-    ahead = ahead_of(at, blocks_of(extent_of(field), BLOCK), BLOCK, REACH, REACH)
+    ahead = ahead_of(at, blocks_of(extent_of(field, 0), BLOCK), BLOCK, REACH, REACH)
     codes = slope_codes(field, ahead)
     slope = codes * (2.0 * STEEPEST / MOST) - STEEPEST
     top = -1.0e9
@@ -156,13 +157,6 @@ def ahead_of(at: IVec2, blocks: IVec2, side: int, reach: int, margin: int) -> Ah
     back = IVec2(1 if at.x >= blocks.x else 0, 1 if at.y >= blocks.y else 0)
     block = at - back * blocks
     return Ahead((block + back) * side, 1 - back * 2, block + margin - back * (reach - 1))
-
-
-@shader
-def extent_of(field: HeightField) -> Vec2:
-    """The size of a map in texels."""
-    count = size(field, 0)
-    return Vec2(float(count.x), float(count.y))
 
 
 @shader
@@ -216,7 +210,7 @@ def patch_ahead(field: HeightField, ahead: Ahead, cell: IVec2) -> Vec4:
 @shader
 def patch(field: HeightField, cell: IVec2) -> Vec4:
     """The four heights around any cell, beyond the edges too."""
-    held = cells_in_map(Vec2(float(cell.x), float(cell.y)), extent_of(field))
+    held = cells_in_map(Vec2(float(cell.x), float(cell.y)), extent_of(field, 0))
     return corners(field, IVec2(int(held.x), int(held.y)), 0)
 
 

@@ -28,6 +28,7 @@ from basrelief.shaders.techniques.exact import (
     cell_of_map,
     clearance,
     clearance_after,
+    extent_of,
     first_root,
     is_met,
     line_of,
@@ -64,9 +65,8 @@ def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     Mapping, 2006; there a step begins within the cell, so that next to a steep wall it
     freezes, and cones are those of texels, which the surface between them may rise into.
     """
-    count = size(field, 0)
-    extent = Vec2(float(count.x), float(count.y))
-    line = line_of(ray, extent)
+    extent = extent_of(field, 0)
+    line = line_of(ray, extent, 0, 0)
     travel = length(line.way)
     cell = Vec2(0.0, 0.0)
     above = Clearance(0.0, 0.0, 0.0, 0.0)

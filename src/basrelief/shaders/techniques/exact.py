@@ -13,7 +13,6 @@ from basrelief.lang import (
     Texture,
     Vec2,
     clamp,
-    corners,
     dot,
     floor,
     maximum,
@@ -24,6 +23,7 @@ from basrelief.lang import (
     struct,
 )
 from basrelief.shaders.edge import cell_is_baked, cells_in_map
+from basrelief.shaders.height import level_under, patch_of
 from basrelief.shaders.ray import Hit, Ray, at
 from basrelief.shaders.techniques.technique import Nothing, technique
 
@@ -57,9 +57,9 @@ class Line:
     """A ray in texels, mirrored so that it never runs back, from the corner of its first cell.
 
     It is at `start` at height 1 and at `start + way` at height 0; `pace` is the share of it that
-    one texel along each axis takes, `brisk` the less of both. On the map its first cell is `first`
-    and the next along each axis lies `sign` away. `near` and `far` are where the records for the
-    way it goes begin, `doubt` the height that its plane may be off by.
+    one texel along each axis takes, `brisk` the less of both. Of the map's level `level` its first
+    cell is `first`, and the next along each axis lies `sign` away. `near` and `far` are where the
+    records for the way it goes begin, `doubt` the height that its plane may be off by.
     """
 
     start: Vec2
@@ -69,6 +69,7 @@ class Line:
     doubt: float
     first: Vec2
     sign: Vec2
+    level: int
     near: IVec2
     far: IVec2
 
@@ -94,18 +95,19 @@ class Walk:
     reads: int
 
 
-@technique(bake="bounds", most_reads=24)
+@technique(bake="bounds", mips=True, most_reads=24)
 def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
     """Go on as far as bounds prove that nothing is in the way, and solve the cells that are left.
 
-    No feature is missed, whatever the angle, on a way of up to 16,384 steps. Cost: two records for
-    each step, and a read for each cell that is solved. After P. Tevs, I. Ihrke and H.-P. Seidel,
-    Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, 2008, with
-    overlapping windows and planes in place of their pyramid.
+    No feature is missed, whatever the angle, on a way of up to 16,384 steps; with heights "mip"
+    none of the level that the pixel sees. Cost: two records for each step, and a read for each cell
+    that is solved. After P. Tevs, I. Ihrke and H.-P. Seidel, Maximum Mipmaps for Fast, Accurate,
+    and Scalable Dynamic Height Field Rendering, 2008, with overlapping windows and planes in place
+    of their pyramid.
     """
-    count = size(field, 0)
-    extent = Vec2(float(count.x), float(count.y))
-    line = line_of(ray, extent)
+    level = level_under(ray)
+    extent = extent_of(field, level)
+    line = line_of(ray, extent, level, first_row(field, level))
     walk = Walk(Vec2(0.0, 0.0), 0.0, False, Clearance(0.0, 0.0, 0.0, 0.0), 0)
     k = 0
     while k < MOST_STEPS // 2 and goes_on(walk):
@@ -146,8 +148,31 @@ def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Wal
 
 
 @shader
-def line_of(ray: Ray, extent: Vec2) -> Line:
-    """The ray from the top of the heights to their bottom, in texels."""
+def extent_of(field: HeightField, level: int) -> Vec2:
+    """The size of a level in texels."""
+    count = size(field, level)
+    return Vec2(float(count.x), float(count.y))
+
+
+@shader
+def first_row(field: HeightField, level: int) -> int:
+    """Where the records of a level begin in the table: below those of all levels above it."""
+    rows = 0
+    for k in range(level):
+        rows = rows + rows_of(extent_of(field, k))
+    return rows
+
+
+@shader
+def rows_of(extent: Vec2) -> int:
+    """How many rows the records of a level take."""
+    return 2 * (blocks_of(extent, BLOCK).y + blocks_of(extent, FAR_BLOCK).y)
+
+
+@shader
+def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
+    """The ray from the top of the heights to their bottom, in texels of a level whose records begin
+    at a row of the table."""
     start = at(ray, 1.0) * extent - 0.5
     signed = ray.fall * extent
     back_u = signed.x < 0.0
@@ -166,8 +191,9 @@ def line_of(ray: Ray, extent: Vec2) -> Line:
         doubt=max(way.x, way.y) * (BLUR * STEEPEST),
         first=first,
         sign=sign,
-        near=IVec2(near.x if back_u else 0, near.y if back_v else 0),
-        far=IVec2(far.x if back_u else 0, near.y * 2 + (far.y if back_v else 0)),
+        level=level,
+        near=IVec2(near.x if back_u else 0, row + (near.y if back_v else 0)),
+        far=IVec2(far.x if back_u else 0, row + near.y * 2 + (far.y if back_v else 0)),
     )
 
 
@@ -234,7 +260,7 @@ def clearance(
 ) -> Clearance:
     """The line above a cell's patch, from t until it leaves the cell."""
     held = cell_of_map(line, cell, extent)
-    four = corners(field, IVec2(int(held.x), int(held.y)), 0)
+    four = patch_of(field, IVec2(int(held.x), int(held.y)), line.level)
     place = 0.5 + line.sign * (line.start + line.way * t - cell - 0.5)
     way = line.sign * line.way
     right = four.y - four.x

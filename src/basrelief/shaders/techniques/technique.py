@@ -48,6 +48,16 @@ class Technique(Shader[P, R]):
     boxes: bool = False
     """Whether it takes each texel for a box (`shaders.boxes`), and no bilinear surface."""
 
+    mips: bool = False
+    """Whether what is baked for it covers the lower levels of the map too."""
+
+    @property
+    def takes_heights(self) -> tuple[str, ...]:
+        """The ways to read heights that it can be drawn with."""
+        if self.mips:
+            return ("sharp", "mip")
+        return ("sharp",) if self.bake or self.boxes else ("sharp", "smooth", "mip")
+
     @property
     def settings(self) -> Any:
         """The record of its settings."""
@@ -62,18 +72,20 @@ def technique(
     most_reads: int = 0,
     bake: str | None = None,
     boxes: bool = False,
+    mips: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
     """Mark a shader as a technique; `level` and `projection` are its defaults.
 
     `most_reads` says how many heights it reads at most with its default settings, `bake` what is
     baked for it: such a technique takes `(field, baked, ray, settings)`. With `boxes` the object's
-    normals and shadows are those of boxes, one for each texel.
+    normals and shadows are those of boxes, one for each texel. With `mips` all levels are baked,
+    and it goes by `level_under` and `patch_of`.
     """
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
         made.level, made.projection, made.most_reads = level, projection, most_reads
-        made.bake, made.boxes = bake, boxes
+        made.bake, made.boxes, made.mips = bake, boxes, mips
         return made
 
     return mark

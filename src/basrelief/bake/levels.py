@@ -1,0 +1,44 @@
+"""The levels of a map's pyramid: each half of the one before, its texels area averages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def levels_of(heights: NDArray[Any]) -> list[NDArray[np.float32]]:
+    """A height map (h, w) and all its lower levels, down to one texel."""
+    levels = [np.ascontiguousarray(heights, np.float32)]
+    while max(levels[-1].shape) > 1:
+        levels.append(halved(levels[-1]))
+    return levels
+
+
+def halved(level: NDArray[Any]) -> NDArray[np.float32]:
+    """The next level of a pyramid: each side ⌊n ÷ 2⌋, at least 1, each texel an area average."""
+    made: NDArray[np.float32] = _halved_along(_halved_along(level, 0), 1)
+    return made
+
+
+def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
+    n = level.shape[axis]
+    if n == 1:
+        return np.asarray(level, np.float32)
+    m = n // 2
+    parts = [
+        level[tuple(slice(k, k + 2 * m - 1, 2) if a == axis else slice(None) for a in (0, 1))]
+        for k in range(2 if n % 2 == 0 else 3)
+    ]
+    if n % 2 == 0:
+        return (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
+    # an odd side: each new texel covers two old ones and a share of a third
+    step = np.arange(m, dtype=np.float32)
+    shape = [1] * level.ndim
+    shape[axis] = m
+    weights = [(m - step) / n, np.full(m, m / n, np.float32), (step + 1) / n]
+    total = np.zeros(parts[0].shape, np.float32)
+    for part, weight in zip(parts, weights, strict=True):
+        total += part * weight.reshape(shape).astype(np.float32)
+    return total
