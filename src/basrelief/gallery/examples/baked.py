@@ -25,9 +25,8 @@ def panels(texels: int) -> Iterator[Panel]:
     assert stones.height is not None
     heights = stones.height.linear()[:, :, 0]
     horizons = bake.horizon_map(heights, "wrap", SCALE) / 65535.0
-    yield Panel(
-        "the material", Scene((Object(stones, technique="exact", scale=SCALE),), camera=AT_A_SKEW)
-    )
+    drawn = Object(stones, technique="exact", scale=SCALE)
+    yield Panel("the material", Scene((drawn,), camera=AT_A_SKEW), "256 texels a side at most")
     normals = bake.normal_map(heights, "wrap", SCALE) * 0.5 + 0.5
     yield Panel("normals, green up", seen(normals))
     yield Panel("occlusion", seen(bake.ambient_occlusion(heights, "wrap", SCALE)))
