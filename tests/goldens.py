@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from basrelief.gallery import PAGES, Page
 from basrelief.gallery.document import text
+from basrelief.gallery.drawing import picture_of
 from basrelief.picture import read_picture, srgb_encode, write_data
 from basrelief.rendering import render
 
@@ -34,12 +35,12 @@ def engine(name: str) -> Any:
 
 def strip(page: Page, on: str) -> Strip:
     """All panels of a page side by side, as 8-bit codes (height, panels · width, 3)."""
-    frames = [
-        render(panel.scene, size=SIZE, samples=1, engine=engine(on)).color[:, :, :3]
-        for panel in page.panels(TEXELS)
-    ]
-    encoded = srgb_encode(np.clip(np.concatenate(frames, axis=1), 0.0, 1.0))
-    return np.rint(encoded * 255.0).astype(np.uint8)
+    pictures = []
+    for panel in page.panels(TEXELS):
+        frame = render(panel.scene, size=SIZE, samples=1, engine=engine(on))
+        pictures.append(picture_of(panel, frame, engine(on)).image.pixels[:, :, :3])
+    colors = np.concatenate(pictures, axis=1)
+    return np.rint(srgb_encode(np.clip(colors, 0.0, 1.0)) * 255.0).astype(np.uint8)
 
 
 def golden(name: str) -> Strip:

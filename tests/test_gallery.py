@@ -18,7 +18,8 @@ from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES, Page
 from basrelief.gallery.folder import chosen, write
-from basrelief.picture import read_picture
+from basrelief.measure.colors import PASSED
+from basrelief.picture import read_picture, srgb_encode
 from basrelief.rendering import render
 from command_line import done, refused
 from goldens import GOLDEN, SIZE, golden, share_apart, strip
@@ -88,7 +89,7 @@ def test_a_missing_golden_says_how_to_make_it() -> None:
 def test_every_golden_has_a_page_and_all_are_small() -> None:
     files = [*GOLDEN.iterdir()]
     assert {file.name for file in files} == {f"{name}.png" for name in PAGES}
-    assert sum(file.stat().st_size for file in files) < 3 * 2**20
+    assert sum(file.stat().st_size for file in files) < 4 * 2**20
 
 
 def test_costs_are_what_the_pages_say() -> None:
@@ -206,6 +207,17 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     assert "over 60 frames a second" in text
     assert "cpu: " in text
     assert read_picture(folder / "cube-1.png").pixels.shape[:2] == (27, 48)
+
+
+def test_debug_pictures_say_what_their_colours_mean(tmp_path: Path) -> None:
+    write(tmp_path, chosen(["errors"]), choose_engine("cpu"), (32, 18), 1)
+    text = (tmp_path / "errors.html").read_text(encoding="utf-8")
+    meanings = ("heights read a pixel", "orange passed", "uv overshoot, from", "depth error, from")
+    assert [text.count(meaning) for meaning in meanings] == [1, 2, 1, 1]
+    orange = np.rint(srgb_encode(np.array(PASSED)) * 255.0)
+    plain, missed = (read_picture(tmp_path / f"errors-{n}.png").pixels for n in (1, 3))
+    assert (missed == orange).all(-1).mean() > 0.1
+    assert not (plain == orange).all(-1).any()
 
 
 def test_the_reader_can_fail(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from basrelief.engine import Engine
 from basrelief.gallery.page import Page, Panel
+from basrelief.measure.debug import DebugPicture, debug_picture
+from basrelief.measure.truth import truth
 from basrelief.rendering import Frame, render
 from basrelief.scene import Scene
 
@@ -20,7 +22,7 @@ TEXELS = 512
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A panel with its picture and its cost.
+    """A panel with its picture, the frame that it is made of, and its cost.
 
     `reads` is how many heights each covered pixel reads, on average; `seconds` the median time of
     frames of one sample at the picture's size, `headline_seconds` at that of the page's headline.
@@ -28,6 +30,7 @@ class Drawn:
 
     panel: Panel
     frame: Frame
+    picture: DebugPicture
     reads: float
     seconds: float
     headline_seconds: float | None
@@ -44,10 +47,21 @@ def drawn(
     panels = [*page.panels(TEXELS)]
     for number, panel in enumerate(panels):
         frame = render(panel.scene, size=size, samples=samples, engine=engine)
+        picture = picture_of(panel, frame, engine)
         headline = _headline_seconds(page, panel.scene, engine)
         seconds = seconds_of(panel.scene, size, engine)
-        yield Drawn(panel, frame, frame.mean_reads, seconds, headline)
+        yield Drawn(panel, frame, picture, frame.mean_reads, seconds, headline)
         progress((number + 1) / len(panels))
+
+
+def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
+    """What a page shows of a panel that is drawn; what colours mean is said of debug pictures."""
+    if panel.shown == "color":
+        return DebugPicture(frame.image, "")
+    height, width = frame.depth.shape
+    needed = panel.shown != "reads"
+    true = truth(panel.scene, (width, height), engine=engine) if needed else None
+    return debug_picture(panel.shown, frame, true)
 
 
 def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:

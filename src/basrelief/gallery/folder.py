@@ -77,7 +77,7 @@ def _pictures(folder: Path, page: Page, panels: Iterable[Drawn]) -> list[Drawn]:
     """Write each picture as soon as it is drawn."""
     made = []
     for number, each in enumerate(panels, 1):
-        each.frame.save(folder / picture_name(page, number))
+        each.picture.image.save(folder / picture_name(page, number))
         made.append(each)
     return made
 

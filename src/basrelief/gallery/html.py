@@ -67,7 +67,7 @@ def index_html(pages: Sequence[Page]) -> str:
 def _figure(page: Page, number: int, each: Drawn) -> str:
     height, width = each.frame.depth.shape
     name, caption = picture_name(page, number), escape(each.panel.caption)
-    parts = [settings_of(each.panel.scene), each.panel.settings]
+    parts = [settings_of(each.panel.scene), each.panel.settings, each.picture.meaning]
     settings = escape(" · ".join(part for part in parts if part))
     cost = f"{_reads(each.reads)} · {_time(each.seconds)}"
     if each.headline_seconds is not None and page.headline is not None:

@@ -32,11 +32,13 @@ class Panel:
     """One picture of a page: a short caption, what is drawn, and what else its settings say.
 
     Most settings are told by the scene itself; `settings` is for those that it does not show.
+    `shown` is its "color", or a debug picture by name, as of `basrelief render --show`.
     """
 
     caption: str
     scene: Scene
     settings: str = ""
+    shown: str = "color"
 
 
 @dataclass(frozen=True)
