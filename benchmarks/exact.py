@@ -2,6 +2,7 @@
 
     python benchmarks/exact.py                 on a GPU, 1920 × 1080 with a map of 1024²
     python benchmarks/exact.py --large         3840 × 2160 with a map of 4096²
+    python benchmarks/exact.py --growth        on a GPU, maps from 256² to 8192² at one picture size
     python benchmarks/exact.py --cpu           on the CPU, against 32 steps
 
 Bricks, stones and fractal noise, each seen shallow, steep and grazing; texture coordinates alone.
@@ -13,6 +14,8 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
+import statistics
 import time
 from typing import Any
 
@@ -93,7 +96,7 @@ def _stones(points: np.ndarray, size: int) -> np.ndarray:
     for x, y in points:
         across, down = (np.abs(place - c) for c in (x, y))
         across, down = (np.minimum(d, 1.0 - d) for d in (across, down))
-        rows, columns = np.flatnonzero(down < 0.12), np.flatnonzero(across < 0.12)
+        rows, columns = np.flatnonzero(down < 0.08), np.flatnonzero(across < 0.08)
         part = np.ix_([0, 1], rows, columns)
         away = np.hypot(down[rows][:, None], across[columns]).astype(np.float32)
         held = near[part]
@@ -119,10 +122,10 @@ def programs(steps: int) -> dict[str, tuple[Program, Any]]:
 def main() -> None:
     wanted = argparse.ArgumentParser()
     wanted.add_argument("--large", action="store_true")
+    wanted.add_argument("--growth", action="store_true")
     wanted.add_argument("--cpu", action="store_true")
     given = wanted.parse_args()
     size, texels = ((3840, 2160), 4096) if given.large else ((1920, 1080), 1024)
-    steps = 32 if given.cpu else 64
     engine: Any
     if given.cpu:
         from basrelief.engine.cpu import CpuEngine
@@ -132,23 +135,116 @@ def main() -> None:
         from basrelief.engine.gpu import GpuEngine
 
         engine = GpuEngine()
+    if given.growth:
+        grow(engine, size)
+    else:
+        against_steps(engine, size, texels, 32 if given.cpu else 64)
+
+
+def against_steps(engine: Any, size: tuple[int, int], texels: int, steps: int) -> None:
+    """The nine cases, the march by its own arithmetic and, on a GPU, by the filter's."""
     print(f"{engine.device}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
-    ratios = []
+    ratios: dict[str, list[float]] = {}
     for name, heights in maps(texels).items():
         field = HeightField([heights])
-        start = time.perf_counter()
-        baked = Texture([bake.bounds(heights, "wrap", engine)])
-        spent = time.perf_counter() - start
+        baked, spent = bounds_of(engine, heights)
         each = baked.levels[0].nbytes / heights.size
-        print(f"{name}: bounds in {spent:.2f} s, {each:.1f} bytes a texel")
+        print(f"{name}: bounds in {spent * 1000:.1f} ms, {each:.1f} bytes a texel")
         for view, (scale, towards) in VIEWS.items():
             values = {"sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked}
             times = timed(engine, programs(steps), values, size)
-            ratios.append(times["exact"] / times["march"])
+            if engine.name == "gpu":
+                times["filter"] = filtered(engine, programs(steps)["march"], values, size)
             shown = ", ".join(f"{what} {t * 1000:.4f} ms" for what, t in times.items())
-            print(f"  {view:8} {shown}, ratio {ratios[-1]:.2f}")
-    mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
-    print(f"geometric mean {mean:.2f}, worst {max(ratios):.2f}")
+            for other in times:
+                if other != "exact":
+                    ratios.setdefault(other, []).append(times["exact"] / times[other])
+            print(f"  {view:8} {shown}, exact ÷ march {ratios['march'][-1]:.2f}")
+    for other, found in ratios.items():
+        print(f"exact ÷ {other}: geometric mean {mean(found):.2f}, worst {max(found):.2f}")
+
+
+def grow(engine: Any, size: tuple[int, int]) -> None:
+    """How much longer a picture takes by larger maps of the same scale."""
+    print(f"{engine.device}, {size[0]} × {size[1]}, exact alone")
+    first = 0.0
+    for texels in (256, 1024, 4096, 8192):
+        found = []
+        for heights in maps(texels).values():
+            baked, _ = bounds_of(engine, heights)
+            field = HeightField([heights])
+            for scale, towards in VIEWS.values():
+                values = {
+                    "sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked,
+                }  # fmt: skip
+                only = {"exact": programs(64)["exact"]}
+                found.append(timed(engine, only, values, size)["exact"])
+        first = first or mean(found)
+        print(f"  {texels:5}² mean {mean(found) * 1000:.4f} ms, {mean(found) / first:.2f} ×")
+
+
+def mean(values: list[float]) -> float:
+    """The geometric mean."""
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def bounds_of(engine: Any, heights: np.ndarray) -> tuple[Texture, float]:
+    """The bounds of a map, and the seconds they took: on a GPU by timestamps, on a CPU in all."""
+    watch = Watch(engine)
+    start = time.perf_counter()
+    baked = Texture([bake.bounds(heights, "wrap", watch)])  # type: ignore[arg-type]
+    spent = time.perf_counter() - start
+    return baked, watch.seconds if engine.name == "gpu" else spent
+
+
+class Watch:
+    """An engine that adds up how long the GPU works on what it is given."""
+
+    def __init__(self, engine: Any) -> None:
+        self.engine, self.seconds = engine, 0.0
+
+    def run(self, program: Program, values: dict[str, Any], size: tuple[int, int]) -> Any:
+        if self.engine.name == "gpu":
+            rows = self.engine.rows_at_once(len(program.planes), size[0], size[1])
+            with self.engine.prepare(program, values, (size[0], rows)) as job:
+                self.seconds += self.engine.seconds(job, rows) * size[1] / rows
+        return self.engine.run(program, values, size)
+
+
+def filtered(
+    engine: Any, march: tuple[Program, Any], values: dict[str, Any], size: tuple[int, int]
+) -> float:
+    """Seconds of the march with the card's own filter, which weighs by 8 bits."""
+    from basrelief.engine import gpu
+    from basrelief.lang.wgsl import print_wgsl
+
+    program, settings = march
+    text = print_wgsl(program.module, program.edge)
+    head = re.search(r"fn height_at\(.*?\{\n", text)
+    assert head is not None
+    end = text.index("\n}", head.end())
+    read = "  return textureSampleLevel(field, edge_sampler, uv, 0.0).x;"
+    text = text[: head.end()] + read + text[end:]
+    entry, sampler = gpu._layout_entry, engine.edge_sampler
+
+    def filtering(number: int, binding: Any, spares_uniforms: bool) -> dict[str, Any]:
+        made = entry(number, binding, spares_uniforms)
+        if binding.kind == "sampler":
+            made["sampler"] = {"type": "filtering"}
+        if binding.type is HeightField:
+            made["texture"]["sample_type"] = "float"
+        return made
+
+    try:
+        gpu._layout_entry = filtering
+        engine.edge_sampler = lambda edge: engine.gpu.create_sampler(
+            address_mode_u="repeat", address_mode_v="repeat", min_filter="linear",
+            mag_filter="linear",
+        )  # fmt: skip
+        with engine.prepare_text(text, program, {**values, "settings": settings}, size) as job:
+            return statistics.median(engine.seconds(job, size[1], 8) for _ in range(15))
+    finally:
+        gpu._layout_entry, engine.edge_sampler = entry, sampler
 
 
 def timed(

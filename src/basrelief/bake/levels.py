@@ -18,8 +18,7 @@ def levels_of(heights: NDArray[Any]) -> list[NDArray[np.float32]]:
 
 def halved(level: NDArray[Any]) -> NDArray[np.float32]:
     """The next level of a pyramid: each side ⌊n ÷ 2⌋, at least 1, each texel an area average."""
-    made: NDArray[np.float32] = _halved_along(_halved_along(level, 0), 1)
-    return made
+    return _halved_along(_halved_along(level, 0), 1)
 
 
 def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
@@ -32,7 +31,8 @@ def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
         for k in range(2 if n % 2 == 0 else 3)
     ]
     if n % 2 == 0:
-        return (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
+        both: NDArray[np.float32] = (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
+        return both
     # an odd side: each new texel covers two old ones and a share of a third
     step = np.arange(m, dtype=np.float32)
     shape = [1] * level.ndim

@@ -34,6 +34,9 @@ _LIMITS = (
     "max-storage-buffers-per-shader-stage",
 )
 
+_FEATURES = ("timestamp-query", "float32-filterable")
+"""Taken where an adapter has them, to measure by; no program needs them."""
+
 
 def _request_adapter() -> Any:
     try:
@@ -96,7 +99,7 @@ class GpuEngine:
     def __init__(self) -> None:
         adapter = _request_adapter()
         limits = {name: adapter.limits[name] for name in _LIMITS}
-        features = [f for f in ("timestamp-query",) if f in adapter.features]
+        features = [f for f in _FEATURES if f in adapter.features]
         self.adapter_info: dict[str, Any] = dict(adapter.info)
         self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
         self.limits = limits

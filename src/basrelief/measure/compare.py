@@ -262,8 +262,17 @@ def candidates(
 
     Raises InputError for techniques that there are not, and for settings that none of them has.
     """
-    named = [*TECHNIQUES] if techniques is None else [*techniques]
+    named = techniques
+    if named is None:
+        # those draw another surface, which the truth knows nothing of
+        named = [name for name, each in TECHNIQUES.items() if not each.boxes]
     found = [_candidate(each, settings) for each in named]
+    for each in found:
+        if each.technique.boxes:
+            raise InputError(
+                f"{each.name} draws heights as boxes, and is exact on them; compare techniques "
+                "that draw the bilinear surface"
+            )
     if not any(each.technique is exact and each.name == "exact" for each in found):
         found.append(Candidate("exact", exact, {}, "exact"))
     for name in settings:
