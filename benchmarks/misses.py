@@ -4,9 +4,9 @@
     python benchmarks/misses.py --gpu      on a GPU
 
 Bricks, gravel, noise, posts of one texel, saddles and seams, their edges wrapped and clamped; rays
-at 0 to 85 degrees from the normal, every way round, over reliefs of 0.02 to 0.5 tile widths. A ray is
-late that ends more than 0.05 texel behind the first hit. What single precision itself gets wrong is
-told by a plain walk from cell to cell with the same arithmetic and no bounds, beside.
+at 0 to 85 degrees from the normal, every way round, over reliefs of 0.02 to 0.5 tile widths. A ray
+is late that ends more than 0.05 texel behind the first hit. What single precision itself gets wrong
+is told by a plain walk from cell to cell with the same arithmetic and no bounds, beside.
 """
 
 from __future__ import annotations

@@ -12,6 +12,9 @@ from basrelief.engine import choose_engine
 from basrelief.shaders.techniques.exact import (
     BLOCK,
     FAR,
+    FAR_2,
+    FAR_3,
+    FAR_4,
     FAR_BLOCK,
     HIGHEST,
     LOWEST,
@@ -89,8 +92,8 @@ def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> 
     _, far = parts(bake.bounds(heights, edge), heights.shape)
     for back, records in far.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
-        for width, code in zip((1, 2, 4, 8), records[block], strict=True):
-            cells = width * FAR * FAR_BLOCK
+        for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
+            cells = blocks * FAR_BLOCK
             highest = ahead(heights, edge, block, FAR_BLOCK, cells, back).max()
             room = code / np.float32(65535)
             assert 1.0 - room - 4 / 65535 <= highest <= 1.0 - room

@@ -23,7 +23,7 @@ from basrelief.lang.resources import Edge, HeightField
 from basrelief.shaders.bakes import bounds as shaders
 from basrelief.shaders.bakes.bounds import FAR_REACH, REACH, Blocks, Overlap
 from basrelief.shaders.edge import edges_of
-from basrelief.shaders.techniques.exact import BLOCK, FAR, FAR_BLOCK
+from basrelief.shaders.techniques.exact import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 
 Heights = NDArray[np.float32]
 Records = NDArray[np.uint16]
@@ -65,19 +65,14 @@ class _Making:
 
     def near(self) -> Records:
         """The near records."""
-        windows = self.blocks(BLOCK, REACH)
-        for apart in (1, 2, REACH - 4):
-            windows = self.wider(windows, apart)
+        windows = self.widened(self.blocks(BLOCK, REACH), 1, REACH)
         return self.records(shaders.near_record, BLOCK, windows=windows)
 
     def far(self) -> Records:
         """The far records."""
-        windows = self.blocks(FAR_BLOCK, FAR_REACH)
-        for apart in (1, FAR - 2):
-            windows = self.wider(windows, apart)
-        found = [windows]
-        for apart in (FAR, FAR * 2, FAR * 4):
-            found.append(self.wider(found[-1], apart))
+        found = [self.widened(self.blocks(FAR_BLOCK, FAR_REACH), 1, FAR)]
+        for width, wanted in ((FAR, FAR_2), (FAR_2, FAR_3), (FAR_3, FAR_4)):
+            found.append(self.widened(found[-1], width, wanted))
         names = ("least", "second", "third", "most")
         return self.records(shaders.far_record, FAR_BLOCK, **dict(zip(names, found, strict=True)))
 
@@ -87,11 +82,15 @@ class _Making:
         values = {"blocks": Blocks(side, margin), "field": self.field}
         return self.tops(shaders.block_top, values, (columns, rows))
 
-    def wider(self, windows: HeightField, apart: int) -> HeightField:
-        """Those of windows that are wider by so many blocks."""
-        rows, columns = windows.shape
-        values = {"overlap": Overlap(apart), "field": windows}
-        return self.tops(shaders.window_top, values, (columns, rows))
+    def widened(self, windows: HeightField, width: int, wanted: int) -> HeightField:
+        """Windows of a wanted width in blocks, from narrower ones that overlap."""
+        while width < wanted:
+            apart = min(width, wanted - width)
+            values = {"overlap": Overlap(apart), "field": windows}
+            rows, columns = windows.shape
+            windows = self.tops(shaders.window_top, values, (columns, rows))
+            width += apart
+        return windows
 
     def tops(
         self, entry: Shader[..., Any], values: dict[str, Any], size: tuple[int, int]

@@ -24,14 +24,18 @@ from basrelief.shaders.edge import cells_in_map
 from basrelief.shaders.techniques.exact import (
     BLOCK,
     FAR,
+    FAR_2,
+    FAR_3,
+    FAR_4,
     FAR_BLOCK,
     HIGHEST,
     LOWEST,
     PLANE,
     STEEPEST,
     WINDOW,
-    blocks_of,
     extent_of,
+    far_blocks,
+    near_blocks,
 )
 
 MOST = 65535.0
@@ -41,7 +45,7 @@ PLACE_SLACK = 0.002
 """Texels by which float32 may misplace a ray, and so what a slope makes of them."""
 REACH = WINDOW // BLOCK
 """Blocks along each side of the window of a near record, and the margin that takes."""
-FAR_REACH = FAR * 8
+FAR_REACH = FAR_4
 """The same for the widest window of a far record."""
 
 
@@ -107,13 +111,13 @@ def far_record(
     most: HeightField,
 ) -> Packed:
     """The room above the highest points of four ever larger windows ahead of a block."""
-    blocks = blocks_of(extent_of(field, 0), FAR_BLOCK)
+    blocks = far_blocks(extent_of(field, 0))
     return packed(
         Vec4(
             room_code(least, ahead_of(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
-            room_code(second, ahead_of(at, blocks, FAR_BLOCK, FAR * 2, FAR_REACH).window),
-            room_code(third, ahead_of(at, blocks, FAR_BLOCK, FAR * 4, FAR_REACH).window),
-            room_code(most, ahead_of(at, blocks, FAR_BLOCK, FAR * 8, FAR_REACH).window),
+            room_code(second, ahead_of(at, blocks, FAR_BLOCK, FAR_2, FAR_REACH).window),
+            room_code(third, ahead_of(at, blocks, FAR_BLOCK, FAR_3, FAR_REACH).window),
+            room_code(most, ahead_of(at, blocks, FAR_BLOCK, FAR_4, FAR_REACH).window),
         )
     )
 
@@ -122,7 +126,7 @@ def far_record(
 def near_record(at: IVec2, field: HeightField, windows: HeightField) -> Packed:
     """The room above a plane over the cells ahead of a block, its slopes, and the room above the
     highest point of a larger window ahead."""
-    ahead = ahead_of(at, blocks_of(extent_of(field, 0), BLOCK), BLOCK, REACH, REACH)
+    ahead = ahead_of(at, near_blocks(extent_of(field, 0)), BLOCK, REACH, REACH)
     codes = slope_codes(field, ahead)
     slope = codes * (2.0 * STEEPEST / MOST) - STEEPEST
     top = -1.0e9

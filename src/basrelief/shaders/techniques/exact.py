@@ -29,17 +29,21 @@ from basrelief.shaders.techniques.technique import Nothing, technique
 
 MOST_STEPS = 16384
 """A ray that takes more, at a grazing angle over many tiles, stays where it is."""
-BLOCK = 2
-"""Cells along each side that share a near record; shifts below say the same."""
+SHIFT = 1
+BLOCK = 1 << SHIFT
+"""Cells along each side that share a near record."""
 PLANE = 4
 """Cells along each side of the window ahead that a near record's plane lies above."""
 WINDOW = 10
 """Cells along each side of the window ahead whose highest point a near record holds."""
-FAR_BLOCK = 8
+FAR_SHIFT = 3
+FAR_BLOCK = 1 << FAR_SHIFT
 """Cells along each side that share a far record."""
 FAR = 3
-"""Blocks along each side of the least window ahead whose highest point a far record holds; the
-other three are 2, 4 and 8 times as wide."""
+FAR_2 = 6
+FAR_3 = 12
+FAR_4 = 24
+"""Blocks along each side of the windows ahead whose highest points a far record holds."""
 STEEPEST = 0.5
 """The steepest slope that a record can hold, in heights a texel."""
 LOWEST = -4.0
@@ -166,7 +170,7 @@ def first_row(field: HeightField, level: int) -> int:
 @shader
 def rows_of(extent: Vec2) -> int:
     """How many rows the records of a level take."""
-    return 2 * (blocks_of(extent, BLOCK).y + blocks_of(extent, FAR_BLOCK).y)
+    return 2 * (near_blocks(extent).y + far_blocks(extent).y)
 
 
 @shader
@@ -181,8 +185,8 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
     first = floor(start)
     way = signed * sign
     pace = 1.0 / maximum(way, FLATTEST)
-    near = blocks_of(extent, BLOCK)
-    far = blocks_of(extent, FAR_BLOCK)
+    near = near_blocks(extent)
+    far = far_blocks(extent)
     return Line(
         start=0.5 + (start - first - 0.5) * sign,
         way=way,
@@ -198,9 +202,17 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
 
 
 @shader
-def blocks_of(extent: Vec2, side: int) -> IVec2:
-    """How many blocks of so many cells cover a map."""
-    return IVec2((int(extent.x) + side - 1) // side, (int(extent.y) + side - 1) // side)
+def near_blocks(extent: Vec2) -> IVec2:
+    """How many blocks of a near record cover a map."""
+    more = BLOCK - 1
+    return IVec2((int(extent.x) + more) >> SHIFT, (int(extent.y) + more) >> SHIFT)
+
+
+@shader
+def far_blocks(extent: Vec2) -> IVec2:
+    """How many blocks of a far record cover a map."""
+    more = FAR_BLOCK - 1
+    return IVec2((int(extent.x) + more) >> FAR_SHIFT, (int(extent.y) + more) >> FAR_SHIFT)
 
 
 @shader
@@ -232,19 +244,18 @@ def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, o
     held = cell_of_map(line, cell, extent)
     x = max(int(held.x), 0)
     y = max(int(held.y), 0)
-    near = stored(baked, line.near + IVec2(x >> 1, y >> 1))
-    far = stored(baked, line.far + IVec2(x >> 3, y >> 3)) * UNIT
+    near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
+    far = stored(baked, line.far + IVec2(x >> FAR_SHIFT, y >> FAR_SHIFT)) * UNIT
     free = min(near.w * UNIT, out + line.brisk * float(WINDOW - BLOCK))
-    least = float(FAR_BLOCK * FAR)
-    free = max(free, min(far.x, out + line.brisk * (least - float(FAR_BLOCK))))
-    free = max(free, min(far.y, out + line.brisk * (least * 2.0 - float(FAR_BLOCK))))
-    free = max(free, min(far.z, out + line.brisk * (least * 4.0 - float(FAR_BLOCK))))
-    free = max(free, min(far.w, out + line.brisk * (least * 8.0 - float(FAR_BLOCK))))
+    free = max(free, min(far.x, out + line.brisk * float((FAR - 1) * FAR_BLOCK)))
+    free = max(free, min(far.y, out + line.brisk * float((FAR_2 - 1) * FAR_BLOCK)))
+    free = max(free, min(far.z, out + line.brisk * float((FAR_3 - 1) * FAR_BLOCK)))
+    free = max(free, min(far.w, out + line.brisk * float((FAR_4 - 1) * FAR_BLOCK)))
     if cell_is_baked(held, extent):
         slope = near.yz * (2.0 * STEEPEST * UNIT) - STEEPEST
         room = LOWEST + near.x * ((HIGHEST - LOWEST) * UNIT) - line.doubt
         # which cell of its block the ray is in, from the block's back
-        deep = 0.5 + line.sign * (Vec2(float(x & 1), float(y & 1)) - 0.5)
+        deep = 0.5 + line.sign * (Vec2(float(x & (BLOCK - 1)), float(y & (BLOCK - 1))) - 0.5)
         place = line.start + line.way * t - cell + deep
         gain = (room - t - dot(slope, place)) / max(1.0 + dot(slope, line.way), 1e-9)
         free = max(free, min(t + gain, out + line.brisk * float(PLANE - BLOCK)))
