@@ -34,6 +34,8 @@ BLOCKS = 8
 ROUNDING = 1e-5
 """The share of a slope, and the slope, that stand for what float32 rounds off."""
 LEAST = 2e-7
+LEVEL = 1e-6
+"""Heights a texel that a surface may fall by and be level still: engines round in their own ways."""
 
 
 @struct
@@ -198,7 +200,7 @@ def far_side(at: IVec2, sector: Sector, field: HeightField) -> Height:
         slope_towards(along_u, along_v, sector.beyond_last),
     )
     falls = min(within, beyond)
-    return Height(own.x if falls < 0.0 else 0.0)
+    return Height(own.x if falls < -LEVEL else 0.0)
 
 
 @shader

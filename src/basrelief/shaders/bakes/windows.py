@@ -68,7 +68,8 @@ def windows_at(windows: Texture, held: Windows, x: int, y: int) -> Vec4:
     """The four windows, in 65535ths, of a texel of the map or near it."""
     extent = size(windows, 0)
     place = IVec2(cell_in_map(x + held.before, extent.x), cell_in_map(y + held.before, extent.y))
-    return stored(windows, place)
+    # before the first, where the border goes on, the first stands for all
+    return stored(windows, IVec2(max(place.x, 0), max(place.y, 0)))
 
 
 @shader
