@@ -72,7 +72,7 @@ def settings_of(record: type) -> list[dict[str, Any]]:
             "default": plain(each.default),
             "whole": fields_of(record)[each.name] is int,
         }
-        for each in fields(record)  # type: ignore[arg-type]
+        for each in fields(record)
         if "doc" in each.metadata and each.default is not MISSING
     ]
 

@@ -152,7 +152,7 @@ def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[
     names = [n for n in _STILLS if n == "flat" or thing.material.height is not None]
     for number, name in enumerate(names):
         progress("drawing the still pictures", number / len(names))
-        settings = Nothing() if name == "flat" else {}
+        settings: Any = Nothing() if name == "flat" else {}
         shown = replace(thing, technique=name, settings=settings, heights="sharp")
         frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, engine=engine)
         png = encode_png(frame.color[:, :, :3])

@@ -7,10 +7,16 @@ that they are the same for every material, and are kept on disk once they are pr
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import json
+import os
+import queue
 import re
+import subprocess
+import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +27,7 @@ import numpy as np
 import basrelief
 from basrelief._version import __version__
 from basrelief.engine import cache
+from basrelief.errors import EngineError
 from basrelief.lang.program import Program
 from basrelief.lang.resources import buffer_record
 from basrelief.lang.types import is_record
@@ -43,6 +50,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
 """What makes a program of its own, in the order of a program's key; all else is a number."""
 BAKED_NORMALS = "normals"
 """The key of the program that makes normals of heights."""
+_MOST_PROCESSES = 8
 _PIECE = re.compile(r"\n(?=(?://[^\n]*\n)*(?:fn |struct |@group|@compute))")
 _SAYING = ("lang", "shaders", "scene", "viewer", "programs.py")
 """The parts of the package whose source says what a program's text is."""
@@ -83,14 +91,76 @@ def key_of(chosen: Mapping[str, str]) -> str:
 
 
 def _print(progress: Callable[[float], None] | None) -> Printed:
+    """Print them all, on all cores: each works through its share and hands over line by line."""
+    whole = len(list(choices()))
     made, numbers = Printed(), dict[str, int]()
-    whole = list(choices())
-    _add(made, numbers, BAKED_NORMALS, Program(normals, edges_of("wrap"), "wrap"))
-    for done, chosen in enumerate(whole):
-        _add(made, numbers, key_of(chosen), _program(chosen))
+    _add(made, numbers, {"key": BAKED_NORMALS, **_shown(_bake())})
+    found: dict[str, dict[str, Any]] = {}
+    for each in _from_all_cores():
+        found[each["key"]] = each
         if progress is not None:
-            progress((done + 1) / len(whole))
+            progress(len(found) / whole)
+    # in one order, however the cores took turns
+    for chosen in choices():
+        _add(made, numbers, found[key_of(chosen)])
     return made
+
+
+def _from_all_cores() -> Iterator[dict[str, Any]]:
+    """Every program's text and bindings, in any order."""
+    count = min(os.cpu_count() or 1, _MOST_PROCESSES)
+    if count == 1 or not sys.executable:
+        yield from _share(0, 1)
+        return
+    home = str(Path(basrelief.__file__).parent.parent)
+    told = {**os.environ, "PYTHONPATH": os.pathsep.join([home, os.environ.get("PYTHONPATH", "")])}
+    arguments = ("-c", "import sys; from basrelief.viewer.printed import work; work(*sys.argv[1:])")
+    heard: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    with contextlib.ExitStack() as stack:
+        for number in range(count):
+            worker = subprocess.Popen(
+                [sys.executable, *arguments, str(number), str(count)],
+                stdout=subprocess.PIPE,
+                text=True,
+                encoding="utf-8",
+                env=told,
+            )
+            stack.callback(worker.wait)
+            stack.callback(worker.kill)
+            threading.Thread(target=_hear, args=(worker, heard), daemon=True).start()
+        left = count
+        done = 0
+        while left:
+            line = heard.get()
+            if line is None:
+                left -= 1
+                continue
+            done += 1
+            yield json.loads(line)
+    if done != len(list(choices())):
+        raise EngineError("printing the programs failed in another process; see what it said")
+
+
+def _hear(worker: subprocess.Popen[str], heard: queue.SimpleQueue[str | None]) -> None:
+    assert worker.stdout is not None
+    for line in worker.stdout:
+        heard.put(line)
+    heard.put(None)
+
+
+def work(number: str, count: str) -> None:
+    """One process's share of the programs, a line of JSON each on standard output."""
+    for each in _share(int(number), int(count)):
+        sys.stdout.write(json.dumps(each) + "\n")
+
+
+def _share(number: int, count: int) -> Iterator[dict[str, Any]]:
+    for chosen in itertools.islice(choices(), number, None, count):
+        yield {"key": key_of(chosen), **_shown(_program(chosen))}
+
+
+def _bake() -> Program:
+    return Program(normals, edges_of("wrap"), "wrap")
 
 
 def _program(chosen: Mapping[str, str]) -> Program:
@@ -110,21 +180,25 @@ def _whole_material() -> Material:
     )
 
 
-def _add(made: Printed, numbers: dict[str, int], key: str, program: Program) -> None:
-    listed = []
-    for piece in _PIECE.split(print_wgsl(program.module, program.edge)):
-        if piece not in numbers:
-            numbers[piece] = len(made.pieces)
-            made.pieces.append(piece)
-        listed.append(numbers[piece])
-    made.programs[key] = {
-        "pieces": listed,
+def _shown(program: Program) -> dict[str, Any]:
+    """What a program is, as JSON has it."""
+    return {
+        "text": print_wgsl(program.module, program.edge),
         "bindings": [
             {"kind": each.kind, "name": each.name, "type": _type_name(each.type)}
             for each in bindings(program.module)
         ],
-        "planes": len(program.planes),
     }
+
+
+def _add(made: Printed, numbers: dict[str, int], shown: Mapping[str, Any]) -> None:
+    listed = []
+    for piece in _PIECE.split(shown["text"]):
+        if piece not in numbers:
+            numbers[piece] = len(made.pieces)
+            made.pieces.append(piece)
+        listed.append(numbers[piece])
+    made.programs[shown["key"]] = {"pieces": listed, "bindings": shown["bindings"]}
 
 
 def _type_name(t: Any) -> str:
