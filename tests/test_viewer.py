@@ -60,7 +60,7 @@ class Seen:
     """A page that is open, and what it said and asked for."""
 
     def __init__(self, browser: Any, file: Path, hash: str = "", **options: Any) -> None:
-        options.setdefault("viewport", {"width": 1000, "height": 640})
+        options.setdefault("viewport", {"width": 760, "height": 400})
         self.page = browser.new_page(**options)
         self.said: list[str] = []
         self.asked: list[str] = []
@@ -525,6 +525,14 @@ def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> No
     with pytest.raises(InputError, match="not a page of the viewer"):
         write_view(Scene((Object(material),)), file, engine="cpu")
     assert file.read_text() == "mine"
+
+
+def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
+    smooth = Scene((Object(material, heights="smooth"),))
+    with pytest.raises(InputError, match="has smooth heights, which the page does not draw"):
+        write_view(smooth, tmp_path / "page.html", engine="cpu")
+    with pytest.raises(InputError, match="nothing in the scene"):
+        write_view(Scene(()), tmp_path / "page.html", engine="cpu")
 
 
 def _place(name: str) -> Path:

@@ -17,7 +17,6 @@ import numpy as np
 
 from basrelief._version import __version__
 from basrelief.engine import Engine, choose_engine
-from basrelief.errors import InputError
 from basrelief.material import Map, Material, pyramids
 from basrelief.picture import encode_png
 from basrelief.rendering import render
@@ -26,7 +25,7 @@ from basrelief.shaders.techniques import TECHNIQUES, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
-from basrelief.viewer.state import manifest
+from basrelief.viewer.state import check_shown, manifest
 from basrelief.webpage import check_ours, write_page
 
 __all__ = ["View", "write_view"]
@@ -61,13 +60,12 @@ def write_view(
 
     Maps are scaled to at most `texels` a side, and further until the page has at most 12 MB.
     `source` is what the command lines that the page makes call the material. Raises InputError for
-    a file that is there and no such page, for one that cannot be written, and for a scene that has
-    no object.
+    a file that is there and no such page, for one that cannot be written, and for a scene without
+    an object, or with one that the page's programs do not draw.
     """
     file = Path(path)
     check_ours(file, GENERATOR, "a page of the viewer")
-    if not scene.objects:
-        raise InputError("there is nothing in the scene to show")
+    check_shown(scene)
     made = page_of(scene, texels, source, engine, progress or (lambda what, share: None))
     write_page(file, made.html)
     return made

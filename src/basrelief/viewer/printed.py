@@ -52,7 +52,9 @@ BAKED_NORMALS = "normals"
 """The key of the program that makes normals of heights."""
 _MOST_PROCESSES = 8
 _PIECE = re.compile(r"\n(?=(?://[^\n]*\n)*(?:fn |struct |@group|@compute))")
-_SAYING = ("lang", "shaders", "scene", "viewer", "programs.py")
+_SAYING = (
+    "lang", "shaders", "scene", "programs.py", "viewer/printed.py", "viewer/layouts.py",
+)  # fmt: skip
 """The parts of the package whose source says what a program's text is."""
 
 
@@ -125,9 +127,11 @@ def _from_all_cores() -> Iterator[dict[str, Any]]:
                 encoding="utf-8",
                 env=told,
             )
+            listener = threading.Thread(target=_hear, args=(worker, heard), daemon=True)
+            stack.callback(listener.join)
             stack.callback(worker.wait)
             stack.callback(worker.kill)
-            threading.Thread(target=_hear, args=(worker, heard), daemon=True).start()
+            listener.start()
         left = count
         done = 0
         while left:
@@ -143,8 +147,9 @@ def _from_all_cores() -> Iterator[dict[str, Any]]:
 
 def _hear(worker: subprocess.Popen[str], heard: queue.SimpleQueue[str | None]) -> None:
     assert worker.stdout is not None
-    for line in worker.stdout:
-        heard.put(line)
+    with worker.stdout:
+        for line in worker.stdout:
+            heard.put(line)
     heard.put(None)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from basrelief._version import __version__
-from basrelief.errors import BasreliefError
+from basrelief.errors import BasreliefError, InputError
 from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.presets import PRESETS, preset
@@ -194,7 +194,7 @@ def _presets(material: Material) -> dict[str, Any]:
             found[name] = {"about": chosen.about, "why": str(error)}
             continue
         thing = scene.objects[0]
-        lost = _beyond(scene, thing)
+        lost = beyond(scene, thing)
         found[name] = {"about": " ".join(chosen.about.split())}
         if lost:
             found[name]["why"] = lost
@@ -203,7 +203,16 @@ def _presets(material: Material) -> dict[str, Any]:
     return found
 
 
-def _beyond(scene: Scene, thing: Object) -> str:
+def check_shown(scene: Scene) -> None:
+    """Raise InputError for a scene that a page's programs cannot draw."""
+    if not scene.objects:
+        raise InputError("there is nothing in the scene to show")
+    lost = beyond(scene, scene.objects[0])
+    if lost:
+        raise InputError(f"the scene {lost}; leave that away")
+
+
+def beyond(scene: Scene, thing: Object) -> str:
     """What of a scene a page's programs do not have, in words; "" where they have all of it."""
     for lost, what in (
         (thing.surface != "standard", "a landscape"),
@@ -212,6 +221,13 @@ def _beyond(scene: Scene, thing: Object) -> str:
         (scene.occlusion_kind != "ambient", "occlusion with a direction"),
         (scene.fog != "none", "fog"),
         (bool(thing.tilings), "maps with tilings of their own"),
+        (thing.mapping != "planar", "tri-planar colour"),
+        (thing.edge != "wrap", "maps that do not repeat"),
+        (thing.fade is not None, "a relief that fades"),
+        (thing.alpha != "blend", "a cut-out"),
+        (thing.transform is not None, "a transform"),
+        (len(scene.objects) > 1, "further objects"),
+        (TECHNIQUES.get(thing.drawn_with.name) is not thing.drawn_with, "a technique of one's own"),
     ):
         if lost:
             return f"has {what}, which the page does not draw"

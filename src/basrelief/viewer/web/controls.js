@@ -55,7 +55,7 @@ export function number(view, path, { label, doc = "", low, high, whole = false, 
     const value = at(view.state, path);
     slider.value = String(toSlider(value));
     slider.setAttribute("aria-valuetext", String(value));
-    if (document.activeElement !== field) field.value = String(Number(value.toPrecision(6)));
+    if (document.activeElement !== field) field.value = String(Number(value.toPrecision(5)));
   };
   const take = (value) => {
     if (!Number.isFinite(value)) return;
@@ -64,6 +64,15 @@ export function number(view, path, { label, doc = "", low, high, whole = false, 
     set(view.state, path, held);
     view.changed();
   };
+  // by powers a key goes to the next number that differs
+  slider.addEventListener("keydown", (event) => {
+    const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    if (!wide || !way) return;
+    event.preventDefault();
+    const value = at(view.state, path);
+    const next = rounded(fromSlider(toSlider(value) + way * 0.01));
+    take(whole && next === value ? value + way : next);
+  });
   slider.addEventListener("input", () => take(rounded(fromSlider(Number(slider.value)))));
   field.addEventListener("input", () => {
     if (field.value !== "") take(Number(field.value));
@@ -136,7 +145,6 @@ function rows(view, path, settings) {
 
 // The whole panel, made anew where a choice changes what can be set.
 export function build(view, panel) {
-  const { data, state } = view;
   const opened = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
   const focused = document.activeElement?.name;
   view.shows = [];
@@ -147,7 +155,6 @@ export function build(view, panel) {
     if (opened.has(made.id)) made.open = opened.get(made.id);
   }
   if (focused) panel.elements.namedItem(focused)?.focus?.();
-  void [data, state];
 }
 
 function techniques(view) {

@@ -236,7 +236,7 @@ export class Drawing {
     const size = this.size.map((n) => Math.max(16, Math.round(n / this.coarse)));
     this.room();
     const began = performance.now();
-    this.sample(size, 0, 0, size[1]);
+    this.sample(size, 0, 0, size[1], true);
     this.accumulate(size, true);
     this.drawnSize = size;
     this.drawn = 1;
@@ -250,7 +250,8 @@ export class Drawing {
     const full = size[0] === this.size[0] && size[1] === this.size[1];
     this.done = full ? 1 : 0;
     this.row = 0;
-    this.heard({ milliseconds: took, size, samples: this.done });
+    const gpuMilliseconds = await this.stamped();
+    this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
     if (full) await this.figures();
   }
 
@@ -279,10 +280,10 @@ export class Drawing {
     if (this.done === 1) await this.figures();
   }
 
-  sample(size, number, first, last) {
+  sample(size, number, first, last, timed = false) {
     for (const [side, { state, job }] of Object.entries(this.shown)) {
       job.put(this.values(state, size, this.data.samples[number]));
-      job.dispatch(this.sides[side].planes, size, first, last, side === "left");
+      job.dispatch(this.sides[side].planes, size, first, last, timed && side === "left");
     }
   }
 
@@ -317,7 +318,7 @@ export class Drawing {
     const view = { ...this.view(), size: this.drawnSize };
     const found = await this.colors.figures(this.sides.left, this.sides.truth, view);
     this.found = found;
-    const told = { figures: found, gpuMilliseconds: await this.stamped() };
+    const told = { figures: found };
     if (this.shown.right) {
       told.right = await this.colors.figures(this.sides.right, this.sides.truth, view);
       this.found = { ...found, most: Math.max(found.most, told.right.most) };

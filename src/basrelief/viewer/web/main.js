@@ -411,12 +411,12 @@ class View {
     if (news.error) this.say(news.error);
     if (news.busy !== undefined) byId("busy").textContent = news.busy;
     this.news = { ...this.news, ...news };
-    const { milliseconds, gpuMilliseconds, size, samples, figures, right } = this.news;
+    const { milliseconds, gpuMilliseconds, timedAt, size, samples, figures, right } = this.news;
     const reads = (f) => (f.hits ? (f.reads / f.hits).toFixed(1) : "0");
     const parts = [];
     if (milliseconds !== undefined) {
-      const clock = gpuMilliseconds == null ? "" : ` (${gpuMilliseconds.toFixed(1)} ms on the GPU)`;
-      parts.push(`${milliseconds.toFixed(1)} ms a frame${clock}`);
+      const clock = gpuMilliseconds == null ? "" : ` (${gpuMilliseconds.toFixed(1)} ms of it the program)`;
+      parts.push(`${milliseconds.toFixed(1)} ms a frame of ${timedAt.join(" × ")}${clock}`);
     }
     if (figures) {
       parts.push(`${reads(figures)} reads a pixel${right && this.state.compare ? ` | ${reads(right)}` : ""}`);
