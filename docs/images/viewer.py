@@ -18,7 +18,7 @@ SHOTS = {
     "viewer-light": ((1200, 720), "light", {"shadows": "soft"}),
     "viewer-divider": ((1200, 720), "dark", {"compare": "offset", "scale": 0.08}),
     "viewer-missed": (
-        (1200, 720), "dark", {"technique": "steep", "show": "missed", "scale": 0.08},
+        (1200, 720), "dark", {"technique": "parallax_occlusion", "show": "missed", "scale": 0.1},
     ),
     "viewer-narrow": ((420, 780), "dark", {"shape": "sphere", "shadows": "hard"}),
 }  # fmt: skip

@@ -10,6 +10,7 @@ import { channelLevels, heightLevels, single } from "view/maps.js";
 import { keyOf } from "view/state.js";
 
 const SLOW = 33; // milliseconds a frame may take while something moves
+const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
 const KINDS = { directional: 0, point: 1, spot: 2 };
@@ -162,8 +163,10 @@ export class Drawing {
           if (!known) this.heard({ busy: `compiling ${each.technique} …` });
           const pipeline = await this.gpu.pipeline(key, this.data);
           const name = `${side}:${key}`;
-          if (!this.jobs.has(name)) this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
-          each.job = null;
+          if (!this.jobs.has(name)) {
+            this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
+            this.fresh = true;
+          }
           wanted[side] = { state: each, job: this.jobs.get(name) };
         }
         this.shown = wanted;
@@ -245,11 +248,16 @@ export class Drawing {
     const took = performance.now() - began;
     this.frames = (this.frames ?? 0) + 1;
     this.speed = took / (size[0] * size[1]);
-    const whole = this.speed * this.size[0] * this.size[1];
-    this.coarse = whole > SLOW ? Math.min(8, Math.sqrt(whole / SLOW)) : 1;
+    // the first frame of a program says how long its driver makes ready, and nothing of the next
+    if (!this.fresh) {
+      const wanted = this.coarse * Math.sqrt(took / SLOW);
+      this.coarse = wanted < 1.2 ? 1 : Math.min(COARSEST, wanted);
+    }
+    this.fresh = false;
     const full = size[0] === this.size[0] && size[1] === this.size[1];
     this.done = full ? 1 : 0;
     this.row = 0;
+    this.spent = [0, 0];
     const gpuMilliseconds = await this.stamped();
     this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
     if (full) await this.figures();
@@ -264,9 +272,12 @@ export class Drawing {
     const rows = Math.max(apart, Math.floor(SLOW / this.speed / size[0] / apart) * apart);
     const last = Math.min(size[1], this.row + rows);
     const began = performance.now();
-    this.sample(size, this.done, this.row, last);
+    this.sample(size, this.done, this.row, last, true);
     await this.gpu.device.queue.onSubmittedWorkDone();
-    this.speed = (performance.now() - began) / (size[0] * (last - this.row));
+    const took = performance.now() - began;
+    this.speed = took / (size[0] * (last - this.row));
+    const clock = await this.stamped();
+    this.spent = [this.spent[0] + took, clock === null ? null : this.spent[1] + clock];
     if (this.dirty) return;
     this.row = last;
     if (last < size[1]) return;
@@ -276,7 +287,9 @@ export class Drawing {
     this.drawnSize = size;
     this.drawn = this.done;
     this.present();
-    this.heard({ size, samples: this.done });
+    const [milliseconds, gpuMilliseconds] = this.spent;
+    this.spent = [0, 0];
+    this.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
     if (this.done === 1) await this.figures();
   }
 

@@ -5,7 +5,7 @@ import { build } from "view/controls.js";
 import { Drawing, firstLine } from "view/drawing.js";
 import { Gpu } from "view/gpu.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
-import { copyOf, fromHash, keyOf, merged, toCommand, toHash, toPython } from "view/state.js";
+import { copyOf, fromHash, merged, toCommand, toHash, toPython } from "view/state.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
@@ -179,7 +179,7 @@ class View {
   // Move the target by pixels of the picture as it is shown.
   pan(x, y) {
     const { camera } = this.state;
-    const [, height] = [0, this.canvas.clientHeight];
+    const height = this.canvas.clientHeight;
     const whole = this.drawing.camera(this.state, this.size());
     const deep = 2 * Math.tan((camera.field_of_view * Math.PI) / 360) * whole.distance;
     const pixel = (camera.orthographic_height ?? deep) / height;
@@ -424,7 +424,7 @@ class View {
         parts.push(`missed ${((100 * figures.missed) / figures.hits).toFixed(2)} %`);
       }
     }
-    if (size) parts.push(`${size[0]} × ${size[1]}, ${samples} of ${this.drawing.limit} samples`);
+    if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);
     byId("figures").textContent = parts.join(" · ");
   }
 
@@ -441,10 +441,6 @@ class View {
     const box = byId("messages");
     while (box.children.length > 2) box.firstChild.remove();
     box.append(line);
-  }
-
-  keyNow() {
-    return keyOf(this.state, this.data.choices);
   }
 }
 
