@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from basrelief._version import __version__
 from basrelief.engine import Engine, choose_engine
 from basrelief.material import Map, Material, pyramids
-from basrelief.picture import encode_png
+from basrelief.picture import encode_png, srgb_encode
 from basrelief.rendering import render
 from basrelief.scene import Object, Scene
 from basrelief.shaders.techniques import TECHNIQUES, Nothing
@@ -33,6 +34,10 @@ __all__ = ["View", "write_view"]
 LARGEST = 12 * 1000**2
 """Bytes of a page at most, its maps scaled until it fits."""
 GENERATOR = "basrelief view"
+_SMALLEST = 64
+"""Texels a side below which maps are not scaled."""
+_REST = 400_000
+"""Bytes of a page beside maps and pictures, programs the most of them."""
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
@@ -85,10 +90,11 @@ def page_of(
         progress("packing the maps", 0.9)
         shown = _scaled(thing.material, most)
         maps = _maps(replace(thing, material=shown))
-        size = sum(len(each["content"]) for each in maps.values())
-        size += sum(map(len, (text for _, text in stills))) + 2_000_000
-        if size <= LARGEST or most <= 64:
-            break
+        # bakes take long, and about as much room as the maps: no need to make what will not fit
+        if _bytes(maps, stills) <= LARGEST / 2 or most <= _SMALLEST:
+            maps |= _bakes(shown)
+            if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
+                break
         most = most // 2
     scaled = (shown_size(shown)) if most < whole else None
     data = {
@@ -98,6 +104,12 @@ def page_of(
         **manifest(scene, shown, source, scaled),
     }
     return View(_html(thing.material.name, data, maps, stills), scaled)
+
+
+def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
+    """About how large a page is with these."""
+    texts = [each["content"] for each in maps.values()] + [text for _, text in stills]
+    return sum(map(len, texts)) + _REST
 
 
 def shown_size(material: Material) -> tuple[int, int]:
@@ -114,12 +126,20 @@ def _scaled(material: Material, most: int) -> Material:
         while max(pixels.shape[:2]) > most:
             pixels = pyramids.halved(pixels)
         if pixels.shape[:2] != (one.height, one.width):
-            changed[name] = Map(np.ascontiguousarray(pixels), False, one.source)
+            changed[name] = _stored_as(one, pixels, name == "height")
     return replace(material, **changed) if changed else material  # type: ignore[arg-type]
 
 
+def _stored_as(one: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
+    """A scaled map with as many bits as it had, which packs better; heights keep all of theirs."""
+    if exact or one.pixels.dtype != np.uint8:
+        return Map(np.ascontiguousarray(pixels), False, one.source)
+    codes = srgb_encode(pixels) if one.srgb else pixels
+    return Map(np.rint(codes * 255.0).astype(np.uint8), one.srgb, one.source)
+
+
 def _maps(thing: Object) -> dict[str, Any]:
-    """The finest level of each map that programs read, and what techniques have baked."""
+    """The finest level of each map that programs read."""
     material = thing.material
     found: dict[str, Any] = {}
     field = pyramids.height_field(material, "wrap")
@@ -137,6 +157,12 @@ def _maps(thing: Object) -> dict[str, Any]:
     ):
         if map is not None:
             found[name] = packed(map.levels[0])
+    return found
+
+
+def _bakes(material: Material) -> dict[str, Any]:
+    """What techniques have baked of the heights."""
+    found: dict[str, Any] = {}
     for what in sorted({made.bake for made in TECHNIQUES.values() if made.bake}):
         baked = pyramids.baked(material, "wrap", what)
         if baked is not None:
