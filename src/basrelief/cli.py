@@ -564,6 +564,52 @@ def demo(
 
 
 @app.command()
+@options.taking(
+    options.Relief, options.Light, options.Camera, ..., options.Maps,
+)  # fmt: skip
+def view(
+    path: PathArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The page; without it one is made and opened."),
+    ] = None,
+    texels: Annotated[int, typer.Option(help="Texels a side of the page's maps at most.")] = 1024,
+    engine: EngineOption = "auto",
+    **given: Any,
+) -> None:
+    """Make one page in which every map and number is live, and open it in a browser."""
+    with _Progress(f"reading {path}") as progress:
+        import tempfile
+        import webbrowser
+
+        from basrelief import arguments
+        from basrelief.viewer import write_view
+
+        if texels < 1:
+            raise InputError(f"--texels {texels}: give at least 1")
+        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
+        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
+        chosen = arguments.preset_from(given.pop("preset"))
+        material = _loaded(path, **{**chosen.maps, **_said(maps)})
+        scene = arguments.scene(
+            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
+        )
+
+        def heard(what: str, share: float) -> None:
+            progress.task = what
+            progress(share)
+
+        target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{material.name}.html"
+        made = write_view(scene, target, texels=texels, source=path, engine=engine, progress=heard)
+    if made.scaled_to is not None:
+        width, height = made.scaled_to
+        print(f"note: the page's maps are scaled to {width} × {height}", file=sys.stderr)
+    print(target)
+    if output is None:
+        webbrowser.open(target.resolve().as_uri())
+
+
+@app.command()
 def gallery(
     output: Annotated[Path, typer.Argument(help="The folder for pages and pictures.")],
     engine: EngineOption = "auto",

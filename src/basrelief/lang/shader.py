@@ -72,9 +72,10 @@ class Shader(Generic[P, R]):
 
     def lookup(self, name: str) -> Any:
         """What a global or enclosing name stands for; raises KeyError where it is unknown."""
-        closure = inspect.getclosurevars(self.function).nonlocals
-        if name in closure:
-            return closure[name]
+        if self.function.__closure__:
+            closure = inspect.getclosurevars(self.function).nonlocals
+            if name in closure:
+                return closure[name]
         if name in self.function.__globals__:
             return self.function.__globals__[name]
         return vars(__import__("builtins"))[name]

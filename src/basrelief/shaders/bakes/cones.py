@@ -35,7 +35,7 @@ ROUNDING = 1e-5
 """The share of a slope, and the slope, that stand for what float32 rounds off."""
 LEAST = 2e-7
 LEVEL = 1e-6
-"""Heights a texel that a surface may fall by and be level still: engines round in their own ways."""
+"""Heights a texel that a surface may fall by and be level still: engines round differently."""
 
 
 @struct

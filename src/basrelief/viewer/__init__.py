@@ -1,0 +1,10 @@
+"""The viewer: one HTML page with a material's maps and the programs that the engines run.
+
+    write_view(scene, "page.html")
+
+The page needs no network, no server and no Python; it draws by WebGPU.
+"""
+
+from basrelief.viewer.page import View, write_view
+
+__all__ = ["View", "write_view"]

@@ -1,0 +1,222 @@
+"""A scene of one object → one HTML page with its maps, programs, settings and code."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief._version import __version__
+from basrelief.engine import Engine, choose_engine
+from basrelief.material import Map, Material, pyramids
+from basrelief.picture import encode_png, srgb_encode
+from basrelief.rendering import render
+from basrelief.scene import Object, Scene
+from basrelief.shaders.techniques import TECHNIQUES, Nothing
+from basrelief.viewer.layouts import layouts
+from basrelief.viewer.maps import as_fractions, packed
+from basrelief.viewer.printed import printed
+from basrelief.viewer.state import check_shown, manifest
+from basrelief.webpage import check_ours, write_page
+
+__all__ = ["View", "write_view"]
+
+LARGEST = 12 * 1000**2
+"""Bytes of a page at most, its maps scaled until it fits."""
+GENERATOR = "basrelief view"
+_SMALLEST = 64
+"""Texels a side below which maps are not scaled."""
+_REST = 400_000
+"""Bytes of a page beside maps and pictures, programs the most of them."""
+Progress = Callable[[str, float], None]
+_STILLS = ("flat", "offset", "parallax_occlusion", "relief")
+"""The techniques of the still pictures, for browsers that cannot draw."""
+_MODULES = ("state", "camera", "records", "maps", "colors", "gpu", "drawing", "controls", "main")
+
+
+@dataclass(frozen=True)
+class View:
+    """A page: its `html`, and the size, (width, height), that its maps were scaled to, or None."""
+
+    html: str
+    scaled_to: tuple[int, int] | None
+
+
+def write_view(
+    scene: Scene,
+    path: str | Path,
+    *,
+    texels: int = 1024,
+    source: str = "FOLDER",
+    engine: str | Engine = "auto",
+    progress: Progress | None = None,
+) -> View:
+    """Write a page that shows the first object of a scene, whole or not at all.
+
+    Maps are scaled to at most `texels` a side, and further until the page has at most 12 MB.
+    `source` is what the command lines that the page makes call the material. Raises InputError for
+    a file that is there and no such page, for one that cannot be written, and for a scene without
+    an object, or with one that the page's programs do not draw.
+    """
+    file = Path(path)
+    check_ours(file, GENERATOR, "a page of the viewer")
+    check_shown(scene)
+    made = page_of(scene, texels, source, engine, progress or (lambda what, share: None))
+    write_page(file, made.html)
+    return made
+
+
+def page_of(
+    scene: Scene, texels: int, source: str, engine: str | Engine, progress: Progress
+) -> View:
+    """The page of a scene."""
+    thing = scene.objects[0]
+    programs = printed(lambda share: progress("printing the programs", share))
+    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    stills = list(_stills(scene, runner, progress))
+    whole = max((max(one.width, one.height) for _, one in thing.material.maps()), default=1)
+    most = min(whole, texels)
+    while True:
+        progress("packing the maps", 0.9)
+        shown = _scaled(thing.material, most)
+        maps = _maps(replace(thing, material=shown))
+        # bakes take long, and about as much room as the maps: no need to make what will not fit
+        if _bytes(maps, stills) <= LARGEST / 2 or most <= _SMALLEST:
+            maps |= _bakes(shown)
+            if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
+                break
+        most = most // 2
+    scaled = (shown_size(shown)) if most < whole else None
+    data = {
+        "records": layouts(),
+        "pieces": programs.pieces,
+        "programs": programs.programs,
+        **manifest(scene, shown, source, scaled),
+    }
+    return View(_html(thing.material.name, data, maps, stills), scaled)
+
+
+def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
+    """About how large a page is with these."""
+    texts = [each["content"] for each in maps.values()] + [text for _, text in stills]
+    return sum(map(len, texts)) + _REST
+
+
+def shown_size(material: Material) -> tuple[int, int]:
+    """Width and height of a material's largest map."""
+    largest = max((one for _, one in material.maps()), key=lambda one: one.width * one.height)
+    return largest.width, largest.height
+
+
+def _scaled(material: Material, most: int) -> Material:
+    """The material with maps of at most so many texels a side, each halved until it fits."""
+    changed: dict[str, Map] = {}
+    for name, one in material.maps():
+        pixels = one.linear()
+        while max(pixels.shape[:2]) > most:
+            pixels = pyramids.halved(pixels)
+        if pixels.shape[:2] != (one.height, one.width):
+            changed[name] = _stored_as(one, pixels, name == "height")
+    return replace(material, **changed) if changed else material  # type: ignore[arg-type]
+
+
+def _stored_as(one: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
+    """A scaled map with as many bits as it had, which packs better; heights keep all of theirs."""
+    if exact or one.pixels.dtype != np.uint8:
+        return Map(np.ascontiguousarray(pixels), False, one.source)
+    codes = srgb_encode(pixels) if one.srgb else pixels
+    return Map(np.rint(codes * 255.0).astype(np.uint8), one.srgb, one.source)
+
+
+def _maps(thing: Object) -> dict[str, Any]:
+    """The finest level of each map that programs read."""
+    material = thing.material
+    found: dict[str, Any] = {}
+    field = pyramids.height_field(material, "wrap")
+    if field is not None:
+        found["field"] = packed(as_fractions(field.levels[0]))
+    if material.normal is not None:
+        normal = pyramids.normal(material, "wrap", thing.relief_scale)
+        assert normal is not None
+        found["normal"] = packed(normal.levels[0])
+    glow = pyramids.emission(material, "wrap")
+    for name, map in (
+        ("base_color", pyramids.base_color(material, "wrap")),
+        ("response", pyramids.response(material, "wrap")),
+        ("emission", glow and glow[0]),
+    ):
+        if map is not None:
+            found[name] = packed(map.levels[0])
+    return found
+
+
+def _bakes(material: Material) -> dict[str, Any]:
+    """What techniques have baked of the heights."""
+    found: dict[str, Any] = {}
+    for what in sorted({made.bake for made in TECHNIQUES.values() if made.bake}):
+        baked = pyramids.baked(material, "wrap", what)
+        if baked is not None:
+            found[what] = packed(baked.levels[0])
+    return found
+
+
+def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[str, str]]:
+    """Techniques and their pictures as text, for browsers without WebGPU."""
+    thing = scene.objects[0]
+    names = [n for n in _STILLS if n == "flat" or thing.material.height is not None]
+    for number, name in enumerate(names):
+        progress("drawing the still pictures", number / len(names))
+        settings: Any = Nothing() if name == "flat" else {}
+        shown = replace(thing, technique=name, settings=settings, heights="sharp")
+        frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, engine=engine)
+        png = encode_png(frame.color[:, :, :3])
+        yield name, base64.b64encode(png).decode()
+
+
+# --- the page ------------------------------------------------------------------------------------
+
+
+def _html(
+    name: str, data: dict[str, Any], maps: dict[str, Any], stills: list[tuple[str, str]]
+) -> str:
+    web = files("basrelief.viewer") / "web"
+    blobs = "\n".join(
+        f'<script type="application/octet-stream" id="map-{key}">{each.pop("content")}</script>'
+        for key, each in maps.items()
+    )
+    told = json.dumps({**data, "maps": maps}, separators=(",", ":"))
+    parts = {
+        "TITLE": escape(name),
+        "GENERATOR": GENERATOR,
+        "VERSION": __version__,
+        "STYLE": (web / "style.css").read_text("utf-8"),
+        "STILLS": "\n".join(_figure(*still) for still in stills),
+        "DATA": base64.b64encode(zlib.compress(told.encode(), 9)).decode(),
+        "BLOBS": blobs,
+        "IMPORTS": json.dumps({"imports": {f"view/{m}.js": _module(web, m) for m in _MODULES}}),
+    }
+    text = (web / "page.html").read_text("utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], text)
+
+
+def _module(web: Any, name: str) -> str:
+    """A module's source as an address that holds it whole."""
+    source = (web / f"{name}.js").read_bytes()
+    return f"data:text/javascript;base64,{base64.b64encode(source).decode()}"
+
+
+def _figure(technique: str, png: str) -> str:
+    return (
+        f'<figure><img alt="drawn with {escape(technique)}" src="data:image/png;base64,{png}">'
+        f"<figcaption>{escape(technique)}</figcaption></figure>"
+    )

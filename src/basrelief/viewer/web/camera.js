@@ -1,0 +1,74 @@
+// Cameras as `basrelief.cameras` and `scene.views` work them out, in the same order of operations.
+
+const radians = (degrees) => degrees * (Math.PI / 180);
+const add = (a, b) => a.map((x, k) => x + b[k]);
+const subtract = (a, b) => a.map((x, k) => x - b[k]);
+const times = (a, s) => a.map((x) => x * s);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+const unit = (a) => times(a, 1 / Math.sqrt(dot(a, a)));
+
+// The camera `distance` from `target`; angles in degrees, azimuth 0 looks from +z.
+export function orbit(camera, size) {
+  const around = radians(camera.azimuth);
+  const above = radians(camera.elevation);
+  const level = [Math.sin(around), 0, Math.cos(around)];
+  const y = [0, 1, 0];
+  const away = add(times(level, Math.cos(above)), times(y, Math.sin(above)));
+  const up = subtract(times(y, Math.cos(above)), times(level, Math.sin(above)));
+  return look(add(camera.target, times(away, camera.distance)), camera.target, up, camera, size);
+}
+
+function look(position, target, up, lens, [width, height]) {
+  const forward = unit(subtract(target, position));
+  const right = unit(cross(forward, unit(up)));
+  const down = cross(forward, right);
+  const parallel = lens.orthographic_height != null;
+  const half = parallel ? lens.orthographic_height / 2 : Math.tan(radians(lens.field_of_view) / 2);
+  const pixel = (2 * half) / height;
+  const corner = times(add(times(right, width), times(down, height)), -pixel / 2);
+  return {
+    position,
+    corner: parallel ? corner : add(corner, forward),
+    right: times(right, pixel),
+    down: times(down, pixel),
+    forward,
+    perspective: parallel ? 0 : 1,
+  };
+}
+
+// The distance from which all points are seen, filling so much of the picture.
+export function framing(camera, points, size, filled) {
+  const near = orbit({ ...camera, distance: 1 }, size);
+  let needed = -Infinity;
+  for (const point of points) {
+    const offset = subtract(point, camera.target);
+    const closer = -dot(offset, near.forward);
+    if (camera.orthographic_height != null) {
+      needed = Math.max(needed, closer + 1);
+      continue;
+    }
+    [near.right, near.down].forEach((axis, k) => {
+      const half = (size[k] * filled) / 2;
+      needed = Math.max(needed, closer + Math.abs(dot(offset, axis)) / dot(axis, axis) / half);
+    });
+  }
+  return needed;
+}
+
+// The way that light from an azimuth and elevation travels, as `scene.lights.directional` has it.
+export function travelling(azimuth, elevation) {
+  const [around, above] = [radians(azimuth), radians(elevation)];
+  const c = Math.cos(above);
+  return unit([-Math.sin(around) * c, -Math.sin(above), -Math.cos(around) * c]);
+}
+
+// The world directions that are right and up in the picture, for moving the target.
+export function across(camera, size) {
+  const made = orbit(camera, size);
+  return { right: unit(made.right), up: times(unit(made.down), -1) };
+}

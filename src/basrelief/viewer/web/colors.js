@@ -1,0 +1,265 @@
+// From a program's planes to the screen: samples added up, debug pictures, figures. This is the
+// page's own WGSL; what is drawn is computed by the library's programs.
+
+const COMMON = `
+struct View {
+  size: vec2u,
+  canvas: vec2f,
+  texels: vec2f,
+  background: vec4f,
+  divider: f32,
+  show: u32,
+  samples: f32,
+  most_reads: f32,
+  nearest: f32,
+  furthest: f32,
+  first: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+// Planes of a picture: color.xyzw, depth, uv.xy, hit, reads.
+@group(0) @binding(1) var<storage, read> left: array<u32>;
+`;
+
+const ADD = `${COMMON}
+@group(0) @binding(2) var<storage, read_write> sum: array<vec4f>;
+
+// Lay a sample over the background and add it to those before.
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  if (any(id.xy >= view.size)) { return; }
+  let p = id.y * view.size.x + id.x;
+  let area = view.size.x * view.size.y;
+  let color = vec3f(
+    bitcast<f32>(left[p]), bitcast<f32>(left[p + area]), bitcast<f32>(left[p + 2u * area]));
+  let there = left[p + 7u * area] != 0u;
+  let share = select(0.0, bitcast<f32>(left[p + 3u * area]), there);
+  let over = vec4f(view.background.rgb * (1.0 - share) + color * share, 1.0);
+  sum[p] = select(sum[p] + over, over, view.first == 1u);
+}
+`;
+
+const COUNT = `${COMMON}
+@group(0) @binding(2) var<storage, read> truth: array<u32>;
+struct Row { hits: u32, reads: u32, most: u32, missed: u32, nearest: f32, furthest: f32 }
+@group(0) @binding(3) var<storage, read_write> rows: array<Row>;
+
+// One row's figures: reads of the pixels that show the object, missed hits, depths.
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  if (id.x >= view.size.y) { return; }
+  let area = view.size.x * view.size.y;
+  var row = Row(0u, 0u, 0u, 0u, 1e30, 0.0);
+  for (var x = 0u; x < view.size.x; x++) {
+    let p = id.x * view.size.x + x;
+    if (left[p + 7u * area] != 0u) {
+      let depth = bitcast<f32>(left[p + 4u * area]);
+      row.hits += 1u;
+      row.reads += left[p + 8u * area];
+      row.most = max(row.most, left[p + 8u * area]);
+      row.nearest = min(row.nearest, depth);
+      row.furthest = max(row.furthest, depth);
+    }
+    if (view.show == 2u && missed_at(p, area)) { row.missed += 1u; }
+  }
+  rows[id.x] = row;
+}
+`;
+
+// Missed as CONVENTIONS.md has it: more than a texel from the true hit, or not drawn.
+const MISSED = `
+fn apart(p: u32, area: u32) -> vec2f {
+  let d = vec2f(
+    bitcast<f32>(PLANES[p + 5u * area]) - bitcast<f32>(truth[p + 5u * area]),
+    bitcast<f32>(PLANES[p + 6u * area]) - bitcast<f32>(truth[p + 6u * area]));
+  return (d - round(d)) * view.texels;
+}
+fn missed_at(p: u32, area: u32) -> bool {
+  if (truth[p + 7u * area] == 0u) { return false; }
+  return PLANES[p + 7u * area] == 0u || length(apart(p, area)) > 1.0;
+}
+fn passed_at(p: u32, area: u32) -> bool {
+  return PLANES[p + 7u * area] != 0u
+    && bitcast<f32>(PLANES[p + 4u * area]) > bitcast<f32>(truth[p + 4u * area]);
+}
+`;
+
+const SHOW = `${COMMON}
+@group(0) @binding(2) var<storage, read> left_sum: array<vec4f>;
+@group(0) @binding(3) var<storage, read> right: array<u32>;
+@group(0) @binding(4) var<storage, read> right_sum: array<vec4f>;
+@group(0) @binding(5) var<storage, read> truth: array<u32>;
+@group(0) @binding(6) var<storage, read> heat: array<vec4f>;
+
+@vertex
+fn corners(@builtin(vertex_index) k: u32) -> @builtin(position) vec4f {
+  return vec4f(f32(k & 1u) * 4.0 - 1.0, f32(k >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+fn encoded(c: vec3f) -> vec3f {
+  let held = clamp(c, vec3f(0.0), vec3f(1.0));
+  let curve = 1.055 * pow(held, vec3f(1.0 / 2.4)) - 0.055;
+  return select(curve, held * 12.92, held <= vec3f(0.0031308));
+}
+
+fn heated(share: f32) -> vec3f {
+  return heat[u32(round(clamp(share, 0.0, 1.0) * f32(arrayLength(&heat) - 1u)))].rgb;
+}
+
+SIDES
+
+@fragment
+fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
+  let size = vec2f(view.size);
+  let cell = min(vec2u(at.xy / view.canvas * size), view.size - 1u);
+  let p = cell.y * view.size.x + cell.x;
+  // smooth where the picture is smaller than the canvas
+  let place = clamp(at.xy / view.canvas * size - 0.5, vec2f(0.0), size - 1.0);
+  let a = vec2u(place);
+  let b = min(a + 1u, view.size - 1u);
+  let corner = vec4u(
+    a.y * view.size.x + a.x, a.y * view.size.x + b.x,
+    b.y * view.size.x + a.x, b.y * view.size.x + b.x);
+  if (at.x < view.divider) {
+    return vec4f(encoded(shown_left(p, corner, fract(place))), 1.0);
+  }
+  return vec4f(encoded(shown_right(p, corner, fract(place))), 1.0);
+}
+`;
+
+const SIDE = `
+fn averaged_SIDE(corner: vec4u, share: vec2f) -> vec3f {
+  let upper = mix(SIDE_sum[corner.x], SIDE_sum[corner.y], share.x);
+  let lower = mix(SIDE_sum[corner.z], SIDE_sum[corner.w], share.x);
+  return mix(upper, lower, share.y).rgb / view.samples;
+}
+fn shown_SIDE(p: u32, corner: vec4u, share: vec2f) -> vec3f {
+  let area = view.size.x * view.size.y;
+  let color = averaged_SIDE(corner, share);
+  if (view.show == 0u) { return color; }
+  if (view.show == 2u) {
+    if (missed_SIDE(p, area)) {
+      return select(vec3f(SHORT), vec3f(PASSED), passed_SIDE(p, area));
+    }
+    return vec3f((color.r + color.g + color.b) / 12.0);
+  }
+  if (SIDE[p + 7u * area] == 0u) { return vec3f(0.03); }
+  if (view.show == 1u) { return heated(f32(SIDE[p + 8u * area]) / view.most_reads); }
+  let depth = bitcast<f32>(SIDE[p + 4u * area]);
+  return heated(1.0 - (depth - view.nearest) / max(view.furthest - view.nearest, 1e-6));
+}
+`;
+
+const WORDS = 24;
+const shows = ["color", "reads", "missed", "depth"];
+
+export class Colors {
+  constructor(gpu, canvas, told) {
+    this.gpu = gpu;
+    const { device } = gpu;
+    this.context = canvas.getContext("webgpu");
+    const format = navigator.gpu.getPreferredCanvasFormat();
+    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
+    this.context.configure({ device, format, usage, alphaMode: "opaque" });
+    const missed = (side) =>
+      MISSED.replaceAll("PLANES", side).replace(/(apart|missed|passed)(_at)?\(/g, (_, name) =>
+        `${name}_${side}(`);
+    const sides = ["left", "right"].map((side) => missed(side) + SIDE.replaceAll("SIDE", side));
+    const show = SHOW.replace("SIDES", sides.join(""))
+      .replaceAll("SHORT", told.short.join(", "))
+      .replaceAll("PASSED", told.passed.join(", "));
+    const module = device.createShaderModule({ code: show, label: "show" });
+    this.show = device.createRenderPipeline({
+      layout: "auto",
+      vertex: { module, entryPoint: "corners" },
+      fragment: { module, entryPoint: "main", targets: [{ format }] },
+    });
+    this.add = this.compute(ADD, "add");
+    this.count = this.compute(COUNT + MISSED.replaceAll("PLANES", "left"), "count");
+    const heat = Float32Array.from(told.heat.flatMap((c) => [...c, 1]));
+    this.heat = gpu.buffer(heat.buffer, GPUBufferUsage.STORAGE);
+    this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
+  }
+
+  compute(code, label) {
+    const module = this.gpu.device.createShaderModule({ code, label });
+    const compute = { module, entryPoint: "main" };
+    return this.gpu.device.createComputePipeline({ layout: "auto", compute });
+  }
+
+  put({ size, canvas, texels, background, divider, show, samples, figures, first }) {
+    const view = new DataView(new ArrayBuffer(4 * WORDS));
+    const floats = [...canvas, ...texels];
+    size.forEach((x, k) => view.setUint32(4 * k, x, true));
+    floats.forEach((x, k) => view.setFloat32(8 + 4 * k, x, true));
+    background.forEach((x, k) => view.setFloat32(32 + 4 * k, x, true));
+    view.setFloat32(48, divider, true);
+    view.setUint32(52, shows.indexOf(show), true);
+    view.setFloat32(56, samples, true);
+    view.setFloat32(60, figures?.most || 1, true);
+    view.setFloat32(64, figures?.nearest ?? 0, true);
+    view.setFloat32(68, figures?.furthest ?? 1, true);
+    view.setUint32(72, first ? 1 : 0, true);
+    this.gpu.device.queue.writeBuffer(this.view, 0, view.buffer);
+  }
+
+  group(pipeline, buffers) {
+    const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
+    return this.gpu.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
+  }
+
+  pass(pipeline, buffers, groups) {
+    const encoder = this.gpu.device.createCommandEncoder();
+    const pass = encoder.beginComputePass();
+    pass.setPipeline(pipeline);
+    pass.setBindGroup(0, this.group(pipeline, buffers));
+    pass.dispatchWorkgroups(...groups);
+    pass.end();
+    this.gpu.device.queue.submit([encoder.finish()]);
+  }
+
+  // Add a whole sample's colours to a sum.
+  accumulate(side, view) {
+    this.put(view);
+    const groups = view.size.map((n) => Math.ceil(n / 8));
+    this.pass(this.add, [this.view, side.planes, side.sum], groups);
+  }
+
+  present(left, right, truth, view) {
+    this.put(view);
+    const encoder = this.gpu.device.createCommandEncoder();
+    const target = this.context.getCurrentTexture().createView();
+    const pass = encoder.beginRenderPass({
+      colorAttachments: [{ view: target, loadOp: "clear", storeOp: "store" }],
+    });
+    const buffers = [left.planes, left.sum, right.planes, right.sum, truth.planes, this.heat];
+    pass.setPipeline(this.show);
+    pass.setBindGroup(0, this.group(this.show, [this.view, ...buffers]));
+    pass.draw(3);
+    pass.end();
+    this.gpu.device.queue.submit([encoder.finish()]);
+  }
+
+  // What a picture's planes say: pixels that show the object, mean and most reads, missed, depths.
+  async figures(side, truth, view) {
+    this.put(view);
+    const { device } = this.gpu;
+    const height = view.size[1];
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
+    const rows = device.createBuffer({ size: 24 * height, usage });
+    this.pass(this.count, [this.view, side.planes, truth.planes, rows], [Math.ceil(height / 64)]);
+    const words = await this.gpu.read(rows);
+    rows.destroy();
+    const [whole, real] = [new Uint32Array(words), new Float32Array(words)];
+    const found = { hits: 0, reads: 0, most: 0, missed: 0, nearest: Infinity, furthest: 0 };
+    for (let k = 0; k < whole.length; k += 6) {
+      found.hits += whole[k];
+      found.reads += whole[k + 1];
+      found.most = Math.max(found.most, whole[k + 2]);
+      found.missed += whole[k + 3];
+      found.nearest = Math.min(found.nearest, real[k + 4]);
+      found.furthest = Math.max(found.furthest, real[k + 5]);
+    }
+    return found;
+  }
+}

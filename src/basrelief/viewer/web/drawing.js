@@ -1,0 +1,384 @@
+// The picture: what the programs are given, when they run, and how fine.
+//
+// While something moves, whole frames are drawn, smaller where one takes over 33 ms. At rest the
+// places in each pixel are gone through, row by row, so that the page stays awake.
+
+import { framing, orbit, travelling } from "view/camera.js";
+import { Colors } from "view/colors.js";
+import { Job, rowsApart } from "view/gpu.js";
+import { channelLevels, heightLevels, single } from "view/maps.js";
+import { keyOf } from "view/state.js";
+
+const SLOW = 33; // milliseconds a frame may take while something moves
+const COARSEST = 8; // times smaller that each side is at most while something moves
+const REST = 150; // milliseconds after which nothing moves any more
+const PLANES = 9;
+const KINDS = { directional: 0, point: 1, spot: 2 };
+
+export class Drawing {
+  constructor(gpu, data, canvas, heard) {
+    Object.assign(this, { gpu, data, canvas, heard });
+    this.colors = new Colors(gpu, canvas, data.colors);
+    this.textures = {};
+    this.jobs = new Map();
+    this.sides = {};
+    this.coarse = 1; // how much smaller each side is while something moves
+    this.limit = data.samples.length;
+    this.state = null;
+    this.dirty = false;
+    this.done = 0;
+    this.row = 0;
+    this.speed = 1e-5; // milliseconds a pixel, as last seen
+    this.failed = null;
+  }
+
+  // --- maps
+
+  // `pictures` by name: what is in the page, or was dropped; others are single texels.
+  async setMaps(pictures) {
+    const heights = pictures.field ?? single([65535]);
+    this.pictures = { ...pictures, field: heights };
+    this.texels = [heights.width, heights.height];
+    this.replace("field", heightLevels(heights), true);
+    const color = pictures.base_color ?? single([39321, 39321, 39321, 65535]);
+    this.replace("base_color", channelLevels(color, hasHoles(color)));
+    this.replace("response", channelLevels(pictures.response ?? single([65535, 52428, 0, 65535])));
+    this.replace("emission", channelLevels(pictures.emission ?? single([0, 0, 0, 65535])));
+    this.replace("level_normal", channelLevels(single([32768, 32768, 65535, 65535])));
+    if (pictures.normal) this.replace("normal", channelLevels(pictures.normal));
+    for (const { bake } of Object.values(this.data.techniques)) {
+      if (bake && pictures[bake]) this.replace(bake, [pictures[bake]]);
+    }
+    this.bakedFor = null;
+  }
+
+  replace(name, levels, heights = false) {
+    const made = this.gpu.texture(levels, heights);
+    this.textures[name]?.destroy();
+    this.textures[name] = made;
+  }
+
+  // Where there is no normal map, normals are made of the heights, by the library's own program.
+  async ensureNormals(state) {
+    if (this.pictures.normal || this.bakedFor === state.scale) return;
+    const { width, height } = this.pictures.field;
+    const made = await this.gpu.pipeline(this.data.bakedNormals, this.data);
+    const job = new Job(this.gpu, made, this.data);
+    const planes = this.gpu.planes(3, width, height);
+    job.put({ field: this.textures.field, relief: { per_texel: state.scale * width } });
+    job.dispatch(planes, [width, height], 0, height);
+    const found = new Float32Array(await this.gpu.read(planes));
+    const area = width * height;
+    const texels = new Uint16Array(4 * area).fill(65535);
+    for (let k = 0; k < area; k++) {
+      for (let c = 0; c < 3; c++) {
+        texels[4 * k + c] = Math.round((found[c * area + k] * 0.5 + 0.5) * 65535);
+      }
+    }
+    this.replace("normal", channelLevels({ width, height, texels }));
+    this.bakedFor = state.scale;
+    planes.destroy();
+    job.destroy();
+  }
+
+  // --- values
+
+  camera(state, size) {
+    const camera = { ...state.camera };
+    if (camera.distance === null) {
+      const { outline } = this.data.shapes[state.shape];
+      camera.distance = framing(camera, outline, size, this.data.filled);
+    }
+    return camera;
+  }
+
+  values(state, size, sample) {
+    const { data, textures } = this;
+    const made = data.techniques[state.technique];
+    const shape = data.shapes[state.shape];
+    const { origin, to_object, proportion } = shape;
+    const level = made.boxes && !this.pictures.normal;
+    return {
+      view: { camera: orbit(this.camera(state, size), size), sample },
+      placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
+      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near: 0, fade_far: 0 },
+      smoothing: state.smoothing,
+      settings: state.settings[state.technique],
+      finish: state.finish,
+      places: data.constants.places,
+      shading: state.shading,
+      shadowing: state.shadowing,
+      fog: data.constants.fog,
+      lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
+      ...textures,
+      normal: level ? textures.level_normal : textures.normal,
+      baked: made.bake ? textures[made.bake] : undefined,
+    };
+  }
+
+  // --- what is drawn
+
+  // The pictures that a state asks for, by where they are shown.
+  wanted(state) {
+    const found = { left: state };
+    const other = state.compare;
+    if (other) {
+      const { level, projection } = this.data.techniques[other];
+      const own = state.level === this.data.techniques[state.technique].level;
+      found.right = { ...state, technique: other, level: own ? level : state.level, projection };
+    }
+    // the truth fills the same space, along straight rays
+    if (state.show === "missed") {
+      found.truth = { ...state, technique: "exact", projection: "full", shadows: "none" };
+    }
+    return found;
+  }
+
+  // Show another state; resolves when its programs are there and a frame is asked for.
+  async show(state) {
+    this.latest = state;
+    if (this.compiling) return this.compiling;
+    this.compiling = this.prepare();
+    try {
+      await this.compiling;
+    } finally {
+      this.compiling = null;
+    }
+  }
+
+  async prepare() {
+    let state = null;
+    while (state !== this.latest) {
+      state = this.latest;
+      try {
+        await this.ensureNormals(state);
+        const wanted = this.wanted(state);
+        for (const [side, each] of Object.entries(wanted)) {
+          const made = this.data.techniques[each.technique];
+          if (made.bake && !this.textures[made.bake]) {
+            throw new Error(`${each.technique} needs ${made.bake}, which the page has not`);
+          }
+          const key = keyOf(each, this.data.choices);
+          const known = this.gpu.pipelines.has(key);
+          if (!known) this.heard({ busy: `compiling ${each.technique} …` });
+          const pipeline = await this.gpu.pipeline(key, this.data);
+          const name = `${side}:${key}`;
+          if (!this.jobs.has(name)) {
+            this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
+            this.fresh = true;
+          }
+          wanted[side] = { state: each, job: this.jobs.get(name) };
+        }
+        this.shown = wanted;
+        this.state = state;
+        this.failed = null;
+        this.heard({ busy: "" });
+      } catch (error) {
+        this.failed = error;
+        this.heard({ busy: "", error: `${state.technique}: ${firstLine(error)}` });
+        if (!this.shown) return;
+      }
+    }
+    this.touched();
+  }
+
+  // Something changed: draw anew with the next frame.
+  touched() {
+    this.dirty = true;
+    this.movedAt = performance.now();
+    this.wake();
+  }
+
+  wake() {
+    if (this.asked || this.held) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.tick();
+    });
+  }
+
+  get size() {
+    return [this.canvas.width, this.canvas.height];
+  }
+
+  // Buffers for a picture of the canvas's size, on each side.
+  room() {
+    const area = this.canvas.width * this.canvas.height;
+    for (const name of ["left", "right", "truth"]) {
+      const needed = this.shown[name] || name === "left" ? area : 1;
+      const held = this.sides[name];
+      if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
+      held?.planes.destroy();
+      held?.sum.destroy();
+      this.sides[name] = {
+        area: needed,
+        planes: this.gpu.planes(PLANES, needed, 1),
+        sum: this.gpu.planes(4, needed, 1),
+      };
+    }
+  }
+
+  async tick() {
+    if (this.running || !this.shown || this.held) return;
+    this.running = true;
+    try {
+      if (this.dirty) await this.movingFrame();
+      else if (this.done < this.limit) await this.finer();
+    } catch (error) {
+      this.heard({ error: firstLine(error) });
+      this.done = this.limit;
+    } finally {
+      this.running = false;
+    }
+    if (this.dirty || this.done < this.limit) this.wake();
+  }
+
+  async movingFrame() {
+    this.dirty = false;
+    const size = this.size.map((n) => Math.max(16, Math.round(n / this.coarse)));
+    this.room();
+    const began = performance.now();
+    this.sample(size, 0, 0, size[1], true);
+    this.accumulate(size, true);
+    this.drawnSize = size;
+    this.drawn = 1;
+    this.present();
+    await this.gpu.device.queue.onSubmittedWorkDone();
+    const took = performance.now() - began;
+    this.frames = (this.frames ?? 0) + 1;
+    this.speed = took / (size[0] * size[1]);
+    // the first frame of a program says how long its driver makes ready, and nothing of the next
+    if (!this.fresh) {
+      const wanted = this.coarse * Math.sqrt(took / SLOW);
+      this.coarse = wanted < 1.2 ? 1 : Math.min(COARSEST, wanted);
+    }
+    this.fresh = false;
+    const full = size[0] === this.size[0] && size[1] === this.size[1];
+    this.done = full ? 1 : 0;
+    this.row = 0;
+    this.spent = [0, 0];
+    const gpuMilliseconds = await this.stamped();
+    this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
+    if (full) await this.figures();
+  }
+
+  // A part of the next sample, as many rows as fit a frame's time.
+  async finer() {
+    if (performance.now() - this.movedAt < REST) return;
+    const size = this.size;
+    this.room();
+    const apart = rowsApart(size[0]);
+    const rows = Math.max(apart, Math.floor(SLOW / this.speed / size[0] / apart) * apart);
+    const last = Math.min(size[1], this.row + rows);
+    const began = performance.now();
+    this.sample(size, this.done, this.row, last, true);
+    await this.gpu.device.queue.onSubmittedWorkDone();
+    const took = performance.now() - began;
+    this.speed = took / (size[0] * (last - this.row));
+    const clock = await this.stamped();
+    this.spent = [this.spent[0] + took, clock === null ? null : this.spent[1] + clock];
+    if (this.dirty) return;
+    this.row = last;
+    if (last < size[1]) return;
+    this.accumulate(size, this.done === 0);
+    this.done += 1;
+    this.row = 0;
+    this.drawnSize = size;
+    this.drawn = this.done;
+    this.present();
+    const [milliseconds, gpuMilliseconds] = this.spent;
+    this.spent = [0, 0];
+    this.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
+    if (this.done === 1) await this.figures();
+  }
+
+  sample(size, number, first, last, timed = false) {
+    for (const [side, { state, job }] of Object.entries(this.shown)) {
+      job.put(this.values(state, size, this.data.samples[number]));
+      job.dispatch(this.sides[side].planes, size, first, last, timed && side === "left");
+    }
+  }
+
+  accumulate(size, first) {
+    const view = { ...this.view(), size, first };
+    this.colors.accumulate(this.sides.left, view);
+    if (this.shown.right) this.colors.accumulate(this.sides.right, view);
+  }
+
+  view() {
+    const { state, canvas } = this;
+    return {
+      size: this.drawnSize,
+      canvas: [canvas.width, canvas.height],
+      texels: this.texels,
+      background: [...this.data.constants.background, 1],
+      divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
+      show: state.show,
+      samples: this.drawn,
+      figures: this.found,
+    };
+  }
+
+  // Put what is drawn on the canvas, with the divider where it is now.
+  present() {
+    if (!this.shown || !this.drawnSize) return;
+    const { left, right, truth } = this.sides;
+    this.colors.present(left, right, truth, this.view());
+  }
+
+  async figures() {
+    const view = { ...this.view(), size: this.drawnSize };
+    const found = await this.colors.figures(this.sides.left, this.sides.truth, view);
+    this.found = found;
+    const told = { figures: found };
+    if (this.shown.right) {
+      told.right = await this.colors.figures(this.sides.right, this.sides.truth, view);
+      this.found = { ...found, most: Math.max(found.most, told.right.most) };
+    }
+    this.heard(told);
+    if (this.state.show !== "color" && !this.dirty) this.present();
+  }
+
+  // What the last timed dispatch took by the GPU's own clock, null where it has none.
+  async stamped() {
+    const { stamps } = this.gpu;
+    if (!stamps) return null;
+    await stamps.read.mapAsync(GPUMapMode.READ);
+    const [first, last] = new BigUint64Array(stamps.read.getMappedRange());
+    stamps.read.unmap();
+    return Number(last - first) * 1e-6;
+  }
+
+  // Resolves when nothing is left to be drawn.
+  async settled() {
+    while (this.compiling || this.running || this.dirty || this.done < this.limit) {
+      if (this.failed && !this.shown) throw this.failed;
+      await new Promise((resolve) => setTimeout(resolve, 10));
+    }
+  }
+
+  // The words of a side's planes, as they were drawn last.
+  async words(side = "left") {
+    const [width, height] = this.drawnSize;
+    const words = await this.gpu.read(this.sides[side].planes);
+    return words.slice(0, 4 * PLANES * width * height);
+  }
+}
+
+function lightRecord(light) {
+  const turned = light.kind === "directional";
+  return {
+    ...light,
+    kind: KINDS[light.kind],
+    direction: turned ? travelling(light.azimuth, light.elevation) : light.direction,
+    color: light.color.map((c) => c * light.intensity),
+  };
+}
+
+function hasHoles({ texels }) {
+  for (let k = 3; k < texels.length; k += 4) if (texels[k] !== 65535) return true;
+  return false;
+}
+
+export const firstLine = (error) => String(error?.message ?? error).split("\n")[0];

@@ -1,0 +1,210 @@
+// Runs the page's programs as `engine/gpu.py` does: the same bindings, formats and uniforms.
+
+import { pack, packList } from "view/records.js";
+
+const GROUP = 8;
+
+export class Gpu {
+  static async open() {
+    if (!navigator.gpu) throw new Error("this browser has no WebGPU");
+    const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
+    if (!adapter) throw new Error("WebGPU finds no graphics adapter here");
+    const wanted = [
+      "maxStorageBufferBindingSize",
+      "maxBufferSize",
+      "maxTextureDimension2D",
+      "maxStorageBuffersPerShaderStage",
+    ];
+    const device = await adapter.requestDevice({
+      requiredLimits: Object.fromEntries(wanted.map((name) => [name, adapter.limits[name]])),
+      requiredFeatures: adapter.features.has("timestamp-query") ? ["timestamp-query"] : [],
+    });
+    return new Gpu(adapter, device);
+  }
+
+  constructor(adapter, device) {
+    this.adapter = adapter;
+    this.device = device;
+    this.limits = device.limits;
+    this.pipelines = new Map();
+    this.compiled = 0; // how many pipelines were ever made
+    this.sampler = device.createSampler({ addressModeU: "repeat", addressModeV: "repeat" });
+    this.stamps = device.features.has("timestamp-query") ? this.timing() : null;
+  }
+
+  timing() {
+    const { device } = this;
+    const usage = GPUBufferUsage;
+    return {
+      queries: device.createQuerySet({ type: "timestamp", count: 2 }),
+      resolved: device.createBuffer({ size: 16, usage: usage.QUERY_RESOLVE | usage.COPY_SRC }),
+      read: device.createBuffer({ size: 16, usage: usage.MAP_READ | usage.COPY_DST }),
+    };
+  }
+
+  // The pipeline of a program, made once; rejects with what the compiler says.
+  pipeline(key, data) {
+    if (!this.pipelines.has(key)) {
+      const made = this.build(key, data);
+      this.pipelines.set(key, made);
+      made.catch(() => this.pipelines.delete(key));
+    }
+    return this.pipelines.get(key);
+  }
+
+  async build(key, data) {
+    const { device } = this;
+    const program = data.programs[key];
+    if (!program) throw new Error(`the page has no program for ${key.replaceAll("|", ", ")}`);
+    const code = program.pieces.map((number) => data.pieces[number]).join("\n");
+    this.compiled += 1;
+    const module = device.createShaderModule({ code, label: key });
+    const layout = device.createBindGroupLayout({ entries: program.bindings.map(layoutEntry) });
+    const pipeline = await device.createComputePipelineAsync({
+      layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
+      compute: { module, entryPoint: "main" },
+    });
+    return { pipeline, layout, program };
+  }
+
+  buffer(bytes, usage) {
+    const size = Math.max(16, bytes.byteLength);
+    const made = this.device.createBuffer({ size, usage: usage | GPUBufferUsage.COPY_DST });
+    this.device.queue.writeBuffer(made, 0, bytes);
+    return made;
+  }
+
+  // A texture with all its levels: heights as r32float, four channels as rgba16uint.
+  texture(levels, heights) {
+    const [{ width, height }] = levels;
+    const most = this.limits.maxTextureDimension2D;
+    if (Math.max(width, height) > most) {
+      throw new Error(`a map of ${width} × ${height} is larger than this GPU takes (${most})`);
+    }
+    const texture = this.device.createTexture({
+      size: [width, height],
+      format: heights ? "r32float" : "rgba16uint",
+      mipLevelCount: levels.length,
+      usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+    });
+    levels.forEach((level, mipLevel) => {
+      this.device.queue.writeTexture(
+        { texture, mipLevel },
+        level.texels,
+        { bytesPerRow: level.width * (heights ? 4 : 8), rowsPerImage: level.height },
+        [level.width, level.height],
+      );
+    });
+    return texture;
+  }
+
+  // Where a program writes: so many planes of a picture.
+  planes(count, width, height) {
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
+    return this.device.createBuffer({ size: 4 * count * width * height, usage });
+  }
+
+  async read(buffer) {
+    const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST;
+    const copy = this.device.createBuffer({ size: buffer.size, usage });
+    const encoder = this.device.createCommandEncoder();
+    encoder.copyBufferToBuffer(buffer, 0, copy, 0, buffer.size);
+    this.device.queue.submit([encoder.finish()]);
+    await copy.mapAsync(GPUMapMode.READ);
+    const words = copy.getMappedRange().slice(0);
+    copy.destroy();
+    return words;
+  }
+}
+
+// Rows that begin where a binding may: at multiples of 256 bytes.
+export function rowsApart(width) {
+  let rows = 64;
+  while (rows > 1 && ((rows / 2) * width) % 64 === 0) rows /= 2;
+  return rows;
+}
+
+// A program with its values in place, to be run on rows of a picture as often as is wanted.
+export class Job {
+  constructor(gpu, made, data) {
+    this.gpu = gpu;
+    this.made = made;
+    this.data = data;
+    this.uniforms = new Map();
+    this.run = gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
+  }
+
+  // `values` by name: records, lists of them, textures; nothing is compiled for a new one.
+  put(values) {
+    const { gpu, data } = this;
+    for (const { kind, name, type } of this.made.program.bindings) {
+      if (kind !== "uniform" && kind !== "buffer") continue;
+      const bytes = (kind === "uniform" ? pack : packList)(type, values[name], data.records);
+      const held = this.uniforms.get(name);
+      if (held && held.size >= bytes.byteLength) {
+        gpu.device.queue.writeBuffer(held, 0, bytes);
+      } else {
+        held?.destroy();
+        const usage = kind === "uniform" ? GPUBufferUsage.UNIFORM : GPUBufferUsage.STORAGE;
+        this.uniforms.set(name, gpu.buffer(bytes, usage));
+      }
+    }
+    this.textures = values;
+  }
+
+  // Compute rows first … last − 1 of a picture into planes that hold all of it; `first` is a
+  // multiple of `rowsApart`.
+  dispatch(planes, [width, height], first, last, timed = false) {
+    const { gpu, made } = this;
+    const { device } = gpu;
+    device.queue.writeBuffer(this.run, 0, new Uint32Array([width, first, last, width * height]));
+    const offset = 4 * width * first;
+    const entries = made.program.bindings.map(({ kind, name }, binding) => {
+      if (kind === "run") return { binding, resource: { buffer: this.run } };
+      if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
+      if (kind === "sampler") return { binding, resource: gpu.sampler };
+      if (kind === "map") return { binding, resource: this.textures[name].createView() };
+      return { binding, resource: { buffer: this.uniforms.get(name) } };
+    });
+    const encoder = device.createCommandEncoder();
+    const stamps = timed ? gpu.stamps : null;
+    const pass = encoder.beginComputePass(
+      stamps
+        ? {
+            timestampWrites: {
+              querySet: stamps.queries,
+              beginningOfPassWriteIndex: 0,
+              endOfPassWriteIndex: 1,
+            },
+          }
+        : {},
+    );
+    pass.setPipeline(made.pipeline);
+    pass.setBindGroup(0, device.createBindGroup({ layout: made.layout, entries }));
+    pass.dispatchWorkgroups(Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP));
+    pass.end();
+    if (stamps) {
+      encoder.resolveQuerySet(stamps.queries, 0, 2, stamps.resolved, 0);
+      encoder.copyBufferToBuffer(stamps.resolved, 0, stamps.read, 0, 16);
+    }
+    device.queue.submit([encoder.finish()]);
+  }
+
+  destroy() {
+    for (const each of [this.run, ...this.uniforms.values()]) each.destroy();
+  }
+}
+
+function layoutEntry({ kind, name, type }, binding) {
+  const entry = { binding, visibility: GPUShaderStage.COMPUTE };
+  if (kind === "map") {
+    const sampleType = type === "HeightField" ? "unfilterable-float" : "uint";
+    entry.texture = { sampleType, viewDimension: "2d" };
+  } else if (kind === "sampler") {
+    entry.sampler = { type: "non-filtering" };
+  } else {
+    const kinds = { run: "uniform", uniform: "uniform", planes: "storage" };
+    entry.buffer = { type: kinds[kind] ?? "read-only-storage" };
+  }
+  return entry;
+}

@@ -1,0 +1,508 @@
+// The page: reads what it was made with, and puts the panel, the picture and a person together.
+
+import { across } from "view/camera.js";
+import { build } from "view/controls.js";
+import { Drawing, firstLine } from "view/drawing.js";
+import { Gpu } from "view/gpu.js";
+import { bytesOf, inflated, unpacked } from "view/maps.js";
+import { copyOf, fromHash, merged, toCommand, toHash, toPython } from "view/state.js";
+
+const byId = (id) => document.getElementById(id);
+const MOST_PIXELS = 1920 * 1200;
+const ZOOM = 1.12;
+
+export async function start() {
+  const view = new View();
+  window.viewer = view;
+  view.ready = view.open();
+  await view.ready;
+}
+
+class View {
+  constructor() {
+    this.shows = [];
+    this.drop = { slot: "height", channel: "luminance", polarity: "height", green: "gl" };
+    this.mapSaid = "";
+    this.canvas = byId("canvas");
+    this.heldSize = null;
+  }
+
+  async open() {
+    try {
+      const text = new TextDecoder().decode(await inflated(bytesOf(byId("data").textContent)));
+      this.data = JSON.parse(text);
+      this.start = { ...this.data.state, compare: "", divider: 0.5, show: "color", preset: "" };
+      this.state = copyOf(this.start);
+      this.hasHeights = this.data.hasHeights;
+    } catch (error) {
+      this.say(`This page cannot be read: ${firstLine(error)}`);
+      return;
+    }
+    this.readHash();
+    try {
+      this.gpu = await Gpu.open();
+    } catch (error) {
+      byId("without").append(` (${firstLine(error)})`);
+      document.body.classList.add("without");
+      return;
+    }
+    this.watch(this.gpu);
+    document.body.classList.add("with");
+    byId("panel").hidden = false;
+    if (this.data.scaledTo) {
+      this.say(`Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`, true);
+    }
+    try {
+      await this.loadMaps();
+    } catch (error) {
+      this.say(firstLine(error));
+      return;
+    }
+    this.rebuild();
+    this.listen();
+    this.fit();
+    await this.drawing.show(copyOf(this.state));
+  }
+
+  async loadMaps() {
+    this.pictures ??= Object.fromEntries(
+      await Promise.all(
+        Object.entries(this.data.maps).map(async ([name, told]) => [
+          name,
+          await unpacked(told, byId(`map-${name}`).textContent),
+        ]),
+      ),
+    );
+    this.drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
+    await this.drawing.setMaps(this.pictures);
+  }
+
+  // A lost device is opened anew; what goes wrong within one is told.
+  watch(gpu) {
+    gpu.device.addEventListener("uncapturederror", ({ error }) => this.say(firstLine(error)));
+    gpu.device.lost.then(async ({ reason, message }) => {
+      if (this.gpu !== gpu) return;
+      this.say(`The graphics device was lost (${firstLine(message || reason)}); starting it again.`);
+      this.drawing.held = true;
+      try {
+        this.gpu = await Gpu.open();
+        this.watch(this.gpu);
+        await this.loadMaps();
+        await this.drawing.show(copyOf(this.state));
+      } catch (error) {
+        this.say(`It cannot be started again: ${firstLine(error)}. Load the page anew.`);
+      }
+    });
+  }
+
+  // --- the state
+
+  readHash() {
+    try {
+      this.state = fromHash(location.hash, this.start, this.data);
+    } catch {
+      this.say("The link's settings cannot be read; the page starts with its own.");
+    }
+  }
+
+  // `choice`: what can be set is another now, so the panel is made anew.
+  changed(choice = false) {
+    if (choice) this.rebuild();
+    else for (const show of this.shows) show();
+    clearTimeout(this.linking);
+    this.linking = setTimeout(() => {
+      history.replaceState(null, "", toHash(this.state, this.start) || location.pathname);
+    }, 300);
+    this.updateDivider();
+    this.told?.(copyOf(this.state));
+    this.drawing.show(copyOf(this.state));
+  }
+
+  rebuild() {
+    build(this, byId("panel"));
+    this.updateDivider();
+  }
+
+  lacks(bake) {
+    if (!bake || this.drawing?.textures[bake]) return "";
+    return "needs a bake that the page has not";
+  }
+
+  preset(name) {
+    const found = this.data.presets[name]?.state;
+    if (!found) return;
+    const { camera, shape } = this.state;
+    this.state = { ...merged(this.start, found), preset: name, camera, shape };
+    if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
+  }
+
+  reshaped(shape) {
+    this.state.tiling = copyOf(this.data.shapes[shape].tiling);
+    this.state.camera.distance = null;
+    this.state.camera.target = [0, 0, 0];
+    this.hold();
+  }
+
+  frame() {
+    this.state.camera = { ...this.state.camera, distance: null, target: [0, 0, 0] };
+    this.changed();
+  }
+
+  reset() {
+    this.state = copyOf(this.start);
+    this.changed(true);
+  }
+
+  // --- the camera
+
+  size() {
+    return [this.canvas.width, this.canvas.height];
+  }
+
+  turn(azimuth, elevation) {
+    const { camera } = this.state;
+    camera.azimuth = ((camera.azimuth + azimuth + 540) % 360) - 180;
+    camera.elevation += elevation;
+    this.hold();
+    this.changed();
+  }
+
+  zoom(factor) {
+    const { camera } = this.state;
+    const { distance } = this.drawing.camera(this.state, this.size());
+    camera.distance = Math.min(20, distance * factor);
+    if (camera.orthographic_height !== null) camera.orthographic_height *= factor;
+    this.hold();
+    this.changed();
+  }
+
+  // Move the target by pixels of the picture as it is shown.
+  pan(x, y) {
+    const { camera } = this.state;
+    const height = this.canvas.clientHeight;
+    const whole = this.drawing.camera(this.state, this.size());
+    const deep = 2 * Math.tan((camera.field_of_view * Math.PI) / 360) * whole.distance;
+    const pixel = (camera.orthographic_height ?? deep) / height;
+    const { right, up } = across(whole, this.size());
+    camera.distance = whole.distance;
+    camera.target = camera.target.map((t, k) => t + (up[k] * y - right[k] * x) * pixel);
+    this.hold();
+    this.changed();
+  }
+
+  // Never behind a plane, nor within a shape.
+  hold() {
+    const { camera, shape } = this.state;
+    const plane = shape === "plane";
+    const least = plane ? 2 : -89;
+    camera.elevation = Math.max(least, Math.min(89, camera.elevation));
+    if (plane) camera.target[1] = Math.max(0, camera.target[1]);
+    if (camera.distance !== null) {
+      const away = Math.hypot(...camera.target);
+      const radius = plane ? 0.02 : shape === "sphere" ? 0.5 : shape === "box" ? 0.87 : 0.71;
+      camera.distance = Math.max(camera.distance, plane ? 0.15 : radius + away + 0.05);
+    }
+  }
+
+  // --- a person
+
+  listen() {
+    const { canvas } = this;
+    const pointers = new Map();
+    let apart = 0;
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, [event.clientX, event.clientY]);
+      apart = 0;
+      canvas.focus({ preventScroll: true });
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const last = pointers.get(event.pointerId);
+      if (!last) return;
+      const move = [event.clientX - last[0], event.clientY - last[1]];
+      pointers.set(event.pointerId, [event.clientX, event.clientY]);
+      if (pointers.size === 2) {
+        const [[ax, ay], [bx, by]] = [...pointers.values()];
+        const now = Math.hypot(ax - bx, ay - by);
+        if (apart) this.zoom(apart / Math.max(now, 1));
+        apart = now;
+        this.pan(move[0] / 2, move[1] / 2);
+      } else if (event.shiftKey || event.buttons & 6) {
+        this.pan(...move);
+      } else {
+        this.turn(-move[0] * 0.4, move[1] * 0.4);
+      }
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+    }
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        this.zoom(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.0015));
+      },
+      { passive: false },
+    );
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    byId("divider").addEventListener("input", (event) => this.divide(Number(event.target.value)));
+    this.listenToLine();
+    this.listenToDrops();
+    addEventListener("hashchange", () => {
+      this.readHash();
+      this.changed(true);
+    });
+    new ResizeObserver(() => this.fit()).observe(byId("picture"));
+  }
+
+  key(event) {
+    const arrows = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, 1],
+      ArrowDown: [0, -1],
+    };
+    const arrow = arrows[event.key];
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (arrow && event.shiftKey) this.pan(-arrow[0] * 20, arrow[1] * 20);
+    else if (arrow) this.turn(arrow[0] * 4, arrow[1] * 4);
+    else if (event.key === "+" || event.key === "=") this.zoom(1 / ZOOM);
+    else if (event.key === "-") this.zoom(ZOOM);
+    else if (event.key === "0") this.frame();
+    else return;
+    event.preventDefault();
+  }
+
+  listenToLine() {
+    const line = byId("line");
+    line.addEventListener("pointerdown", (event) => line.setPointerCapture(event.pointerId));
+    line.addEventListener("pointermove", (event) => {
+      if (!line.hasPointerCapture(event.pointerId)) return;
+      const { left, width } = this.canvas.getBoundingClientRect();
+      this.divide((event.clientX - left) / width);
+    });
+  }
+
+  divide(share) {
+    this.state.divider = Math.max(0, Math.min(1, share));
+    if (this.drawing.state) this.drawing.state.divider = this.state.divider;
+    this.updateDivider();
+    this.drawing.present();
+  }
+
+  updateDivider() {
+    const { compare, divider, technique } = this.state;
+    byId("line").hidden = !compare;
+    byId("divider-row").hidden = !compare;
+    byId("divider").value = String(divider);
+    byId("line").style.left = `${divider * 100}%`;
+    byId("line-left").textContent = technique.replaceAll("_", " ");
+    byId("line-right").textContent = compare.replaceAll("_", " ");
+  }
+
+  listenToDrops() {
+    for (const name of ["dragenter", "dragover"]) {
+      document.addEventListener(name, (event) => {
+        event.preventDefault();
+        document.body.classList.add("dropping");
+      });
+    }
+    document.addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+    document.addEventListener("drop", (event) => {
+      event.preventDefault();
+      document.body.classList.remove("dropping");
+      if (event.dataTransfer.files[0]) this.takeMap(event.dataTransfer.files[0]);
+    });
+  }
+
+  // --- maps
+
+  async takeMap(file) {
+    const { slot, channel, polarity, green } = this.drop;
+    try {
+      const pixels = await pixelsOf(file, this.gpu.limits.maxTextureDimension2D);
+      const pictures = replaced(this.pictures, slot, pixels, { channel, polarity, green });
+      await this.drawing.setMaps(pictures);
+      if (slot === "height") {
+        this.hasHeights = true;
+        // what was baked of the heights before is of no use any more
+        for (const { bake } of Object.values(this.data.techniques)) {
+          this.drawing.textures[bake]?.destroy();
+          delete this.drawing.textures[bake];
+          delete pictures[bake];
+        }
+        if (this.lacks(this.data.techniques[this.state.technique].bake)) this.useRelief();
+        if (this.lacks(this.data.techniques[this.state.compare]?.bake)) this.state.compare = "";
+        if (this.state.show === "missed") this.state.show = "color";
+      }
+      this.pictures = pictures;
+      this.mapSaid = `${file.name}: ${pixels.width} × ${pixels.height}, used as ${slot.replace("_", " ")}`;
+      this.changed(true);
+    } catch (error) {
+      this.say(`${file.name}: ${firstLine(error)}`);
+    }
+  }
+
+  useRelief() {
+    const { level, projection } = this.data.techniques.relief;
+    Object.assign(this.state, { technique: "relief", level, projection });
+  }
+
+  // --- the picture
+
+  // The canvas gets as many pixels as it is shown with.
+  fit() {
+    if (this.heldSize) return;
+    const { clientWidth, clientHeight } = byId("picture");
+    const fine = Math.min(
+      devicePixelRatio,
+      Math.sqrt(MOST_PIXELS / Math.max(1, clientWidth * clientHeight)),
+    );
+    this.resize(Math.max(16, Math.round(clientWidth * fine)), Math.max(16, Math.round(clientHeight * fine)));
+  }
+
+  resize(width, height) {
+    if (this.canvas.width === width && this.canvas.height === height) return;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    this.drawing.coarse = 1;
+    this.drawing.touched();
+  }
+
+  // Draw at a size and so many samples, whatever the page's: for pictures that are compared.
+  async draw(width, height, samples) {
+    this.heldSize = [width, height];
+    this.drawing.limit = samples;
+    this.resize(width, height);
+    await this.drawing.show(copyOf(this.state));
+    await this.drawing.settled();
+  }
+
+  async save() {
+    this.drawing.present();
+    const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `${this.data.name}-${this.state.technique}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+
+  text(kind) {
+    if (kind === "python") return toPython(this.state, this.data);
+    if (kind === "command") return toCommand(this.state, this.data);
+    return location.href.split("#")[0] + toHash(this.state, this.start);
+  }
+
+  async copy(kind) {
+    const text = this.text(kind);
+    try {
+      await navigator.clipboard.writeText(text);
+      byId("copied").textContent = `Copied: ${text}`;
+    } catch {
+      byId("copied").textContent = text;
+    }
+  }
+
+  // --- what is said
+
+  hear(news) {
+    if (news.error) this.say(news.error);
+    if (news.busy !== undefined) byId("busy").textContent = news.busy;
+    this.news = { ...this.news, ...news };
+    const { milliseconds, gpuMilliseconds, timedAt, size, samples, figures, right } = this.news;
+    const reads = (f) => (f.hits ? (f.reads / f.hits).toFixed(1) : "0");
+    const parts = [];
+    if (milliseconds !== undefined) {
+      const clock = gpuMilliseconds == null ? "" : ` (${gpuMilliseconds.toFixed(1)} ms of it the program)`;
+      parts.push(`${milliseconds.toFixed(1)} ms a frame of ${timedAt.join(" × ")}${clock}`);
+    }
+    if (figures) {
+      parts.push(`${reads(figures)} reads a pixel${right && this.state.compare ? ` | ${reads(right)}` : ""}`);
+      if (this.state.show === "missed" && figures.hits) {
+        parts.push(`missed ${((100 * figures.missed) / figures.hits).toFixed(2)} %`);
+      }
+    }
+    if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);
+    byId("figures").textContent = parts.join(" · ");
+  }
+
+  say(message, quiet = false) {
+    const line = document.createElement("p");
+    line.textContent = message;
+    if (quiet) line.className = "quiet";
+    const close = document.createElement("button");
+    close.type = "button";
+    close.textContent = "×";
+    close.setAttribute("aria-label", "Close this message");
+    close.addEventListener("click", () => line.remove());
+    line.append(close);
+    const box = byId("messages");
+    while (box.children.length > 2) box.firstChild.remove();
+    box.append(line);
+  }
+}
+
+// A picture's texels, 8 bits a channel, as they are stored.
+async function pixelsOf(file, most) {
+  let bitmap;
+  try {
+    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  } catch {
+    throw new Error("this is no picture that the browser can read");
+  }
+  const { width, height } = bitmap;
+  if (Math.max(width, height) > most) {
+    throw new Error(`${width} × ${height} is larger than this GPU takes (${most})`);
+  }
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(bitmap, 0, 0);
+  return { width, height, bytes: context.getImageData(0, 0, width, height).data };
+}
+
+const linear = (code) => (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4);
+
+// The page's pictures with one map taken from a dropped one.
+function replaced(pictures, slot, { width, height, bytes }, { channel, polarity, green }) {
+  const area = width * height;
+  const one = (k) => {
+    const at = 4 * k;
+    const value =
+      channel === "luminance"
+        ? 0.2126 * bytes[at] + 0.7152 * bytes[at + 1] + 0.0722 * bytes[at + 2]
+        : bytes[at + "rgba".indexOf(channel)];
+    return Math.round((polarity === "depth" ? 255 - value : value) * 257);
+  };
+  const whole = (count, fill) => {
+    const texels = new Uint16Array(area * count);
+    for (let k = 0; k < area; k++) fill(texels, k);
+    return { width, height, count, texels };
+  };
+  if (slot === "height") return { ...pictures, field: whole(1, (to, k) => (to[k] = one(k))) };
+  if (slot === "base_color") {
+    const table = Uint16Array.from({ length: 256 }, (_, k) => Math.round(linear(k / 255) * 65535));
+    const fill = (to, k) => {
+      for (let c = 0; c < 3; c++) to[4 * k + c] = table[bytes[4 * k + c]];
+      to[4 * k + 3] = bytes[4 * k + 3] * 257;
+    };
+    return { ...pictures, base_color: whole(4, fill) };
+  }
+  if (slot === "normal") {
+    const fill = (to, k) => {
+      for (let c = 0; c < 4; c++) to[4 * k + c] = c === 3 ? 65535 : bytes[4 * k + c] * 257;
+      if (green === "dx") to[4 * k + 1] = 65535 - to[4 * k + 1];
+    };
+    return { ...pictures, normal: whole(4, fill) };
+  }
+  const place = { occlusion: 0, roughness: 1, metallic: 2 }[slot];
+  const old = pictures.response ?? { width: 1, height: 1, texels: [65535, 52428, 0, 65535] };
+  const fill = (to, k) => {
+    // the other channels stay, texel by texel the nearest
+    const x = Math.floor((((k % width) + 0.5) * old.width) / width);
+    const y = Math.floor(((Math.floor(k / width) + 0.5) * old.height) / height);
+    for (let c = 0; c < 4; c++) to[4 * k + c] = old.texels[4 * (y * old.width + x) + c];
+    to[4 * k + place] = one(k);
+  };
+  return { ...pictures, response: whole(4, fill) };
+}

@@ -1,0 +1,122 @@
+// Maps: out of the page or out of a dropped picture, and their smaller levels.
+
+export function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
+  return bytes;
+}
+
+export async function inflated(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// The finest level of a packed map: { width, height, count, texels: Uint16Array }.
+export async function unpacked({ width, height, channels }, content) {
+  const bytes = await inflated(bytesOf(content));
+  const [area, count] = [width * height, channels.length];
+  const texels = new Uint16Array(area * count);
+  let at = 0;
+  channels.forEach(({ constant, palette }, c) => {
+    let last = 0;
+    for (let k = 0; k < area; k++) {
+      if (constant !== undefined) last = constant;
+      else if (palette) last = (last + bytes[at + k]) & 0xff;
+      else last = (last + bytes[at + k] + (bytes[at + area + k] << 8)) & 0xffff;
+      texels[k * count + c] = palette ? palette[last] : last;
+    }
+    at += constant !== undefined ? 0 : palette ? area : 2 * area;
+  });
+  return { width, height, count, texels };
+}
+
+// A map of one texel, for one that is missing.
+export const single = (values) => ({
+  width: 1,
+  height: 1,
+  count: values.length,
+  texels: Uint16Array.from(values),
+});
+
+// Heights as levels of float32, each half of the one before.
+export function heightLevels({ width, height, texels }) {
+  const first = new Float32Array(texels.length);
+  for (let k = 0; k < texels.length; k++) first[k] = texels[k] / 65535;
+  const levels = [{ width, height, texels: first }];
+  while (Math.max(levels.at(-1).width, levels.at(-1).height) > 1) {
+    levels.push(halved(levels.at(-1), 1));
+  }
+  return levels;
+}
+
+// Four channels of 16 bits as levels; where there is opacity colours count as much as they show.
+export function channelLevels({ width, height, texels }, cutOut = false) {
+  const levels = [{ width, height, texels }];
+  while (Math.max(levels.at(-1).width, levels.at(-1).height) > 1) {
+    levels.push(nextLevel(levels.at(-1), cutOut));
+  }
+  return levels;
+}
+
+function nextLevel(level, cutOut) {
+  if (!cutOut) {
+    const made = halved(level, 4);
+    return { ...made, texels: Uint16Array.from(made.texels, roundEven) };
+  }
+  const weighed = new Float32Array(level.texels.length);
+  for (let k = 0; k < weighed.length; k += 4) {
+    const weight = level.texels[k + 3] + 1;
+    for (let c = 0; c < 3; c++) weighed[k + c] = level.texels[k + c] * weight;
+    weighed[k + 3] = weight;
+  }
+  const made = halved({ ...level, texels: weighed }, 4);
+  const plain = halved(level, 4);
+  const texels = new Uint16Array(made.texels.length);
+  for (let k = 0; k < texels.length; k += 4) {
+    for (let c = 0; c < 3; c++) texels[k + c] = roundEven(made.texels[k + c] / made.texels[k + 3]);
+    texels[k + 3] = roundEven(plain.texels[k + 3]);
+  }
+  return { ...made, texels };
+}
+
+function roundEven(x) {
+  const low = Math.floor(x);
+  const rest = x - low;
+  if (rest !== 0.5) return rest < 0.5 ? low : low + 1;
+  return low % 2 === 0 ? low : low + 1;
+}
+
+// As `material.pyramids.halved`: rows first, then columns, in 32 bits.
+function halved({ width, height, texels }, count) {
+  const rows = along(texels, height, width * count, 1);
+  const below = height === 1 ? 1 : height >> 1;
+  const columns = along(rows, width, count, below);
+  return { width: width === 1 ? 1 : width >> 1, height: below, texels: columns };
+}
+
+// Halves one axis of n items, each `stride` numbers long, `times` over.
+function along(from, n, stride, times) {
+  if (n === 1) return Float32Array.from(from);
+  const m = n >> 1;
+  const made = new Float32Array(m * stride * times);
+  const f = Math.fround;
+  for (let t = 0; t < times; t++) {
+    for (let k = 0; k < m; k++) {
+      const [to, at] = [(t * m + k) * stride, (t * n + 2 * k) * stride];
+      if (n % 2 === 0) {
+        for (let c = 0; c < stride; c++) {
+          made[to + c] = f(f(from[at + c]) + f(from[at + stride + c])) * 0.5;
+        }
+      } else {
+        const [before, middle, after] = [f((m - k) / n), f(m / n), f((k + 1) / n)];
+        for (let c = 0; c < stride; c++) {
+          const sum = f(f(from[at + c] * before) + f(from[at + stride + c] * middle));
+          made[to + c] = sum + f(from[at + 2 * stride + c] * after);
+        }
+      }
+    }
+  }
+  return made;
+}

@@ -1,0 +1,48 @@
+"""A headless Chromium with its own software WebGPU adapter, for tests of pages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+SOFTWARE = (
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--enable-unsafe-swiftshader",
+    # the canvas too is drawn by SwiftShader's Vulkan, or its buffers cannot be shared
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+    "--use-angle=swiftshader",
+)
+WITHOUT = ("--disable-gpu", "--disable-features=WebGPU", "--disable-blink-features=WebGPU")
+
+
+def find_chromium() -> str | None:
+    """The system's Chromium, or Chrome."""
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    return None
+
+
+@contextmanager
+def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
+    """The browser; skips where there is none, or no Playwright to drive it."""
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = find_chromium()
+    if found is None:
+        pytest.skip("no Chromium on the path; on Debian: apt-get install chromium")
+    # root, as in a container, may not use the browser's sandbox
+    root = ("--no-sandbox",) if hasattr(os, "getuid") and os.getuid() == 0 else ()
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=found, args=[*flags, *root])
+        try:
+            yield browser
+        finally:
+            browser.close()

@@ -1,0 +1,545 @@
+"""The viewer's page in a browser: what it draws is what the CPU engine draws, and it obeys."""
+
+from __future__ import annotations
+
+import base64
+import shlex
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import basrelief
+from agreement import assert_agree
+from basrelief import arguments
+from basrelief.errors import InputError
+from basrelief.material import Map, Material, pyramids, sample
+from basrelief.measure.errors import errors
+from basrelief.measure.truth import truth
+from basrelief.picture import encode_png, read_picture, write_data
+from basrelief.presets import preset
+from basrelief.rendering import Frame, render
+from basrelief.scene import SHAPES, Object, Orbit, Scene
+from basrelief.scene.views import FILLED
+from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.viewer import write_view
+from basrelief.viewer.layouts import plain
+from basrelief.viewer.page import LARGEST
+from basrelief.viewer.printed import choices, key_of
+from browser import SOFTWARE, chromium
+
+SIZE = (160, 90)
+TEXELS = 64
+CAMERA = Orbit(azimuth=24.0, elevation=32.0)
+
+
+@pytest.fixture(scope="module")
+def material() -> Material:
+    return sample("bricks", TEXELS)
+
+
+@pytest.fixture(scope="module")
+def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("viewer") / "page.html"
+    scene = Scene((Object(material, scale=0.08),), camera=CAMERA)
+    write_view(scene, file, source="sample:bricks", engine="cpu")
+    return file
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium(SOFTWARE) as made:
+        yield made
+
+
+class Seen:
+    """A page that is open, and what it said and asked for."""
+
+    def __init__(self, browser: Any, file: Path, hash: str = "", **options: Any) -> None:
+        options.setdefault("viewport", {"width": 760, "height": 400})
+        self.page = browser.new_page(**options)
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.goto(file.as_uri() + hash)
+        self.page.wait_for_function("window.viewer && window.viewer.ready")
+        self.page.evaluate("viewer.ready")
+
+    def state(self, **changes: Any) -> None:
+        """Change what the page shows, as its panel does."""
+        self.page.evaluate("changes => { Object.assign(viewer.state, changes) }", changes)
+
+    def draw(self, samples: int = 1, size: tuple[int, int] = SIZE) -> None:
+        self.page.evaluate("([w, h, n]) => viewer.draw(w, h, n)", [*size, samples])
+
+    def frame(self, side: str = "left") -> Frame:
+        """The planes that were drawn last, as the library's frame."""
+        self.draw()
+        words = self.page.evaluate(
+            "async side => [...new Uint32Array(await viewer.drawing.words(side))]", side
+        )
+        width, height = SIZE
+        planes = np.array(words, np.uint32).reshape(9, height, width)
+        real = planes.view(np.float32)
+        hit = planes[7] != 0
+        color = np.zeros((height, width, 4), np.float32)
+        share = np.where(hit, real[3], 0.0)[:, :, None]
+        background = np.array(Scene(()).background, np.float32)
+        color[:, :, :3] = background * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
+        color[:, :, 3] = 1.0
+        depth = np.where(hit, real[4], np.inf).astype(np.float32)
+        uv = real[5:7].transpose(1, 2, 0)
+        return Frame(color, depth, uv, hit, planes[8].astype(np.int32), "browser")
+
+    def text(self, selector: str) -> str:
+        return str(self.page.inner_text(selector))
+
+
+@pytest.fixture(scope="module")
+def seen(browser: Any, page_file: Path) -> Iterator[Seen]:
+    made = Seen(browser, page_file)
+    yield made
+    made.page.close()
+
+
+@pytest.fixture
+def fresh(seen: Seen) -> Seen:
+    """The page as at its start."""
+    seen.page.evaluate("viewer.reset()")
+    seen.said.clear()
+    return seen
+
+
+def expected(material: Material, **options: Any) -> Frame:
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    thing = Object(material, **{"scale": 0.08, **options})
+    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    return render(scene, size=SIZE, samples=1, engine="cpu")
+
+
+def test_the_adapter_is_the_software_one(seen: Seen) -> None:
+    info = seen.page.evaluate(
+        "[viewer.gpu.adapter.info.vendor, viewer.gpu.adapter.info.architecture]"
+    )
+    assert info == ["google", "swiftshader"]
+
+
+def test_it_loads_without_a_word_and_without_the_network(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    seen.draw()
+    assert seen.said == []
+    assert seen.asked == [page_file.as_uri()]
+    assert seen.text("#messages") == ""
+    seen.page.close()
+
+
+@pytest.mark.parametrize("technique", TECHNIQUES)
+def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, technique: str) -> None:
+    made = TECHNIQUES[technique]
+    fresh.state(technique=technique, level=made.level, projection=made.projection)
+    assert_agree(expected(material, technique=technique), fresh.frame(), TEXELS)
+    assert fresh.said == []
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shadows", ["hard", "soft"])
+def test_shapes_and_shadows_are_the_cpus(
+    fresh: Seen, material: Material, shape: str, shadows: str
+) -> None:
+    thing = Object(material, shape=shape)
+    fresh.state(shape=shape, shadows=shadows, tiling=list(thing.tiles))
+    assert_agree(expected(material, shape=shape, shadows=shadows), fresh.frame(), TEXELS)
+
+
+@pytest.mark.parametrize("projection", ["biased", "limited"])
+def test_projections_are_the_cpus(fresh: Seen, material: Material, projection: str) -> None:
+    fresh.state(projection=projection, bias=0.3, shading_model="phong", technique="steep")
+    options = {"projection": projection, "bias": 0.3, "shading_model": "phong"}
+    assert_agree(expected(material, technique="steep", **options), fresh.frame(), TEXELS)
+
+
+def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -> None:
+    fresh.draw(samples=4)
+    url = fresh.page.evaluate("(viewer.drawing.present(), viewer.canvas.toDataURL('image/png'))")
+    file = base64.b64decode(url.split(",")[1])
+    shown = read_picture(_saved(file, "canvas.png")).pixels[:, :, :3].astype(int)
+    thing = Object(material, scale=0.08)
+    frame = render(Scene((thing,), camera=CAMERA), size=SIZE, samples=4, engine="cpu")
+    wanted = read_picture(_saved(encode_png(frame.color[:, :, :3]), "cpu.png")).pixels.astype(int)
+    apart = np.abs(shown - wanted).max(axis=-1)
+    assert (apart <= 2).mean() >= 0.995
+    assert shown.std() > 10.0
+
+
+def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> None:
+    fresh.state(technique="offset", level=0.5, projection="full", show="missed")
+    scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
+    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    share = errors(frame, truth(scene, SIZE)).missed
+    fresh.draw()
+    found = fresh.page.evaluate("viewer.drawing.found")
+    assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
+    assert share > 0.05
+
+
+def test_cameras_are_pythons(seen: Seen) -> None:
+    for camera in (
+        Orbit(24.0, 32.0, 2.5, (0.1, -0.2, 0.3), 40.0),
+        Orbit(-130.0, 89.0, 0.7),
+        Orbit(10.0, 20.0, 3.0, orthographic_height=1.5),
+    ):
+        made = plain(camera.camera(SIZE))
+        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        script = "async ([c, s]) => (await import('view/camera.js')).orbit(c, s)"
+        found = seen.page.evaluate(script, [told, SIZE])
+        for name, value in made.items():
+            np.testing.assert_allclose(found[name], value, rtol=2e-6, atol=1e-7, err_msg=name)
+
+
+def test_framing_is_pythons(seen: Seen, material: Material) -> None:
+    for shape in SHAPES:
+        points = Object(material, shape=shape).outline()
+        camera = Orbit(24.0, 32.0)
+        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        script = "async ([c, p, s, f]) => (await import('view/camera.js')).framing(c, p, s, f)"
+        found = seen.page.evaluate(script, [told, points.tolist(), SIZE, FILLED])
+        assert found == pytest.approx(camera.framing(points, SIZE).distance, rel=1e-6)
+
+
+def test_smaller_levels_are_pythons(seen: Seen) -> None:
+    rng = np.random.default_rng(5)
+    heights = rng.integers(0, 65536, (13, 22)).astype(np.uint16)
+    script = """async ([texels, height, width]) => {
+      const maps = await import("view/maps.js");
+      return maps.heightLevels({ width, height, texels }).map((l) => [...l.texels]);
+    }"""
+    found = seen.page.evaluate(script, [heights.ravel().tolist(), *heights.shape])
+    level = (heights / 65535.0).astype(np.float32)
+    for texels in found:
+        assert np.array_equal(np.array(texels, np.float32).reshape(level.shape), level)
+        level = pyramids.halved(level)
+
+
+def test_every_choice_has_a_program(seen: Seen) -> None:
+    made = seen.page.evaluate("Object.keys(viewer.data.programs)")
+    assert {key_of(chosen) for chosen in choices()} <= set(made)
+
+
+# --- what a person does --------------------------------------------------------------------------
+
+
+def test_a_slider_draws_anew_and_compiles_nothing(fresh: Seen) -> None:
+    before = fresh.frame().color
+    compiled = fresh.page.evaluate("viewer.gpu.compiled")
+    for name in ("settings.relief.max_steps", "scale", "lights.0.azimuth", "tiling.0"):
+        field = fresh.page.locator(f"input[name='{name}']")
+        field.locator("xpath=../input[@type='range']").focus()
+        fresh.page.keyboard.press("ArrowRight")
+        fresh.page.keyboard.press("ArrowRight")
+    assert fresh.page.evaluate("viewer.state.lights[0].azimuth") == -48
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(0.082)
+    assert fresh.page.evaluate("viewer.state.settings.relief.max_steps") > 32
+    assert (fresh.frame().color != before).any()
+    assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+
+
+def test_a_number_is_typed_and_held_to_its_range(fresh: Seen) -> None:
+    field = fresh.page.locator("input[name='settings.relief.search_steps']")
+    field.fill("99")
+    field.press("Tab")
+    assert fresh.page.evaluate("viewer.state.settings.relief.search_steps") == 24
+    assert field.input_value() == "24"
+
+
+def test_every_control_has_a_label(fresh: Seen) -> None:
+    script = """() => [...document.querySelectorAll("#panel :is(input, select)")]
+      .filter((c) => !c.labels.length && !c.getAttribute("aria-label")).map((c) => c.outerHTML)"""
+    assert fresh.page.evaluate(script) == []
+
+
+def test_keys_turn_zoom_move_and_frame(fresh: Seen) -> None:
+    fresh.page.locator("#canvas").focus()
+    camera = "JSON.parse(JSON.stringify(viewer.state.camera))"
+    fresh.page.keyboard.press("ArrowRight")
+    fresh.page.keyboard.press("ArrowUp")
+    turned = fresh.page.evaluate(camera)
+    assert (turned["azimuth"], turned["elevation"]) == (28, 36)
+    fresh.page.keyboard.press("+")
+    near = fresh.page.evaluate(camera)["distance"]
+    fresh.page.keyboard.press("-")
+    assert fresh.page.evaluate(camera)["distance"] > near
+    fresh.page.keyboard.press("Shift+ArrowRight")
+    assert fresh.page.evaluate(camera)["target"] != [0, 0, 0]
+    fresh.page.keyboard.press("0")
+    framed = fresh.page.evaluate(camera)
+    assert (framed["target"], framed["distance"]) == ([0, 0, 0], None)
+
+
+def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    fresh.page.mouse.move(x, y)
+    fresh.page.mouse.down()
+    fresh.page.mouse.move(x - 50, y + 25)
+    fresh.page.mouse.up()
+    camera = fresh.page.evaluate("viewer.state.camera")
+    assert camera["azimuth"] == pytest.approx(44.0)
+    assert camera["elevation"] == pytest.approx(42.0)
+    fresh.page.mouse.wheel(0, -100)
+    fresh.page.wait_for_function("viewer.state.camera.distance !== null")
+
+
+def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
+    fresh.page.get_by_label("Beside it").select_option("offset")
+    left, right = fresh.frame("left"), fresh.frame("right")
+    assert_agree(expected(material), left, TEXELS)
+    assert_agree(expected(material, technique="offset"), right, TEXELS)
+    divider = fresh.page.get_by_label("Divider")
+    divider.focus()
+    shown = []
+    for key in ("Home", "End"):
+        fresh.page.keyboard.press(key)
+        url = fresh.page.evaluate("(viewer.drawing.present(), viewer.canvas.toDataURL())")
+        shown.append(url)
+    assert fresh.page.evaluate("viewer.state.divider") == 1
+    assert shown[0] != shown[1]
+    fresh.page.get_by_label("Beside it").select_option("")
+    fresh.draw()
+    alone = fresh.page.evaluate("(viewer.drawing.present(), viewer.canvas.toDataURL())")
+    assert alone == shown[1]
+
+
+def _changed(fresh: Seen) -> None:
+    fresh.state(
+        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06, level=0.75,
+        tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
+        shading_model="phong",
+    )  # fmt: skip
+    fresh.page.evaluate(
+        """() => {
+          viewer.state.settings.parallax_occlusion.max_steps = 20;
+          viewer.state.lights[1].elevation = 50;
+          viewer.state.shading.ambient = [0.2, 0.1, 0.3];
+          viewer.state.camera = { ...viewer.state.camera, distance: 3, target: [0.1, -0.1, 0] };
+          viewer.changed(true);
+        }"""
+    )
+
+
+def test_what_is_copied_draws_the_same(
+    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _changed(fresh)
+    shown = fresh.frame()
+    line = fresh.page.evaluate("viewer.text('python')")
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    exec(line, {"basrelief": basrelief})
+    drawn = render(material, size=SIZE, samples=1, engine="cpu", **given)
+    assert_agree(drawn, shown, TEXELS)
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    assert words[:3] == ["basrelief", "render", "sample:bricks"]
+    scene = _scene_of_command(material, words[3:])
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), shown, TEXELS)
+
+
+def _scene_of_command(material: Material, words: list[str]) -> Scene:
+    """The scene that `basrelief render` would draw."""
+    several = {"set": "settings", "light": "lights"}
+    options: dict[str, Any] = {}
+    rest = iter([part for word in words for part in _parts(word)])
+    for word in rest:
+        name = word.removeprefix("--").replace("-", "_")
+        value = next(rest)
+        if name in several:
+            options.setdefault(several[name], []).append(value)
+        else:
+            number = name in ("scale", "level")
+            options[name] = float(value) if number else value
+    return arguments.scene(material, **options)
+
+
+def _parts(word: str) -> list[str]:
+    return word.split("=", 1) if word.startswith("--") and "=" in word else [word]
+
+
+def test_a_link_opens_as_it_was(fresh: Seen, browser: Any, page_file: Path) -> None:
+    _changed(fresh)
+    link = fresh.page.evaluate("viewer.text('link')")
+    other = Seen(browser, page_file, "#" + link.split("#")[1])
+    assert other.page.evaluate("viewer.state") == fresh.page.evaluate("viewer.state")
+    other.page.close()
+
+
+def test_a_link_that_is_nonsense_is_told(browser: Any, page_file: Path) -> None:
+    for hash in ("#{", "#%7B%22technique%22%3A%22warp%22%2C%22scale%22%3A%22x%22%7D"):
+        seen = Seen(browser, page_file, hash)
+        assert seen.page.evaluate("viewer.state.technique") == "relief"
+        assert seen.page.evaluate("viewer.state.scale") == pytest.approx(0.08)
+        assert ("cannot be read" in seen.text("#messages")) == (hash == "#{")
+        seen.page.close()
+
+
+def test_the_buttons_copy(fresh: Seen) -> None:
+    fresh.page.locator("#copy-python").click()
+    fresh.page.wait_for_function("document.getElementById('copied').textContent !== ''")
+    assert "basrelief.render(" in fresh.text("#copied")
+
+
+def test_the_picture_is_saved(fresh: Seen) -> None:
+    fresh.draw()
+    with fresh.page.expect_download() as waiting:
+        fresh.page.locator("#save").click()
+    assert waiting.value.suggested_filename == "bricks-relief.png"
+    assert read_picture(waiting.value.path().rename(_place("saved.png"))).pixels.shape[:2] == (
+        SIZE[1],
+        SIZE[0],
+    )
+
+
+def test_presets_are_the_librarys(fresh: Seen, material: Material) -> None:
+    fresh.page.get_by_label("Preset").select_option("gamedev")
+    scene = preset("gamedev").scene(material, camera=CAMERA)
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    why = fresh.page.evaluate("viewer.data.presets.habrador.why")
+    assert "landscape" in why
+
+
+# --- dropped maps --------------------------------------------------------------------------------
+
+
+def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: Material) -> None:
+    seen = Seen(browser, page_file)
+    rng = np.random.default_rng(3)
+    coarse = rng.integers(40, 216, (8, 8)).astype(np.uint8)
+    codes = np.kron(coarse, np.ones((8, 8), np.uint8))
+    pixels = np.stack([codes, codes[::-1], codes], -1)
+    file = write_data(_place("other_heights.png"), pixels)
+    seen.page.locator("#section-maps summary").click()
+    seen.page.get_by_label("Channel").select_option("g")
+    seen.page.get_by_label("White is").select_option("depth")
+    _drop(seen, file)
+    seen.page.wait_for_function("viewer.mapSaid !== ''")
+    assert "other_heights.png: 64 × 64" in seen.text("#map-said")
+    heights = (1.0 - codes[::-1] / np.float32(255.0)).astype(np.float32)[:, :, None]
+    swapped = replace(material, height=Map(heights, False, "dropped"))
+    assert_agree(expected(swapped), seen.frame(), TEXELS)
+    # what is baked of the old heights is not used with the new ones
+    option = seen.page.locator("select[name=technique] option[value=exact]")
+    assert option.is_disabled()
+    assert "needs a bake" in option.inner_text()
+    seen.page.close()
+
+
+def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
+    before = fresh.frame().color
+    file = _place("notes.txt")
+    file.write_text("no picture")
+    _drop(fresh, file)
+    fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
+    assert "notes.txt: this is no picture" in fresh.text("#messages")
+    assert np.array_equal(fresh.frame().color, before)
+
+
+def _drop(seen: Seen, file: Path) -> None:
+    """Drop a file on the page."""
+    content = base64.b64encode(file.read_bytes()).decode()
+    script = """([name, content]) => {
+      const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+      const dropped = new DataTransfer();
+      dropped.items.add(new File([bytes], name));
+      document.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true }));
+    }"""
+    seen.page.evaluate(script, [file.name, content])
+
+
+# --- what goes wrong -----------------------------------------------------------------------------
+
+
+def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    before = seen.frame().color
+    seen.page.evaluate(
+        """() => {
+          viewer.data.pieces.push("fn broken( {");
+          viewer.data.programs["steep|plane|none|full|ggx"].pieces.push(
+            viewer.data.pieces.length - 1);
+        }"""
+    )
+    seen.page.get_by_label("Technique", exact=True).select_option("steep")
+    seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
+    assert "steep:" in seen.text("#messages")
+    seen.page.get_by_label("Technique", exact=True).select_option("relief")
+    assert np.array_equal(seen.frame().color, before)
+    seen.page.close()
+
+
+def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    before = seen.frame().color
+    seen.page.evaluate("viewer.gpu.device.destroy()")
+    seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
+    assert "device was lost" in seen.text("#messages")
+    seen.page.wait_for_function("viewer.drawing.state !== null")
+    assert np.array_equal(seen.frame().color, before)
+    seen.page.close()
+
+
+def test_without_webgpu_there_are_pictures_and_a_message(browser: Any, page_file: Path) -> None:
+    context = browser.new_context()
+    context.add_init_script("delete Navigator.prototype.gpu")
+    page = context.new_page()
+    page.goto(page_file.as_uri())
+    page.wait_for_function("document.body.classList.contains('without')")
+    assert "draws with WebGPU, which this browser does not have" in page.inner_text("#without")
+    widths = page.evaluate(
+        "[...document.querySelectorAll('#stills img')].map((i) => i.naturalWidth)"
+    )
+    assert widths == [400] * 4
+    assert not page.locator("#panel").is_visible()
+    context.close()
+
+
+# --- the file ------------------------------------------------------------------------------------
+
+
+def test_a_large_material_makes_a_page_of_12_mb(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    noise = rng.integers(0, 65536, (1024, 1024, 3)).astype(np.uint16)
+    rough = Material("noise", base_color=Map(noise, False, "noise"), normal=Map(noise, False, "n"))
+    made = write_view(Scene((Object(rough),)), tmp_path / "page.html", engine="cpu")
+    assert made.scaled_to == (512, 512)
+    assert (tmp_path / "page.html").stat().st_size <= LARGEST
+
+
+def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> None:
+    file = tmp_path / "page.html"
+    file.write_text("mine")
+    with pytest.raises(InputError, match="not a page of the viewer"):
+        write_view(Scene((Object(material),)), file, engine="cpu")
+    assert file.read_text() == "mine"
+
+
+def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
+    smooth = Scene((Object(material, heights="smooth"),))
+    with pytest.raises(InputError, match="has smooth heights, which the page does not draw"):
+        write_view(smooth, tmp_path / "page.html", engine="cpu")
+    with pytest.raises(InputError, match="nothing in the scene"):
+        write_view(Scene(()), tmp_path / "page.html", engine="cpu")
+
+
+def _place(name: str) -> Path:
+    return Path(tempfile.mkdtemp("-viewer")) / name
+
+
+def _saved(content: bytes, name: str) -> Path:
+    file = _place(name)
+    file.write_bytes(content)
+    return file
