@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief._version import __version__
+from basrelief.bake.levels import halved
 from basrelief.engine import Engine, choose_engine
 from basrelief.material import Map, Material, pyramids
 from basrelief.picture import encode_png, srgb_encode
@@ -124,7 +125,7 @@ def _scaled(material: Material, most: int) -> Material:
     for name, one in material.maps():
         pixels = one.linear()
         while max(pixels.shape[:2]) > most:
-            pixels = pyramids.halved(pixels)
+            pixels = halved(pixels)
         if pixels.shape[:2] != (one.height, one.width):
             changed[name] = _stored_as(one, pixels, name == "height")
     return replace(material, **changed) if changed else material  # type: ignore[arg-type]
