@@ -86,7 +86,7 @@ def test_commands_that_pages_show(line: str, here: Path) -> None:
     words = shlex.split(line)[1:]
     printed = done(*words, *(SMALL if words[0] == "render" else []))
     assert printed
-    if words[0] == "explain":
+    if words[0] in ("explain", "view"):
         assert not words.count("-o") or Path(words[words.index("-o") + 1]).is_file()
         return
     pictures = sorted(each for each in os.listdir() if each != "my.py" and Path(each).is_file())
@@ -116,8 +116,8 @@ def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> N
 def test_every_command_is_shown() -> None:
     shown = {line.split()[1] for line in commands("docs/command-line.md")}
     assert shown == {
-        "render", "bake", "compare", "tune", "explain", "info", "techniques", "presets", "demo",
-        "gallery",
+        "render", "bake", "compare", "tune", "explain", "view", "info", "techniques", "presets",
+        "demo", "gallery",
     }  # fmt: skip
     assert len(commands("README.md")) >= 5
 

@@ -374,13 +374,9 @@ def compare(
             relief["bias"] = said.pop("bias")
         material = _loaded(path, **maps)
 
-        def heard(what: str, share: float) -> None:
-            progress.task = what
-            progress(share)
-
         found = compared(
             material, technique, angles=seen, size=pixels, samples=samples, engine=engine,
-            settings=said, progress=heard, **relief,
+            settings=said, progress=progress.at, **relief,
         )  # fmt: skip
         page = found.save(output or Path(f"{material.name}-compare"))
     print(f"{found.summary()}\n{page}  ({found.engine})")
@@ -426,13 +422,9 @@ def tune(
             relief["bias"] = said.pop("bias")
         material = _loaded(path, **maps)
 
-        def heard(what: str, share: float) -> None:
-            progress.task = what
-            progress(share)
-
         found = tuned(
             material, missed=bound, flip=flip, angles=seen, techniques=technique, size=pixels,
-            engine=engine, settings=said, progress=heard, source=path, **relief,
+            engine=engine, settings=said, progress=progress.at, source=path, **relief,
         )  # fmt: skip
         written = found.preset.save(output or Path(f"{material.name}-tuned.toml"))
     print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.engine})")
@@ -595,12 +587,10 @@ def view(
             material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
         )
 
-        def heard(what: str, share: float) -> None:
-            progress.task = what
-            progress(share)
-
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{material.name}.html"
-        made = write_view(scene, target, texels=texels, source=path, engine=engine, progress=heard)
+        made = write_view(
+            scene, target, texels=texels, source=path, engine=engine, progress=progress.at
+        )
     if made.scaled_to is not None:
         width, height = made.scaled_to
         print(f"note: the page's maps are scaled to {width} × {height}", file=sys.stderr)
@@ -665,6 +655,11 @@ class _Progress:
     def __call__(self, share: float) -> None:
         self.share = share
         self._update()
+
+    def at(self, task: str, share: float) -> None:
+        """The same, of a task whose name changes as it goes."""
+        self.task = task
+        self(share)
 
     def _show(self) -> None:
         from rich.console import Console
