@@ -36,14 +36,14 @@ def main() -> None:
         for technique in {each.technique: None for each in found.results}:
             results = found.of(technique)
             time = mean([each.seconds for each in results]) / usual
-            missed = ", ".join(f"{100 * each.errors.missed:.2g} %" for each in results)
+            missed = ", ".join(f"{100 * each.errors.missed:.3g} %" for each in results)
             at_75 = results[ANGLES.index(75.0)]
             uv = at_75.errors.uv
             flip = "" if at_75.flip is None else f"{at_75.flip:.3f}"
             reads = float(np.mean([each.errors.reads for each in results]))
             rows.append(
                 (time, f"| `{technique}` | {time:.2f} | {reads:.1f} | {missed} | "
-                 f"{uv.median:.2g}, {uv.percentile_99:.2g}, {uv.worst:.2g} | {flip} |")
+                 f"{uv.median:.3g}, {uv.percentile_99:.3g}, {uv.worst:.3g} | {flip} |")
             )  # fmt: skip
         print("\n".join(row for _, row in sorted(rows)))
 
