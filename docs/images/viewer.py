@@ -10,7 +10,7 @@ from pathlib import Path
 
 from basrelief.material import sample
 from basrelief.scene import Object, Orbit, Scene
-from basrelief.viewer import write_view
+from basrelief.viewer import Sources, write_view
 from browser import SOFTWARE, chromium
 
 HERE = Path(__file__).parent
@@ -28,7 +28,7 @@ SHOTS = {
 def main() -> None:
     file = Path(tempfile.mkdtemp()) / "page.html"
     thing = Object(sample("cobbles", 512))
-    write_view(Scene((thing,), camera=Orbit(28.0, 30.0)), file, source="sample:cobbles")
+    write_view(Scene((thing,), camera=Orbit(28.0, 30.0)), file, sources=Sources("sample:cobbles"))
     with chromium(SOFTWARE) as browser:
         for name, ((width, height), scheme, changes) in SHOTS.items():
             viewport = {"width": width, "height": height}

@@ -6,8 +6,8 @@
 import { framing, orbit, travelling } from "view/camera.js";
 import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
+import { linked } from "view/link.js";
 import { channelLevels, heightLevels, single } from "view/maps.js";
-import { keyOf } from "view/state.js";
 
 const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
@@ -34,18 +34,19 @@ export class Drawing {
 
   // --- maps
 
-  // `pictures` by name: what is in the page, or was dropped; others are single texels.
+  // `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
+  // missing, but is given a texel in its place.
   async setMaps(pictures) {
+    this.pictures = pictures;
     const heights = pictures.field ?? single([65535]);
-    this.pictures = { ...pictures, field: heights };
     this.texels = [heights.width, heights.height];
     this.replace("field", heightLevels(heights), true);
-    const color = pictures.base_color ?? single([39321, 39321, 39321, 65535]);
-    this.replace("base_color", channelLevels(color, hasHoles(color)));
-    this.replace("response", channelLevels(pictures.response ?? single([65535, 52428, 0, 65535])));
-    this.replace("emission", channelLevels(pictures.emission ?? single([0, 0, 0, 65535])));
-    this.replace("level_normal", channelLevels(single([32768, 32768, 65535, 65535])));
-    if (pictures.normal) this.replace("normal", channelLevels(pictures.normal));
+    this.replace("distances", heightLevels(single([65535])), true);
+    for (const name of ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"]) {
+      const map = pictures[name] ?? single([0, 0, 0, 65535]);
+      this.replace(name, channelLevels(map, name.endsWith("color") && hasHoles(map)));
+    }
+    this.replace("unbaked", [single([0, 0, 0, 0])]);
     for (const { bake } of Object.values(this.data.techniques)) {
       if (bake && pictures[bake]) this.replace(bake, [pictures[bake]]);
     }
@@ -60,9 +61,11 @@ export class Drawing {
 
   // Where there is no normal map, normals are made of the heights, by the library's own program.
   async ensureNormals(state) {
-    if (this.pictures.normal || this.bakedFor === state.scale) return;
-    const { width, height } = this.pictures.field;
-    const made = await this.gpu.pipeline(this.data.bakedNormals, this.data);
+    const wanted = `${state.scale} ${this.choices(state).edge}`;
+    const { normal, field } = this.pictures;
+    if (normal || !field || this.bakedFor === wanted) return;
+    const { width, height } = field;
+    const made = await this.gpu.pipeline(linked(this.data.programs, "normals", this.choices(state)));
     const job = new Job(this.gpu, made, this.data);
     const planes = this.gpu.planes(3, width, height);
     job.put({ field: this.textures.field, relief: { per_texel: state.scale * width } });
@@ -76,7 +79,7 @@ export class Drawing {
       }
     }
     this.replace("normal", channelLevels({ width, height, texels }));
-    this.bakedFor = state.scale;
+    this.bakedFor = wanted;
     planes.destroy();
     job.destroy();
   }
@@ -92,28 +95,89 @@ export class Drawing {
     return camera;
   }
 
+  // What binds the slots of a program, as `programs.choices_of` has it.
+  choices(state) {
+    const { pictures, data } = this;
+    const technique = pictures.field ? state.technique : "flat";
+    const { boxes, heights } = data.techniques[technique];
+    const repeats = ({ tiles, shift }) => shift.some(Boolean) || tiles.some((n) => n <= 0 || n > 1);
+    const tilings = [{ tiles: state.tiling, shift: state.shift }];
+    if (state.apart) tilings.push(...Object.values(state.tilings));
+    if (state.layer) tilings.push(state.layer_tiling);
+    const clipped = state.edge === "clip";
+    const wraps = state.edge === "wrap" || (clipped && tilings.some(repeats));
+    const has = (name) => Boolean(pictures[name]);
+    const layer = state.layer && (has("layer_color") || has("layer_normal"));
+    return {
+      ...state,
+      technique,
+      heights: heights.includes(state.heights) ? state.heights : "sharp",
+      clipped,
+      edge: wraps ? "wrap" : "clamp",
+      base_color: has("base_color"),
+      // the tops of boxes are level, whatever the heights beside them
+      normal: has("normal") || (has("field") && state.scale > 0 && !boxes),
+      response: has("response"),
+      emission: has("emission"),
+      layer,
+      layer_color: layer && has("layer_color"),
+      layer_normal: layer && has("layer_normal"),
+      shadows_on: "relief",
+      casts: false,
+    };
+  }
+
   values(state, size, sample) {
     const { data, textures } = this;
-    const made = data.techniques[state.technique];
-    const shape = data.shapes[state.shape];
-    const { origin, to_object, proportion } = shape;
-    const level = made.boxes && !this.pictures.normal;
+    const { technique } = this.choices(state);
+    const { bake } = data.techniques[technique];
+    const { origin, to_object } = data.shapes[state.shape];
+    const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
+    const { proportion, places } = this.lying(state);
+    const finish = { ...state.finish[state.surface] };
+    if (finish.emission) finish.emission = finish.emission.map((x) => x * this.glow());
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
-      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near: 0, fade_far: 0 },
+      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near, fade_far },
       smoothing: state.smoothing,
-      settings: state.settings[state.technique],
-      finish: state.finish,
-      places: data.constants.places,
+      settings: state.settings[technique],
+      finish,
+      places,
       shading: state.shading,
       shadowing: state.shadowing,
-      fog: data.constants.fog,
+      fog: state.air,
       lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
+      views: [],
       ...textures,
-      normal: level ? textures.level_normal : textures.normal,
-      baked: made.bake ? textures[made.bake] : undefined,
+      baked: textures[bake] ?? textures.unbaked,
     };
+  }
+
+  // How much brighter than its own numbers the emission map is that the page was made with.
+  glow() {
+    return this.pictures.emission?.dropped ? 1 : this.data.constants.glow;
+  }
+
+  // How the maps lie beside the heights, as `Object.map_places` has it.
+  lying(state) {
+    const main = { tiles: state.tiling, shift: state.shift };
+    const { constants } = this.data;
+    const beside = ({ tiles, shift }) => {
+      const ratio = tiles.map((n, k) => n / main.tiles[k]);
+      return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
+    };
+    const places = {};
+    for (const [name, own] of Object.entries(state.tilings)) {
+      places[name] = beside(state.apart ? own : main);
+    }
+    const { pictures } = this;
+    const own = state.apart && pictures.normal ? places.normal : [1, 1];
+    const proportion = constants.proportion * Math.abs(own[0] / own[1]);
+    places.layer = beside(state.layer ? state.layer_tiling : main);
+    const stretch = Math.abs(places.layer[1] / places.layer[0]);
+    places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
+    return { proportion, places };
   }
 
   // --- what is drawn
@@ -158,11 +222,11 @@ export class Drawing {
           if (made.bake && !this.textures[made.bake]) {
             throw new Error(`${each.technique} needs ${made.bake}, which the page has not`);
           }
-          const key = keyOf(each, this.data.choices);
-          const known = this.gpu.pipelines.has(key);
+          const program = linked(this.data.programs, "pixel", this.choices(each));
+          const known = this.gpu.pipelines.has(program.key);
           if (!known) this.heard({ busy: `compiling ${each.technique} …` });
-          const pipeline = await this.gpu.pipeline(key, this.data);
-          const name = `${side}:${key}`;
+          const pipeline = await this.gpu.pipeline(program);
+          const name = `${side}:${program.key}`;
           if (!this.jobs.has(name)) {
             this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
             this.fresh = true;
@@ -312,7 +376,7 @@ export class Drawing {
       size: this.drawnSize,
       canvas: [canvas.width, canvas.height],
       texels: this.texels,
-      background: [...this.data.constants.background, 1],
+      background: [...state.background, 1],
       divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
       show: state.show,
       samples: this.drawn,
@@ -366,13 +430,18 @@ export class Drawing {
   }
 }
 
+// A light as `scene.lights` makes it.
 function lightRecord(light) {
-  const turned = light.kind === "directional";
+  const half = ((light.angle / 2) * Math.PI) / 180;
+  const spot = light.kind === "spot";
   return {
-    ...light,
     kind: KINDS[light.kind],
-    direction: turned ? travelling(light.azimuth, light.elevation) : light.direction,
+    position: light.position,
+    direction: light.kind === "point" ? [0, -1, 0] : travelling(light.azimuth, light.elevation),
     color: light.color.map((c) => c * light.intensity),
+    falloff: light.falloff,
+    cos_inner: spot ? Math.cos(half * (1 - light.softness)) : 1,
+    cos_outer: spot ? Math.cos(half) : 0,
   };
 }
 

@@ -123,6 +123,20 @@ class View {
     this.updateDivider();
   }
 
+  addLight() {
+    this.state.lights.push(copyOf(this.state.lights.at(-1) ?? this.data.defaults.lights[0]));
+    this.changed(true);
+  }
+
+  removeLight(k) {
+    this.state.lights.splice(k, 1);
+    this.changed(true);
+  }
+
+  get hasLayer() {
+    return Boolean(this.drawing.pictures.layer_color || this.drawing.pictures.layer_normal);
+  }
+
   lacks(bake) {
     if (!bake || this.drawing?.textures[bake]) return "";
     return "needs a bake that the page has not";
