@@ -155,11 +155,17 @@ class GpuEngine:
         return Job(self, self._ready(program), program, values, size)
 
     def prepare_text(
-        self, code: str, program: Program, values: Mapping[str, Any], size: tuple[int, int]
+        self,
+        code: str,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+        needed: list[Binding] | None = None,
     ) -> Job:
-        """The same for WGSL written by hand that binds what the program does; to compare them."""
-        needed = bindings(program.module.entry)
-        return Job(self, self._pipeline(code, needed, "by hand"), program, values, size)
+        """The same for WGSL from elsewhere, to compare it; it binds what the program does, or what
+        is `needed`."""
+        needed = bindings(program.module.entry) if needed is None else needed
+        return Job(self, self._pipeline(code, needed, "from elsewhere"), program, values, size)
 
     @property
     def has_timestamps(self) -> bool:

@@ -33,7 +33,7 @@ def _up(offset: int, align: int) -> int:
 def align_and_size(t: Any) -> tuple[int, int]:
     """Alignment and size of a type in bytes; raises ShaderError for a bool, which has neither."""
     if is_record(t):
-        align, end = 16, 0
+        align, end = 16, 4  # a record without fields has some room all the same
         for _, offset, field_type in offsets(t):
             end = offset + align_and_size(field_type)[1]
         return align, _up(end, align)

@@ -1,0 +1,104 @@
+"""Programs linked from a library's pieces, as a page runs them, against the engine's own.
+
+A linked program passes on whatever a slot might take, and hands every call of a slot on; a driver
+should see through both. On a GPU by timestamps, both in turn.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import basrelief
+from basrelief.choices import bindings_of
+from basrelief.engine.gpu import GpuEngine, Job
+from basrelief.lang import Buffer, HeightField, Texture
+from basrelief.lang.library import linked
+from basrelief.programs import choices_of, program_of, values_of
+from basrelief.scene import SURFACES
+from basrelief.shaders.cast import CastView
+from basrelief.shaders.surfaces.surface import SurfaceSettings
+from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.shaders.techniques.technique import Settings
+from basrelief.viewer.printed import Printed, printed
+
+SIZE = (1920, 1080)
+RUNS = 15
+MOST = 1.05
+
+
+def scenes() -> dict[str, basrelief.Scene]:
+    """Bricks by each technique, lit with soft shadows; and a landscape in fog."""
+    material = basrelief.sample("bricks", 1024)
+    found = {}
+    for name in TECHNIQUES:
+        thing = basrelief.Object(material, technique=name, scale=0.06, tiling=(3.0, 3.0))
+        found[name] = basrelief.Scene((thing,), camera=basrelief.Orbit(20.0, 35.0), shadows="soft")
+    land = replace(found["relief"].objects[0], surface="landscape", finish={})
+    found["landscape"] = replace(found["relief"], objects=(land,), fog="exponential")
+    return found
+
+
+def jobs(engine: GpuEngine, made: Printed, scene: basrelief.Scene) -> tuple[dict[str, Job], Any]:
+    """The engine's program and the linked one, and the seconds that each took to make."""
+    thing = scene.objects[0]
+    program, values = program_of(thing, scene), values_of(thing, scene, SIZE)
+    library, choices = made.library, choices_of(thing, scene)
+    names = library.names
+    bound = {names[slot]: names[shader] for slot, shader in bindings_of(choices).items()}
+    bound |= {
+        "edge": choices.edge,
+        names[Settings]: names[choices.technique.settings],
+        names[SurfaceSettings]: names[SURFACES[choices.surface]],
+    }
+    types = program.parameters
+    needed = [replace(each, type=types.get(each.name)) for each in library.bindings["pixel"]]
+    nothing = {
+        each.name: Texture([np.zeros((1, 1, 4), np.uint16)], "wrap")
+        for each in needed
+        if each.type is Texture
+    }
+    ones = HeightField([np.ones((1, 1), np.float32)], "wrap")
+    nothing |= {"field": ones, "distances": ones, "views": Buffer((), CastView)}
+    began = time.perf_counter()
+    whole = engine.prepare(program, values, SIZE)
+    between = time.perf_counter()
+    text = linked(library, "pixel", bound)
+    both = {
+        "whole": whole,
+        "linked": engine.prepare_text(text, program, {**nothing, **values}, SIZE, needed),
+    }
+    return both, (between - began, time.perf_counter() - between)
+
+
+def main() -> None:
+    engine = GpuEngine()
+    print(f"{engine.device}, {SIZE[0]} × {SIZE[1]}, soft shadows, 1024² maps, ms a dispatch")
+    began = time.perf_counter()
+    made = printed()
+    print(f"the library: {len(made.library.pieces)} pieces, {time.perf_counter() - began:.2f} s")
+    ratios = []
+    for name, scene in scenes().items():
+        both, seconds = jobs(engine, made, scene)
+        found: dict[str, list[float]] = {each: [] for each in both}
+        for run in range(RUNS + 2):
+            for each, job in both.items():
+                taken = engine.seconds(job, SIZE[1], 4)
+                if run >= 2:
+                    found[each].append(taken * 1e3)
+        a, b = (job.read(SIZE[1]) for job in both.values())
+        whole, apart = (statistics.median(found[each]) for each in ("whole", "linked"))
+        ratios.append(apart / whole)
+        print(
+            f"{name:19} whole {whole:8.4f}, linked {apart:8.4f}, ratio {apart / whole:.3f}; words "
+            f"that differ {(a != b).mean():.5%}; made in {seconds[0]:.2f} s, {seconds[1]:.2f} s"
+        )
+    print(f"median ratio {statistics.median(ratios):.3f}, worst {max(ratios):.3f}; aim {MOST}")
+
+
+if __name__ == "__main__":
+    main()
