@@ -122,8 +122,8 @@ def state_of(scene: Scene, thing: Object) -> dict[str, Any]:
         "smoothing": plain(thing.smoothing),
         "shading": plain(scene.shading),
         "shadowing": plain(scene.shadowing),
-        "lights": [_light(each) for each in scene.lights],
-        "camera": _camera(scene),
+        "lights": [plain_light(each) for each in scene.lights],
+        "camera": plain_camera(scene.camera),
     }
     made["settings"][thing.drawn_with.name] = plain(thing.settings)
     return made
@@ -135,7 +135,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
     return {
         "scale": thing.relief_scale,
         "bias": float(thing.bias),
-        "lights": [_light(each) for each in Scene(()).lights],
+        "lights": [plain_light(each) for each in Scene(()).lights],
     }
 
 
@@ -143,9 +143,8 @@ def _defaults(made: Any) -> dict[str, Any]:
     return {each["name"]: each["default"] for each in settings_of(made.settings)}
 
 
-def _camera(scene: Scene) -> dict[str, Any]:
+def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
     """The camera as an orbit; one that stands somewhere is taken for the orbit it lies on."""
-    camera = scene.camera
     if isinstance(camera, LookAt):
         away = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
         distance = math.hypot(*away)
@@ -167,7 +166,7 @@ def _camera(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _light(light: Light) -> dict[str, Any]:
+def plain_light(light: Light) -> dict[str, Any]:
     """A light with its strength apart from its colour, and its direction as angles."""
     said = plain(light)
     intensity = max(*said["color"], 1e-9)

@@ -7,8 +7,8 @@ export const keyOf = (state, choices) =>
     .map((name) => state[name])
     .join("|");
 
-// Only what differs from where the page began, so that links stay short.
-function difference(now, then) {
+// Only what differs from another state, so that links stay short.
+export function difference(now, then) {
   const plain = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
   if (!plain(now) || !plain(then)) {
     return JSON.stringify(now) === JSON.stringify(then) ? undefined : now;
@@ -49,9 +49,14 @@ export function toHash(state, start) {
 
 export function fromHash(hash, start, data) {
   if (hash.length < 2) return copyOf(start);
-  const made = merged(start, JSON.parse(decodeURIComponent(hash.slice(1))));
+  return laidOver(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
+}
+
+// `other` laid over a state as far as there are such choices, whoever says so.
+export function laidOver(state, other, data) {
+  const made = merged(state, other);
   for (const [name, known] of Object.entries(data.choices)) {
-    if (!known.includes(made[name])) made[name] = start[name];
+    if (!known.includes(made[name])) made[name] = state[name];
   }
   if (made.compare !== "" && !data.choices.technique.includes(made.compare)) made.compare = "";
   return made;
