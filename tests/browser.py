@@ -8,7 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 import pytest
+
+from basrelief.rendering import Frame
+from basrelief.scene import Scene
 
 SOFTWARE = (
     "--enable-unsafe-webgpu",
@@ -49,3 +53,19 @@ def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
             yield browser
         finally:
             browser.close()
+
+
+def planes(words: list[int], size: tuple[int, int]) -> Frame:
+    """The planes of a page's picture, (width, height), as the library's frame."""
+    width, height = size
+    whole = np.array(words, np.uint32).reshape(9, height, width)
+    real = whole.view(np.float32)
+    hit = whole[7] != 0
+    color = np.zeros((height, width, 4), np.float32)
+    share = np.where(hit, real[3], 0.0)[:, :, None]
+    background = np.array(Scene(()).background, np.float32)
+    color[:, :, :3] = background * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
+    color[:, :, 3] = 1.0
+    depth = np.where(hit, real[4], np.inf).astype(np.float32)
+    uv = real[5:7].transpose(1, 2, 0)
+    return Frame(color, depth, uv, hit, whole[8].astype(np.int32), "browser")

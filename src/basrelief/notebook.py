@@ -228,10 +228,7 @@ class Viewer(anywidget.AnyWidget):
             **state,
         )
         self.settings = self.settings_of[self.technique]
-        self.observe(self._follow_technique, "technique")
-        self.observe(self._follow_shape, "shape")
-        self.observe(self._follow_settings, "settings")
-        self.observe(self._follow_settings_of, "settings_of")
+        self._follow()
 
     def scene(self) -> Scene:
         """What is shown, as a scene: `basrelief.render(viewer.scene())` draws it.
@@ -254,7 +251,12 @@ class Viewer(anywidget.AnyWidget):
         finally:
             self._heard = frozenset()
 
-    # the page has done the same for what it says itself
+    def _follow(self) -> None:
+        """Let settings follow one another; what the page says itself it has made follow."""
+        self.observe(self._follow_technique, "technique")
+        self.observe(self._follow_shape, "shape")
+        self.observe(self._follow_settings, "settings")
+        self.observe(self._follow_settings_of, "settings_of")
 
     def _follow_technique(self, change: Any) -> None:
         if "technique" not in self._heard:
