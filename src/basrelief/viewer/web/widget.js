@@ -37,15 +37,17 @@ function render({ model, el }) {
       if (!same(value, known[name])) news[name] = known[name] = value;
     }
     if (Object.keys(news).length) {
-      frame.contentWindow.postMessage({ basrelief: "state", state: news }, "*");
+      frame.contentWindow?.postMessage({ basrelief: "state", state: news }, "*");
     }
   };
   const hear = ({ source, data }) => {
-    if (source !== frame.contentWindow || !data?.basrelief) return;
+    if (!source || source !== frame.contentWindow || !data?.basrelief) return;
     if (data.basrelief === "ready") {
       const shared = ([name]) => model.get(nameOf(name)) !== undefined;
+      // a frame that a notebook moves loads its page anew: that listens already
+      const first = known === null;
       known = Object.fromEntries(Object.entries(data.state).filter(shared));
-      for (const name of Object.keys(known)) model.on(`change:${nameOf(name)}`, changed);
+      if (first) for (const name of Object.keys(known)) model.on(`change:${nameOf(name)}`, changed);
       tell();
       return;
     }
@@ -80,17 +82,14 @@ function render({ model, el }) {
 // The page within follows the colour scheme of its frame, which is that of what is behind it.
 function followScheme(frame) {
   const follow = () => {
-    frame.style.colorScheme = darkBehind(frame) ? "dark" : "light";
+    if (frame.isConnected) frame.style.colorScheme = darkBehind(frame) ? "dark" : "light";
   };
   const watcher = new MutationObserver(follow);
   for (const node of [document.documentElement, document.body]) {
     watcher.observe(node, { attributes: true });
   }
-  const soon = requestAnimationFrame(follow);
-  return () => {
-    cancelAnimationFrame(soon);
-    watcher.disconnect();
-  };
+  frame.addEventListener("load", follow);
+  return () => watcher.disconnect();
 }
 
 function darkBehind(element) {
