@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,9 @@ from basrelief.notebook import Viewer
 from basrelief.rendering import Frame, render
 from basrelief.scene import Object, Orbit, Scene
 from browser import SOFTWARE, chromium, planes
+from served import marimo
 
+EXAMPLES = Path(__file__).parent.parent / "examples"
 SIZE = (160, 90)
 TEXELS = 64
 PLACE = "http://localhost:8000/"
@@ -42,7 +45,8 @@ NOTEBOOK = """<!doctype html><body style="background: #fff"><div id="one"></div>
     off(name, act) { this.heard.set(name, this.heard.get(name).filter((each) => each !== act)); }
     receive(news) {
       Object.assign(this.state, news);
-      for (const name of Object.keys(news)) for (const act of this.heard.get(`change:${name}`) ?? []) act();
+      const acts = Object.keys(news).flatMap((name) => this.heard.get(`change:${name}`) ?? []);
+      for (const act of acts) act();
     }
   }
   window.model = new Model({ ...(await (await fetch("/state")).json()), _page: page });
@@ -221,7 +225,8 @@ class Shown:
 
     def __init__(self, browser: Any, viewer: Viewer) -> None:
         self.viewer = viewer
-        self.page = browser.new_page(viewport={"width": 900, "height": 640})
+        options = {"viewport": {"width": 760, "height": 400}, "color_scheme": "no-override"}
+        self.page = browser.new_page(**options)
         self.said: list[str] = []
         self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
@@ -248,6 +253,9 @@ class Shown:
               [...Array(n).keys()].every((k) => frames[k].viewer?.drawing?.done)""",
             arg=count,
         )
+        # one sample is enough, and leaves time for others
+        for number in range(count):
+            self.frame(number).evaluate("viewer.drawing.limit = 1")
 
     def frame(self, number: int = 0) -> Any:
         return self.page.frames[1 + number]
@@ -353,7 +361,12 @@ def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
     frame = shown.page.locator("iframe").first
     assert frame.bounding_box()["height"] == 560
     shown.python(height=480)
-    assert frame.bounding_box()["height"] == 480
+    shown.page.wait_for_function("document.querySelector('iframe').offsetHeight === 480")
+    # it is as dark as what is behind it, whatever the colour is written in
+    for color, dark in (("#111", True), ("color(srgb 1 1 1)", False), ("oklch(20% 0 0)", True)):
+        shown.page.evaluate("color => { document.body.style.background = color }", color)
+        query = "matchMedia('(prefers-color-scheme: dark)').matches"
+        shown.wait(query if dark else f"!{query}")
     # there is no address of its own to be copied
     assert shown.frame().locator("#copy-link").count() == 0
     # a person who scrolls through the notebook does not zoom what is passed
@@ -365,3 +378,39 @@ def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
     shown.frame().locator("#canvas").click()
     shown.page.mouse.wheel(0, -100)
     shown.wait("viewer.state.camera.distance !== null")
+
+
+# --- in notebooks --------------------------------------------------------------------------------
+
+
+def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
+    with marimo(EXAMPLES / "viewer.py", tmp_path) as address:
+        page = browser.new_page(viewport={"width": 800, "height": 600})
+        page.goto(address)
+        page.wait_for_selector("iframe[title='basrelief viewer']")
+        frame = next(each for each in page.frames if each.url.startswith("blob:"))
+        frame.wait_for_function("window.viewer?.drawing?.done")
+        frame.evaluate("viewer.drawing.limit = 1")
+        assert frame.evaluate("[viewer.state.technique, viewer.state.scale]") == ["relief", 0.08]
+        # the page's, in Python
+        frame.locator("input[name=scale]").fill("0.031")
+        page.get_by_text("scale 0.031").wait_for()
+        frame.get_by_label("Technique", exact=True).select_option("steep")
+        page.get_by_text("steep, scale 0.031").wait_for()
+        # Python's, in the page
+        page.get_by_label("The technique, from Python:").select_option("offset")
+        frame.wait_for_function("viewer.state.technique === 'offset' && viewer.state.level === 0.5")
+        assert frame.evaluate("viewer.state.scale") == 0.031
+        page.close()
+
+
+def test_the_jupyter_example_runs() -> None:
+    """Its code, cell by cell, without a notebook around it."""
+    notebook = json.loads((EXAMPLES / "viewer.ipynb").read_text("utf-8"))
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert all(cell["outputs"] == [] for cell in cells)
+    known: dict[str, Any] = {}
+    for cell in cells:
+        exec("".join(cell["source"]), known)
+    known["viewer"].set_state({"scale": 0.02})
+    assert known["label"].value == "scale 0.02"

@@ -1,4 +1,4 @@
-"""Draws the pictures of the viewer's page in docs/viewer.md, in a headless Chromium.
+"""Draws the pictures of the viewer in docs/viewer.md, in a headless Chromium and in marimo.
 
 PYTHONPATH=src:tests python docs/images/viewer.py
 """
@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from basrelief.material import sample
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.viewer import write_view
 from browser import SOFTWARE, chromium
+from served import marimo
 
 HERE = Path(__file__).parent
 SHOTS = {
@@ -50,6 +52,26 @@ def main() -> None:
             page.wait_for_timeout(300)
             page.screenshot(path=HERE / f"{name}.png")
             page.close()
+        notebook(browser)
+
+
+def notebook(browser: Any) -> None:
+    """The example in marimo, after a slider was moved."""
+    example = HERE.parent.parent / "examples" / "viewer.py"
+    with marimo(example, Path(tempfile.mkdtemp())) as address:
+        page = browser.new_page(viewport={"width": 1200, "height": 1060})
+        page.goto(address)
+        page.wait_for_selector("iframe")
+        frame = next(each for each in page.frames if each.url.startswith("blob:"))
+        frame.wait_for_function("window.viewer?.drawing?.done")
+        frame.evaluate("viewer.drawing.limit = 8")
+        frame.locator("input[name=scale]").fill("0.06")
+        page.get_by_text("scale 0.06").wait_for()
+        frame.evaluate("viewer.drawing.settled()")
+        page.keyboard.press("Tab")
+        page.wait_for_timeout(3000)
+        page.screenshot(path=HERE / "viewer-notebook.png")
+        page.close()
 
 
 if __name__ == "__main__":

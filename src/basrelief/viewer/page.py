@@ -42,7 +42,9 @@ _REST = 400_000
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
-_MODULES = ("state", "camera", "records", "maps", "colors", "gpu", "drawing", "controls", "host", "main")
+_MODULES = (
+    "state", "camera", "records", "maps", "colors", "gpu", "drawing", "controls", "host", "main",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ function render({ model, el }) {
   const frame = document.createElement("iframe");
   frame.title = "basrelief viewer";
   frame.allow = "clipboard-write; fullscreen";
-  frame.style.cssText = "display: block; width: 100%; border: 0; border-radius: 4px;";
+  frame.style.cssText =
+    "display: block; box-sizing: border-box; width: 100%; border: 1px solid #8884; border-radius: 6px;";
   const fit = () => {
     frame.style.height = `${model.get("height")}px`;
   };
@@ -94,10 +95,19 @@ function followScheme(frame) {
 
 function darkBehind(element) {
   for (let at = element; at; at = at.parentElement ?? at.getRootNode().host) {
-    const [r, g, b, alpha = 1] = getComputedStyle(at).backgroundColor.match(/[\d.]+/g).map(Number);
-    if (alpha > 0.5) return 0.2126 * r + 0.7152 * g + 0.0722 * b < 128;
+    const [r, g, b, alpha] = bytesOf(getComputedStyle(at).backgroundColor);
+    if (alpha > 127) return 0.2126 * r + 0.7152 * g + 0.0722 * b < 128;
   }
   return matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+// Styles write colours in many ways, and a canvas reads them all.
+const probe = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+function bytesOf(color) {
+  probe.clearRect(0, 0, 1, 1);
+  probe.fillStyle = color;
+  probe.fillRect(0, 0, 1, 1);
+  return probe.getImageData(0, 0, 1, 1).data;
 }
 
 export default { render };
