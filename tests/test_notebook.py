@@ -149,6 +149,13 @@ def test_a_technique_and_a_shape_bring_what_is_theirs(viewer: Viewer) -> None:
     assert (viewer.level, viewer.tiling) == (0.75, (3.0, 2.0))
 
 
+def test_a_light_that_is_put_out_keeps_its_colour(viewer: Viewer) -> None:
+    first, second = viewer.lights
+    viewer.set_state({"lights": [{**first, "intensity": 0}, second]})
+    assert viewer.lights[0]["color"] == [1.0, 0.96, 0.9]
+    assert [*viewer.scene().lights[0].color] == [0.0, 0.0, 0.0]
+
+
 def test_changes_are_observed(viewer: Viewer) -> None:
     seen: list[tuple[str, Any]] = []
     viewer.observe(lambda change: seen.append((change.name, change.new)), ["scale", "settings"])
@@ -296,12 +303,21 @@ def browser() -> Iterator[Any]:
         yield found
 
 
+@pytest.fixture(scope="module")
+def opened(browser: Any, made: Viewer) -> Iterator[Shown]:
+    shown = Shown(browser, made)
+    yield shown
+    shown.page.close()
+
+
 @pytest.fixture
-def shown(browser: Any, viewer: Viewer) -> Iterator[Shown]:
-    made = Shown(browser, viewer)
-    yield made
-    assert made.said == []
-    made.page.close()
+def shown(opened: Shown, viewer: Viewer) -> Iterator[Shown]:
+    """The page, as the viewer is at its start."""
+    opened.page.evaluate("news => model.receive(news)", _told(viewer))
+    opened.wait("viewer.state.scale === 0.08 && viewer.state.technique === 'relief'")
+    opened.page.evaluate("model.saved.splice(0)")
+    yield opened
+    assert opened.said == []
 
 
 def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:

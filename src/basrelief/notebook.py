@@ -30,7 +30,7 @@ from basrelief.shaders.techniques import TECHNIQUES
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import Progress, page_of
 from basrelief.viewer.printed import CHOICES
-from basrelief.viewer.shown import camera_of, said_light, shown_scene
+from basrelief.viewer.shown import OF_OBJECT, OF_SCENE, camera_of, said_light, shown_scene
 from basrelief.viewer.state import check_shown, state_of
 
 try:
@@ -97,13 +97,13 @@ def _share(viewer: Viewer, name: str, value: Any) -> float:
     return float(value)
 
 
-def _pair(viewer: Viewer, name: str, value: Any) -> tuple[float, float]:
+def _pair(viewer: Viewer, name: str, value: Any) -> Any:
     try:
         u, v = map(float, value)
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}: give two numbers") from None
-    Object(viewer.material, **{name: (u, v)})
-    return u, v
+    pair: Any = (u, v)
+    return getattr(Object(viewer.material, **{name: pair}), name)
 
 
 def _record(viewer: Viewer, name: str, value: Any) -> Any:
@@ -236,12 +236,9 @@ class Viewer(anywidget.AnyWidget):
         Its material is the one that the viewer was made of, with maps as large as they are; a map
         that was dropped on the page is not in it.
         """
-        names = ("technique", "shape", "projection", "shadows", "shading_model", "scale", "level")
-        names += ("bias", "tiling", "shift", "finish", "shading", "shadowing", "lights")
+        names = (*OF_OBJECT, *OF_SCENE, "camera", "lights")
         state = {name: getattr(self, name) for name in names}
-        return shown_scene(
-            {**state, "settings": self.settings_of, "camera": asdict(self.camera)}, self._began
-        )
+        return shown_scene({**state, "settings": self.settings_of}, self._began)
 
     def set_state(self, sync_data: Mapping[str, Any]) -> None:
         """Take what the page says."""

@@ -13,10 +13,11 @@ from basrelief.scene.checks import one_of
 from basrelief.shaders.lighting import Light
 from basrelief.viewer.state import plain_camera, plain_light
 
-_OF_OBJECT = (
+OF_OBJECT = (
     "technique", "shape", "projection", "scale", "level", "bias", "tiling", "shift", "finish",
 )  # fmt: skip
-_OF_SCENE = ("shadows", "shading_model", "shading", "shadowing")
+OF_SCENE = ("shadows", "shading_model", "shading", "shadowing")
+"""The settings that objects and scenes have by the same names."""
 _LIGHTS: dict[str, Callable[[], Light]] = {
     "directional": directional,
     "point": lambda: point((0.0, 1.0, 0.0)),
@@ -31,13 +32,13 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
     Raises InputError for values out of range.
     """
     settings = state["settings"][state["technique"]]
-    of_object = {name: state[name] for name in _OF_OBJECT}
+    of_object = {name: state[name] for name in OF_OBJECT}
     return replace(
         scene,
         objects=(replace(scene.objects[0], settings=settings, **of_object),),
         camera=camera_of(state["camera"]),
         lights=tuple(light_of(each) for each in state["lights"]),
-        **{name: state[name] for name in _OF_SCENE},
+        **{name: state[name] for name in OF_SCENE},
     )
 
 
