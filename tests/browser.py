@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 import pytest
+
+from basrelief.rendering import Frame
+from basrelief.shaders.pixel import SOLID
 
 SOFTWARE = (
     "--enable-unsafe-webgpu",
@@ -49,3 +53,19 @@ def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
             yield browser
         finally:
             browser.close()
+
+
+def planes(words: list[int], size: tuple[int, int], background: Sequence[float]) -> Frame:
+    """The planes of a page's picture, (width, height), as the library's frame."""
+    width, height = size
+    whole = np.array(words, np.uint32).reshape(9, height, width)
+    real = whole.view(np.float32)
+    share = np.where(whole[7] != 0, real[3], 0.0)[:, :, None]
+    hit = share[:, :, 0] >= SOLID
+    color = np.zeros((height, width, 4), np.float32)
+    behind = np.array(background, np.float32)
+    color[:, :, :3] = behind * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
+    color[:, :, 3] = 1.0
+    depth = np.where(hit, real[4], np.inf).astype(np.float32)
+    uv = real[5:7].transpose(1, 2, 0)
+    return Frame(color, depth, uv, hit, whole[8].astype(np.int32), "browser")

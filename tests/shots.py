@@ -13,8 +13,11 @@ from basrelief.material import sample
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.viewer import Sources, write_view
 from browser import SOFTWARE, chromium
+from served import marimo
 
-PICTURES = Path(__file__).resolve().parent.parent / "docs" / "images"
+REPOSITORY = Path(__file__).resolve().parent.parent
+PICTURES = REPOSITORY / "docs" / "images"
+EXAMPLE = REPOSITORY / "examples" / "viewer.py"
 SHOTS: dict[str, tuple[tuple[int, int], str, dict[str, Any]]] = {
     "viewer-light": ((960, 600), "light", {"shadows": "soft"}),
     "viewer-divider": ((960, 600), "dark", {"compare": "offset", "scale": 0.08}),
@@ -66,6 +69,25 @@ def main() -> None:
         for name in SHOTS:
             png, _ = shot(browser, file, name)
             (PICTURES / f"{name}.png").write_bytes(png)
+        notebook(browser)
+
+
+def notebook(browser: Any) -> None:
+    """The example in marimo, after a slider was moved."""
+    with marimo(EXAMPLE, Path(tempfile.mkdtemp())) as address:
+        page = browser.new_page(viewport={"width": 1200, "height": 1060})
+        page.goto(address)
+        page.wait_for_selector("iframe")
+        frame = next(each for each in page.frames if each.url.startswith("blob:"))
+        frame.wait_for_function("window.viewer?.drawing?.done")
+        frame.evaluate("viewer.drawing.limit = 4")
+        frame.locator("input[name=scale]").fill("0.06")
+        page.get_by_text("scale 0.06").wait_for()
+        frame.evaluate("viewer.drawing.settled()")
+        page.keyboard.press("Tab")
+        page.wait_for_timeout(3000)
+        page.screenshot(path=PICTURES / "viewer-notebook.png")
+        page.close()
 
 
 if __name__ == "__main__":

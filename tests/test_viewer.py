@@ -25,13 +25,12 @@ from basrelief.presets import preset
 from basrelief.rendering import Frame, render
 from basrelief.scene import SHAPES, Layer, Object, Orbit, Scene, Tiling, placed, point, spot, turned
 from basrelief.scene.views import FILLED
-from basrelief.shaders.pixel import SOLID
 from basrelief.shaders.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import LARGEST
 from basrelief.viewer.state import state_of
-from browser import SOFTWARE, chromium
+from browser import SOFTWARE, chromium, planes
 
 SIZE = (160, 90)
 TEXELS = 64
@@ -85,18 +84,7 @@ class Seen:
         words = self.page.evaluate(
             "async side => [...new Uint32Array(await viewer.drawing.words(side))]", side
         )
-        width, height = SIZE
-        planes = np.array(words, np.uint32).reshape(9, height, width)
-        real = planes.view(np.float32)
-        share = np.where(planes[7] != 0, real[3], 0.0)[:, :, None]
-        hit = share[:, :, 0] >= SOLID
-        color = np.zeros((height, width, 4), np.float32)
-        background = np.array(self.page.evaluate("viewer.state.background"), np.float32)
-        color[:, :, :3] = background * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
-        color[:, :, 3] = 1.0
-        depth = np.where(hit, real[4], np.inf).astype(np.float32)
-        uv = real[5:7].transpose(1, 2, 0)
-        return Frame(color, depth, uv, hit, planes[8].astype(np.int32), "browser")
+        return planes(words, SIZE, self.page.evaluate("viewer.state.background"))
 
     def text(self, selector: str) -> str:
         return str(self.page.inner_text(selector))

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from typing import Any
 
+import numpy as np
+
 from basrelief.lang.layout import align_and_size, offsets
 from basrelief.lang.types import VECTORS, fields_of, is_record, leaf_values
 
@@ -66,4 +68,4 @@ def plain(value: Any) -> Any:
 
 def _short(value: Any) -> float | int:
     """A number with as many digits as its 32 bits have: 0.1, not 0.10000000149."""
-    return value if isinstance(value, int) else float(str(value))
+    return int(value) if isinstance(value, int | np.integer) else float(str(value))

@@ -44,17 +44,9 @@ Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
 _MODULES = (
-    "state",
-    "camera",
-    "records",
-    "link",
-    "maps",
-    "colors",
-    "gpu",
-    "drawing",
-    "controls",
+    "state", "camera", "records", "link", "maps", "colors", "gpu", "drawing", "controls", "host",
     "main",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -155,9 +155,10 @@ def _constants(thing: Object) -> dict[str, Any]:
 
 
 def state_of(
-    scene: Scene, thing: Object, techniques: Mapping[str, Technique[..., Any]] = TECHNIQUES
+    scene: Scene, thing: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
 ) -> dict[str, Any]:
     """Everything that a person can change, as it is in a scene."""
+    techniques = techniques or techniques_of(thing)
     name = next(name for name, each in techniques.items() if each is thing.drawn_with)
     main = thing.main_tiling
     made = {
@@ -176,12 +177,12 @@ def state_of(
         "tiling": list(map(float, thing.tiles)),
         "shift": list(map(float, thing.shift)),
         "apart": bool(thing.tilings),
-        "tilings": {each: _tiling(thing.tilings.get(each, main)) for each in OWN_TILINGS},
+        "tilings": {each: plain_tiling(thing.tilings.get(each, main)) for each in OWN_TILINGS},
         "mapping": thing.mapping,
         "alpha": thing.alpha,
         "surface": thing.surface,
         "layer": thing.layer is not None,
-        "layer_tiling": _tiling(thing.layer.tiling if thing.layer else Tiling((10.0, 10.0))),
+        "layer_tiling": plain_tiling(thing.layer.tiling if thing.layer else Tiling((10.0, 10.0))),
         "settings": {name: _defaults(each) for name, each in techniques.items()},
         "finish": {name: plain(record()) for name, record in SURFACES.items()},
         "smoothing": plain(thing.smoothing),
@@ -191,15 +192,16 @@ def state_of(
         "fog": scene.fog,
         "air": plain(scene.air),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
-        "lights": [_light(each) for each in scene.lights],
-        "camera": _camera(scene),
+        "lights": [plain_light(each) for each in scene.lights],
+        "camera": plain_camera(scene.camera),
     }
     made["settings"][name] = plain(thing.settings)
     made["finish"][thing.surface] = plain(thing.finish)
     return made
 
 
-def _tiling(tiling: Tiling) -> dict[str, Any]:
+def plain_tiling(tiling: Tiling) -> dict[str, Any]:
+    """A tiling as a page has it."""
     return {"tiles": list(map(float, tiling.tiles)), "shift": list(map(float, tiling.shift))}
 
 
@@ -210,7 +212,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
         "scale": thing.relief_scale,
         "bias": float(thing.bias),
         "background": list(BACKGROUND),
-        "lights": [_light(each) for each in Scene(()).lights],
+        "lights": [plain_light(each) for each in Scene(()).lights],
     }
 
 
@@ -218,9 +220,8 @@ def _defaults(made: Any) -> dict[str, Any]:
     return {each["name"]: each["default"] for each in settings_of(made.settings)}
 
 
-def _camera(scene: Scene) -> dict[str, Any]:
+def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
     """The camera as an orbit; one that stands somewhere is taken for the orbit it lies on."""
-    camera = scene.camera
     if isinstance(camera, LookAt):
         away = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
         distance = math.hypot(*away)
@@ -242,7 +243,7 @@ def _camera(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _light(light: Light) -> dict[str, Any]:
+def plain_light(light: Light) -> dict[str, Any]:
     """A light with its strength apart from its colour, its direction and its cone as angles."""
     said = plain(light)
     intensity = max(*said["color"], 1e-9)

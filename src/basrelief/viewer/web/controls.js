@@ -466,7 +466,7 @@ function share(view) {
     { class: "buttons" },
     button("Copy as Python", () => view.copy("python"), { id: "copy-python" }),
     button("Copy as command", () => view.copy("command"), { id: "copy-command" }),
-    button("Copy link", () => view.copy("link"), { id: "copy-link" }),
+    ...(view.host ? [] : [button("Copy link", () => view.copy("link"), { id: "copy-link" })]),
     button("Save picture", () => view.save(), { id: "save" }),
     button("Frame it", () => view.frame(), { id: "frame" }),
     button("As at the start", () => view.reset(), { id: "reset" }),

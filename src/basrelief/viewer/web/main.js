@@ -4,8 +4,9 @@ import { across } from "view/camera.js";
 import { build } from "view/controls.js";
 import { Drawing, firstLine } from "view/drawing.js";
 import { Gpu } from "view/gpu.js";
+import { Host } from "view/host.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
-import { copyOf, fromHash, merged, toCommand, toHash, toPython } from "view/state.js";
+import { copyOf, difference, fromHash, laidOver, merged, toCommand, toHash, toPython } from "view/state.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
@@ -25,6 +26,7 @@ class View {
     this.mapSaid = "";
     this.canvas = byId("canvas");
     this.heldSize = null;
+    this.host = Host.around(this);
   }
 
   async open() {
@@ -61,6 +63,7 @@ class View {
     this.rebuild();
     this.listen();
     this.fit();
+    this.host?.open();
     await this.drawing.show(copyOf(this.state));
   }
 
@@ -109,13 +112,33 @@ class View {
   changed(choice = false) {
     if (choice) this.rebuild();
     else for (const show of this.shows) show();
+    this.link();
+    this.updateDivider();
+    this.host?.tell();
+    this.drawing.show(copyOf(this.state));
+  }
+
+  // The address holds the settings, where the page has one of its own.
+  link() {
+    if (this.host) return;
     clearTimeout(this.linking);
     this.linking = setTimeout(() => {
       history.replaceState(null, "", toHash(this.state, this.start) || location.pathname);
     }, 300);
-    this.updateDivider();
-    this.told?.(copyOf(this.state));
-    this.drawing.show(copyOf(this.state));
+  }
+
+  // Settings that come from outside, laid over those that there are.
+  take(told) {
+    const before = this.state;
+    this.state = laidOver(before, told, this.data);
+    this.hold();
+    const changed = difference(this.state, before);
+    if (!changed) {
+      this.host?.tell();
+      return;
+    }
+    const choices = [...Object.keys(this.data.menus), "compare", "show", "lights", "fades", "apart", "layer"];
+    this.changed(choices.some((name) => name in changed));
   }
 
   rebuild() {
@@ -254,6 +277,7 @@ class View {
     canvas.addEventListener(
       "wheel",
       (event) => {
+        if (this.host && !this.host.focused(canvas)) return;
         event.preventDefault();
         this.zoom(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.0015));
       },
@@ -302,6 +326,7 @@ class View {
     this.state.divider = Math.max(0, Math.min(1, share));
     if (this.drawing.state) this.drawing.state.divider = this.state.divider;
     this.updateDivider();
+    this.host?.tell();
     this.drawing.present();
   }
 

@@ -4,8 +4,8 @@ import { travelling } from "view/camera.js";
 
 export const copyOf = (value) => structuredClone(value);
 
-// Only what differs from where the page began, so that links stay short.
-function difference(now, then) {
+// Only what differs from another state, so that links stay short.
+export function difference(now, then) {
   const plain = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
   if (!plain(now) || !plain(then)) {
     return JSON.stringify(now) === JSON.stringify(then) ? undefined : now;
@@ -46,17 +46,17 @@ export function toHash(state, start) {
 
 export function fromHash(hash, start, data) {
   if (hash.length < 2) return copyOf(start);
-  const made = merged(start, JSON.parse(decodeURIComponent(hash.slice(1))));
-  return held(made, start, data);
+  return laidOver(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
 }
 
-// A state with what is unknown put back to how the page began.
-function held(state, start, data) {
+// `other` laid over a state as far as there are such choices, whoever says so.
+export function laidOver(state, other, data) {
+  const made = merged(state, other);
   for (const [name, known] of Object.entries(data.menus)) {
-    if (!known.includes(state[name])) state[name] = start[name];
+    if (!known.includes(made[name])) made[name] = state[name];
   }
-  if (state.compare !== "" && !data.menus.technique.includes(state.compare)) state.compare = "";
-  return state;
+  if (made.compare !== "" && !data.menus.technique.includes(made.compare)) made.compare = "";
+  return made;
 }
 
 // --- as text ------------------------------------------------------------------------------------
