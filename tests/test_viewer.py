@@ -480,6 +480,12 @@ def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) ->
     scene = preset(name).scene(material, camera=CAMERA, shape="plane")
     drawn = render(scene, size=SIZE, samples=1, engine="cpu")
     assert_agree(drawn, fresh.frame(), TEXELS)
+    # what is turned is that preset no more
+    assert fresh.page.get_by_label("Preset").input_value() == name
+    assert fresh.text("#about-preset") != ""
+    fresh.page.get_by_label("level", exact=True).fill("0.3")
+    assert fresh.page.get_by_label("Preset").input_value() == ""
+    assert fresh.text("#about-preset") == ""
 
 
 def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(

@@ -231,8 +231,19 @@ function technique(view) {
         ]
       : []),
     menu(view, ["preset"], "Preset", [["", "choose …"], ...presets], (name) => view.preset(name)),
-    element("p", { class: "doc" }, data.presets[state.preset]?.about ?? ""),
+    about(view),
   );
+}
+
+// What the preset is, as long as it is one.
+function about(view) {
+  const text = element("p", { class: "doc", id: "about-preset" });
+  const show = () => {
+    text.textContent = view.data.presets[view.state.preset]?.about ?? "";
+  };
+  view.shows.push(show);
+  show();
+  return text;
 }
 
 // A menu of names that mean themselves.

@@ -110,6 +110,7 @@ class View {
 
   // `choice`: what can be set is another now, so the panel is made anew.
   changed(choice = false) {
+    this.unname();
     if (choice) this.rebuild();
     else for (const show of this.shows) show();
     this.link();
@@ -171,6 +172,13 @@ class View {
     const { camera, shape } = this.state;
     this.state = { ...merged(this.start, found), preset: name, camera, shape };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
+  }
+
+  // A preset that somebody has turned something of is not that preset any more.
+  unname() {
+    const { preset, camera, shape, tiling, compare, divider, show, ...rest } = this.state;
+    const found = this.data.presets[preset]?.state;
+    if (found && difference(rest, found)) this.state.preset = "";
   }
 
   reshaped(shape) {
