@@ -25,10 +25,12 @@ from basrelief.presets import preset
 from basrelief.rendering import Frame, render
 from basrelief.scene import SHAPES, Layer, Object, Orbit, Scene, Tiling, placed, point, spot, turned
 from basrelief.scene.views import FILLED
+from basrelief.shaders.lighting import DIRECTIONAL, SPOT
 from basrelief.shaders.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import LARGEST
+from basrelief.viewer.shown import shown_scene
 from basrelief.viewer.state import state_of
 from browser import SOFTWARE, chromium, planes
 
@@ -364,6 +366,82 @@ def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
     assert camera["elevation"] == pytest.approx(42.0)
     fresh.page.mouse.wheel(0, -100)
     fresh.page.wait_for_function("viewer.state.camera.distance !== null")
+
+
+def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    wire = fresh.page.context.new_cdp_session(fresh.page)
+
+    def touch(kind: str, *points: tuple[float, float]) -> dict[str, Any]:
+        fingers = [{"x": x + dx, "y": y + dy, "id": k} for k, (dx, dy) in enumerate(points)]
+        wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+        # moves are told with the next frames
+        camera: dict[str, Any] = fresh.page.evaluate(
+            """async () => {
+              for (let k = 0; k < 3; k++) await new Promise(requestAnimationFrame);
+              return structuredClone(viewer.state.camera);
+            }"""
+        )
+        return camera
+
+    touch("touchStart", (0.0, 0.0))
+    turned = touch("touchMove", (-50.0, 25.0))
+    assert turned["azimuth"] == pytest.approx(44.0, abs=0.5)
+    assert turned["elevation"] == pytest.approx(42.0, abs=0.5)
+    touch("touchEnd")
+    touch("touchStart", (-20.0, 0.0), (20.0, 0.0))
+    near = touch("touchMove", (-21.0, 0.0), (21.0, 0.0))["distance"]
+    apart = touch("touchMove", (-60.0, 0.0), (60.0, 0.0))
+    assert apart["distance"] < 0.5 * near
+    # both to the left: what is seen goes with them, and the camera to the right
+    moved = touch("touchMove", (-100.0, 0.0), (20.0, 0.0))
+    touch("touchEnd")
+    assert moved["distance"] == pytest.approx(apart["distance"], rel=0.02)
+    assert moved["azimuth"] == turned["azimuth"]
+    across = np.array([np.cos(np.radians(44.0)), 0.0, -np.sin(np.radians(44.0))])
+    assert np.dot(np.subtract(moved["target"], apart["target"]), across) > 0.01
+
+
+def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
+    page = fresh.page
+    page.locator("#canvas").focus()
+    reached: list[str] = []
+    for _ in range(200):
+        page.keyboard.press("Tab")
+        reached.append(
+            page.evaluate("document.activeElement.name || document.activeElement.id || ''")
+        )
+        if reached[-1] == "reset":
+            break
+    # what is folded away is not in the way, and opens by key
+    wanted = {"technique", "preset", "scale", "shape", "lights.0.azimuth", "add-light", "save"}
+    assert wanted <= set(reached)
+    assert "finish.standard.roughness" not in reached
+    page.locator("#section-surface summary").focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.name") == "surface"
+    # a menu by its letters keeps the focus, though the panel is made anew
+    page.keyboard.type("landscape")
+    assert page.evaluate("[viewer.state.surface, document.activeElement.name]") == [
+        "landscape",
+        "surface",
+    ]
+
+
+def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: Material) -> None:
+    page = fresh.page
+    page.get_by_role("button", name="Add a light").click()
+    page.get_by_label("Light 3", exact=True).select_option("spot")
+    for label, value in (("x", "0.4"), ("y", "0.9"), ("cone", "50"), ("strength", "4")):
+        page.get_by_label(f"light 3 {label}", exact=True).fill(value)
+    page.get_by_label("light 3 color").fill("#ff8000")
+    page.get_by_role("button", name="Remove light 1").click()
+    scene = shown_scene(page.evaluate("viewer.state"), Scene((Object(material),)))
+    assert [int(each.kind) for each in scene.lights] == [DIRECTIONAL, SPOT]
+    assert [*scene.lights[1].color] == pytest.approx([4.0, 0.8632, 0.0], abs=1e-3)
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
 
 
 def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
