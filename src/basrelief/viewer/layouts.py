@@ -12,7 +12,10 @@ from typing import Any
 from basrelief.lang.layout import align_and_size, offsets
 from basrelief.lang.types import VECTORS, fields_of, is_record, leaf_values
 from basrelief.scene import SURFACES
+from basrelief.shaders.bakes.bounds import Blocks, Overlap
+from basrelief.shaders.bakes.cones import Octave, Sector
 from basrelief.shaders.bakes.texels import Relief
+from basrelief.shaders.bakes.windows import Windows
 from basrelief.shaders.fog import Fog
 from basrelief.shaders.height import Smoothing
 from basrelief.shaders.lighting import Light, Shading
@@ -22,7 +25,10 @@ from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.surfaces.surface import MapPlaces
 from basrelief.shaders.techniques import TECHNIQUES
 
-_ROOTS = (View, Placement, Depth, Smoothing, MapPlaces, Shading, Shadowing, Fog, Light, Relief)
+_ROOTS = (
+    View, Placement, Depth, Smoothing, MapPlaces, Shading, Shadowing, Fog, Light,
+    Relief, Blocks, Overlap, Windows, Octave, Sector,
+)  # fmt: skip
 
 
 @functools.cache

@@ -23,7 +23,7 @@ from basrelief.material import Map, Material, pyramids
 from basrelief.picture import encode_png, srgb_encode
 from basrelief.rendering import render
 from basrelief.scene import Object, Scene
-from basrelief.shaders.techniques import TECHNIQUES, Nothing
+from basrelief.shaders.techniques import Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
@@ -42,7 +42,12 @@ _REST = 400_000
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
-_MODULES = ("state", "camera", "records", "maps", "colors", "gpu", "drawing", "controls", "main")
+_LONG_BAKE = "relaxed_cone_map"
+"""What the page is given though it could bake it: without a GPU that takes it minutes."""
+_MODULES = (
+    "state", "camera", "records", "maps", "png", "dropped", "colors", "gpu", "bakes", "drawing",
+    "controls", "main",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -91,12 +96,10 @@ def page_of(
         progress("packing the maps", 0.9)
         shown = _scaled(thing.material, most)
         maps = _maps(replace(thing, material=shown))
-        # bakes take long, and about as much room as the maps: no need to make what will not fit
-        if _bytes(maps, stills) <= LARGEST / 2 or most <= _SMALLEST:
-            maps |= _bakes(shown)
-            if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
-                break
+        if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
+            break
         most = most // 2
+    maps |= _bakes(shown, LARGEST - _bytes(maps, stills))
     scaled = (shown_size(shown)) if most < whole else None
     data = {
         "records": layouts(),
@@ -161,13 +164,15 @@ def _maps(thing: Object) -> dict[str, Any]:
     return found
 
 
-def _bakes(material: Material) -> dict[str, Any]:
-    """What techniques have baked of the heights."""
+def _bakes(material: Material, room: int) -> dict[str, Any]:
+    """What takes a page long to bake, where it fits in so many bytes."""
     found: dict[str, Any] = {}
-    for what in sorted({made.bake for made in TECHNIQUES.values() if made.bake}):
-        baked = pyramids.baked(material, "wrap", what)
-        if baked is not None:
-            found[what] = packed(baked.levels[0])
+    if material.height is not None and room > material.height.width * material.height.height:
+        baked = pyramids.baked(material, "wrap", _LONG_BAKE)
+        assert baked is not None
+        made = packed(baked.levels[0])
+        if len(made["content"]) <= room:
+            found[_LONG_BAKE] = made
     return found
 
 

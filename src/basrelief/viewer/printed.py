@@ -35,9 +35,8 @@ from basrelief.lang.wgsl import bindings, print_wgsl
 from basrelief.material import Map, Material
 from basrelief.programs import program_of
 from basrelief.scene import SHAPES, Object, Scene
-from basrelief.shaders.bakes.texels import normals
-from basrelief.shaders.edge import edges_of
 from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.viewer.bakes import bake_programs
 from basrelief.viewer.layouts import record_names
 
 CHOICES: dict[str, tuple[str, ...]] = {
@@ -48,12 +47,11 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "shading_model": ("ggx", "phong"),
 }
 """What makes a program of its own, in the order of a program's key; all else is a number."""
-BAKED_NORMALS = "normals"
-"""The key of the program that makes normals of heights."""
 _MOST_PROCESSES = 8
 _PIECE = re.compile(r"\n(?=(?://[^\n]*\n)*(?:fn |struct |@group|@compute))")
 _SAYING = (
     "lang", "shaders", "scene", "programs.py", "viewer/printed.py", "viewer/layouts.py",
+    "viewer/bakes.py",
 )  # fmt: skip
 """The parts of the package whose source says what a program's text is."""
 
@@ -96,7 +94,8 @@ def _print(progress: Callable[[float], None] | None) -> Printed:
     """Print them all, on all cores: each works through its share and hands over line by line."""
     whole = len(list(choices()))
     made, numbers = Printed(), dict[str, int]()
-    _add(made, numbers, {"key": BAKED_NORMALS, **_shown(_bake())})
+    for key, program in bake_programs().items():
+        _add(made, numbers, {"key": key, **_shown(program)})
     found: dict[str, dict[str, Any]] = {}
     for each in _from_all_cores():
         found[each["key"]] = each
@@ -162,10 +161,6 @@ def work(number: str, count: str) -> None:
 def _share(number: int, count: int) -> Iterator[dict[str, Any]]:
     for chosen in itertools.islice(choices(), number, None, count):
         yield {"key": key_of(chosen), **_shown(_program(chosen))}
-
-
-def _bake() -> Program:
-    return Program(normals, edges_of("wrap"), "wrap")
 
 
 def _program(chosen: Mapping[str, str]) -> Program:

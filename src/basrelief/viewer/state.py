@@ -11,7 +11,7 @@ import numpy as np
 
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
-from basrelief.material import Material
+from basrelief.material import Material, pyramids
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.presets import PRESETS, preset
 from basrelief.programs import values_of
@@ -23,8 +23,9 @@ from basrelief.shaders.lighting import DIRECTIONAL, Light, Shading
 from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.surfaces.standard import Finish
 from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.viewer.bakes import BAKED_NORMALS, bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
-from basrelief.viewer.printed import BAKED_NORMALS, CHOICES
+from basrelief.viewer.printed import CHOICES
 
 SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
@@ -44,6 +45,7 @@ def manifest(
         "hasHeights": material.height is not None,
         "choices": CHOICES,
         "bakedNormals": BAKED_NORMALS,
+        "bakes": bake_numbers(),
         "techniques": {name: _technique(made) for name, made in TECHNIQUES.items()},
         "shapes": {shape: _shape(material, shape) for shape in SHAPES},
         "settings": {
@@ -93,14 +95,15 @@ def _shape(material: Material, shape: str) -> dict[str, Any]:
 
 
 def _constants(scene: Scene, thing: Object) -> dict[str, Any]:
-    """The records that the page's controls leave as they are."""
+    """What the page's controls leave as it is: records, and an emission map's own brightness."""
     values = values_of(thing, scene, (16, 9))
     background = scene.background or (0.0, 0.0, 0.0)
+    glow = pyramids.emission(thing.material, "wrap")
     return {
         "places": plain(values["places"]),
         "fog": plain(values["fog"]),
         "background": list(background),
-        "emission": plain(values["finish"])["emission"],
+        "glow": glow[1] if glow else 1.0,
     }
 
 

@@ -159,8 +159,7 @@ export function build(view, panel) {
 
 function techniques(view) {
   return view.data.choices.technique.map((name) => {
-    const { bake } = view.data.techniques[name];
-    const why = !view.hasHeights && name !== "flat" ? "needs heights" : view.lacks(bake);
+    const why = !view.hasHeights && name !== "flat" ? "needs heights" : "";
     return [name, words(name), !why, why];
   });
 }
@@ -279,20 +278,23 @@ function light(view) {
 }
 
 function surface(view) {
-  const used = ["base_color", "normal_strength", "roughness", "metallic", "occlusion"];
+  const used = ["base_color", "normal_strength", "roughness", "metallic", "occlusion", "emission"];
   const settings = view.data.settings.finish.filter(({ name }) => used.includes(name));
   return section("Surface", false, ...rows(view, ["finish"], settings));
 }
 
 // --- maps ---------------------------------------------------------------------------------------
 
-const SLOTS = {
+export const SLOTS = {
   height: "heights",
   base_color: "colour",
+  opacity: "opacity",
   normal: "normals",
   roughness: "roughness",
   metallic: "metal",
   occlusion: "occlusion",
+  packed: "occlusion, roughness, metal in r, g, b",
+  emission: "emission",
 };
 
 function maps(view) {
@@ -328,7 +330,7 @@ function picture(view) {
   const shows = [
     ["color", "the picture"],
     ["reads", "reads"],
-    ["missed", "missed hits", !view.lacks("bounds"), view.lacks("bounds")],
+    ["missed", "missed hits", view.hasHeights, "needs heights"],
     ["depth", "depth"],
   ];
   const meaning = {

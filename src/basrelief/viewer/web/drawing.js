@@ -3,6 +3,7 @@
 // While something moves, whole frames are drawn, smaller where one takes over 33 ms. At rest the
 // places in each pixel are gone through, row by row, so that the page stays awake.
 
+import { Bakes, Left } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
 import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
@@ -13,12 +14,21 @@ const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
+const words = (name) => name.replaceAll("_", " ");
+const MISSING = {
+  field: single([65535]),
+  base_color: single([39321, 39321, 39321, 65535]),
+  response: single([65535, 52428, 0, 65535]),
+  emission: single([0, 0, 0, 65535]),
+  level_normal: single([32768, 32768, 65535, 65535]),
+};
 const KINDS = { directional: 0, point: 1, spot: 2 };
 
 export class Drawing {
   constructor(gpu, data, canvas, heard) {
     Object.assign(this, { gpu, data, canvas, heard });
     this.colors = new Colors(gpu, canvas, data.colors);
+    this.pictures = {};
     this.textures = {};
     this.jobs = new Map();
     this.sides = {};
@@ -34,28 +44,49 @@ export class Drawing {
 
   // --- maps
 
-  // `pictures` by name: what is in the page, or was dropped; others are single texels.
-  async setMaps(pictures) {
-    const heights = pictures.field ?? single([65535]);
-    this.pictures = { ...pictures, field: heights };
-    this.texels = [heights.width, heights.height];
-    this.replace("field", heightLevels(heights), true);
-    const color = pictures.base_color ?? single([39321, 39321, 39321, 65535]);
-    this.replace("base_color", channelLevels(color, hasHoles(color)));
-    this.replace("response", channelLevels(pictures.response ?? single([65535, 52428, 0, 65535])));
-    this.replace("emission", channelLevels(pictures.emission ?? single([0, 0, 0, 65535])));
-    this.replace("level_normal", channelLevels(single([32768, 32768, 65535, 65535])));
-    if (pictures.normal) this.replace("normal", channelLevels(pictures.normal));
-    for (const { bake } of Object.values(this.data.techniques)) {
-      if (bake && pictures[bake]) this.replace(bake, [pictures[bake]]);
+  // `pictures` by name: what is in the page, or was dropped; others are single texels. All or none
+  // of what changed is taken.
+  setMaps(pictures) {
+    const shown = { ...MISSING, ...pictures };
+    const changed = Object.keys(shown).filter((name) => shown[name] !== this.pictures[name]);
+    const levels = Object.fromEntries(
+      changed.map((name) => [name, this.levels(name, shown[name])]),
+    );
+    const made = changed.map((name) => [name, this.gpu.texture(levels[name], name === "field")]);
+    for (const name of Object.keys(this.pictures)) {
+      if (shown[name] === this.pictures[name]) continue;
+      this.textures[name].destroy();
+      delete this.textures[name];
     }
-    this.bakedFor = null;
+    for (const [name, texture] of made) this.textures[name] = texture;
+    this.pictures = shown;
+    if (levels.field) this.newHeights(levels.field[0]);
   }
 
-  replace(name, levels, heights = false) {
-    const made = this.gpu.texture(levels, heights);
-    this.textures[name]?.destroy();
-    this.textures[name] = made;
+  levels(name, picture) {
+    if (name === "field") return heightLevels(picture);
+    if (this.isBake(name)) return [picture];
+    return channelLevels(picture, name === "base_color" && hasHoles(picture));
+  }
+
+  isBake(name) {
+    return Object.values(this.data.techniques).some(({ bake }) => bake === name);
+  }
+
+  // What a technique has baked, undefined where it is not there: out of the page, or made here.
+  baked(bake) {
+    return this.textures[bake] ?? this.bakes.tables.get(bake);
+  }
+
+  // What was made of the heights before is of no use any more.
+  newHeights({ width, height, texels }) {
+    this.texels = [width, height];
+    this.bakes?.destroy();
+    const highest = texels.reduce((most, x) => Math.max(most, x), 0);
+    this.bakes = new Bakes(this.gpu, this.data, this.textures.field, this.texels, highest);
+    this.bakedFor = null;
+    // nothing can be drawn until what it needs is baked
+    this.shown = null;
   }
 
   // Where there is no normal map, normals are made of the heights, by the library's own program.
@@ -75,7 +106,8 @@ export class Drawing {
         texels[4 * k + c] = Math.round((found[c * area + k] * 0.5 + 0.5) * 65535);
       }
     }
-    this.replace("normal", channelLevels({ width, height, texels }));
+    this.textures.normal?.destroy();
+    this.textures.normal = this.gpu.texture(channelLevels({ width, height, texels }), false);
     this.bakedFor = state.scale;
     planes.destroy();
     job.destroy();
@@ -98,13 +130,14 @@ export class Drawing {
     const shape = data.shapes[state.shape];
     const { origin, to_object, proportion } = shape;
     const level = made.boxes && !this.pictures.normal;
+    const { glow = 1 } = this.pictures.emission;
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
       depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near: 0, fade_far: 0 },
       smoothing: state.smoothing,
       settings: state.settings[state.technique],
-      finish: state.finish,
+      finish: { ...state.finish, emission: state.finish.emission.map((x) => x * glow) },
       places: data.constants.places,
       shading: state.shading,
       shadowing: state.shadowing,
@@ -112,7 +145,7 @@ export class Drawing {
       lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
       ...textures,
       normal: level ? textures.level_normal : textures.normal,
-      baked: made.bake ? textures[made.bake] : undefined,
+      baked: made.bake ? this.baked(made.bake) : undefined,
     };
   }
 
@@ -152,34 +185,65 @@ export class Drawing {
       state = this.latest;
       try {
         await this.ensureNormals(state);
-        const wanted = this.wanted(state);
-        for (const [side, each] of Object.entries(wanted)) {
-          const made = this.data.techniques[each.technique];
-          if (made.bake && !this.textures[made.bake]) {
-            throw new Error(`${each.technique} needs ${made.bake}, which the page has not`);
+        const { left, ...others } = this.wanted(state);
+        const shown = { left: await this.side("left", left) };
+        const lost = {};
+        for (const [side, each] of Object.entries(others)) {
+          try {
+            shown[side] = await this.side(side, each);
+          } catch (error) {
+            if (error instanceof Left) throw error;
+            // the rest is drawn all the same
+            Object.assign(lost, side === "right" ? { compare: "" } : { show: "color" });
+            this.heard({ error: `${each.technique}: ${firstLine(error)}` });
           }
-          const key = keyOf(each, this.data.choices);
-          const known = this.gpu.pipelines.has(key);
-          if (!known) this.heard({ busy: `compiling ${each.technique} …` });
-          const pipeline = await this.gpu.pipeline(key, this.data);
-          const name = `${side}:${key}`;
-          if (!this.jobs.has(name)) {
-            this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
-            this.fresh = true;
-          }
-          wanted[side] = { state: each, job: this.jobs.get(name) };
         }
-        this.shown = wanted;
-        this.state = state;
+        this.shown = shown;
+        this.state = { ...state, ...lost };
         this.failed = null;
-        this.heard({ busy: "" });
       } catch (error) {
+        if (error instanceof Left) {
+          // something else is wanted by now
+          state = null;
+          continue;
+        }
         this.failed = error;
-        this.heard({ busy: "", error: `${state.technique}: ${firstLine(error)}` });
-        if (!this.shown) return;
+        this.heard({ error: `${state.technique}: ${firstLine(error)}` });
+      } finally {
+        this.heard({ busy: "" });
       }
     }
-    this.touched();
+    if (this.shown) this.touched();
+  }
+
+  // What one picture needs: its bake and its program.
+  async side(side, state) {
+    const { bake } = this.data.techniques[state.technique];
+    if (bake && !this.baked(bake)) await this.bakeFor(state.technique, bake);
+    const key = keyOf(state, this.data.choices);
+    const known = this.gpu.pipelines.has(key);
+    if (!known) this.heard({ busy: `compiling ${words(state.technique)} …` });
+    const pipeline = await this.gpu.pipeline(key, this.data);
+    const name = `${side}:${key}`;
+    if (!this.jobs.has(name)) {
+      this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
+      this.fresh = true;
+    }
+    return { state, job: this.jobs.get(name) };
+  }
+
+  async bakeFor(technique, bake) {
+    const tell = (share) => {
+      const percent = share ? ` ${Math.floor(100 * share)} %` : "";
+      this.heard({ busy: `baking ${words(bake)} for ${words(technique)} …${percent}` });
+    };
+    // who has turned to another technique need not wait for this one
+    const needed = () =>
+      Object.values(this.wanted(this.latest)).some(
+        (each) => this.data.techniques[each.technique].bake === bake,
+      );
+    tell(0);
+    await this.bakes.table(bake, tell, needed);
   }
 
   // Something changed: draw anew with the next frame.
@@ -245,6 +309,7 @@ export class Drawing {
     this.drawn = 1;
     this.present();
     await this.gpu.device.queue.onSubmittedWorkDone();
+    if (!this.shown) return;
     const took = performance.now() - began;
     this.frames = (this.frames ?? 0) + 1;
     this.speed = took / (size[0] * size[1]);
@@ -260,7 +325,7 @@ export class Drawing {
     this.spent = [0, 0];
     const gpuMilliseconds = await this.stamped();
     this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
-    if (full) await this.figures();
+    if (full && this.shown) await this.figures();
   }
 
   // A part of the next sample, as many rows as fit a frame's time.
@@ -278,7 +343,7 @@ export class Drawing {
     this.speed = took / (size[0] * (last - this.row));
     const clock = await this.stamped();
     this.spent = [this.spent[0] + took, clock === null ? null : this.spent[1] + clock];
-    if (this.dirty) return;
+    if (this.dirty || !this.shown) return;
     this.row = last;
     if (last < size[1]) return;
     this.accumulate(size, this.done === 0);
@@ -329,10 +394,11 @@ export class Drawing {
 
   async figures() {
     const view = { ...this.view(), size: this.drawnSize };
+    const { right } = this.shown;
     const found = await this.colors.figures(this.sides.left, this.sides.truth, view);
     this.found = found;
     const told = { figures: found };
-    if (this.shown.right) {
+    if (right) {
       told.right = await this.colors.figures(this.sides.right, this.sides.truth, view);
       this.found = { ...found, most: Math.max(found.most, told.right.most) };
     }

@@ -77,16 +77,7 @@ export class Gpu {
   // A texture with all its levels: heights as r32float, four channels as rgba16uint.
   texture(levels, heights) {
     const [{ width, height }] = levels;
-    const most = this.limits.maxTextureDimension2D;
-    if (Math.max(width, height) > most) {
-      throw new Error(`a map of ${width} × ${height} is larger than this GPU takes (${most})`);
-    }
-    const texture = this.device.createTexture({
-      size: [width, height],
-      format: heights ? "r32float" : "rgba16uint",
-      mipLevelCount: levels.length,
-      usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
-    });
+    const texture = this.emptyTexture([width, height], heights, levels.length);
     levels.forEach((level, mipLevel) => {
       this.device.queue.writeTexture(
         { texture, mipLevel },
@@ -96,6 +87,21 @@ export class Gpu {
       );
     });
     return texture;
+  }
+
+  // One of zeros, which is filled later.
+  emptyTexture([width, height], heights, mipLevelCount = 1) {
+    const most = this.limits.maxTextureDimension2D;
+    if (Math.max(width, height) > most) {
+      throw new Error(`a map of ${width} × ${height} is larger than this GPU takes (${most})`);
+    }
+    const usage = GPUTextureUsage;
+    return this.device.createTexture({
+      size: [width, height],
+      format: heights ? "r32float" : "rgba16uint",
+      mipLevelCount,
+      usage: usage.TEXTURE_BINDING | usage.COPY_DST | usage.COPY_SRC,
+    });
   }
 
   // Where a program writes: so many planes of a picture.
@@ -152,13 +158,13 @@ export class Job {
     this.textures = values;
   }
 
-  // Compute rows first … last − 1 of a picture into planes that hold all of it; `first` is a
-  // multiple of `rowsApart`.
-  dispatch(planes, [width, height], first, last, timed = false) {
+  // Compute rows first … last − 1 of a picture into planes that hold `height` rows from `top` on;
+  // `first` is a multiple of `rowsApart` beyond that.
+  dispatch(planes, [width, height], first, last, timed = false, top = 0) {
     const { gpu, made } = this;
     const { device } = gpu;
     device.queue.writeBuffer(this.run, 0, new Uint32Array([width, first, last, width * height]));
-    const offset = 4 * width * first;
+    const offset = 4 * width * (first - top);
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
