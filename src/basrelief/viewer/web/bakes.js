@@ -6,7 +6,7 @@ import { Job } from "view/gpu.js";
 
 const ROW = 64; // words that a row of a copy is a multiple of
 const LONG = 60; // milliseconds that a submission should take; drivers stop those of seconds
-const FIRST = 2 ** 14; // invocations of a program's first submission, of which nothing is known
+const FIRST = 2 ** 12; // invocations of a program's first submission, of which nothing is known
 const GROWTH = 8; // times larger that a submission may be than the one before
 const ROOM = 2 ** 24; // bytes of planes at once
 
@@ -112,6 +112,7 @@ export class Bakes {
   // The highest points of the blocks of so many cells, and of a margin of blocks around.
   tops(side, margin) {
     const size = this.blocks(side).map((n) => n + 2 * margin);
+    this.speeds.delete("block_top"); // it goes by the side
     return this.heights("block_top", { blocks: { side, margin }, field: this.field }, size);
   }
 

@@ -323,6 +323,9 @@ function maps(view) {
     list("green", "Green is", [["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Picture"), file),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
+    ...(view.hasHeights && view.pictures.normal
+      ? [button("Make normals of the heights", () => view.leaveNormals(), { id: "leave-normals" })]
+      : []),
   );
 }
 

@@ -58,9 +58,17 @@ export class Drawing {
       this.textures[name].destroy();
       delete this.textures[name];
     }
-    for (const [name, texture] of made) this.textures[name] = texture;
+    for (const [name, texture] of made) {
+      this.textures[name]?.destroy();
+      this.textures[name] = texture;
+    }
     this.pictures = shown;
     if (levels.field) this.newHeights(levels.field[0]);
+    if (levels.field || !this.textures.normal) {
+      this.bakedFor = null;
+      // nothing can be drawn until what it needs is baked
+      this.shown = null;
+    }
   }
 
   levels(name, picture) {
@@ -84,9 +92,6 @@ export class Drawing {
     this.bakes?.destroy();
     const highest = texels.reduce((most, x) => Math.max(most, x), 0);
     this.bakes = new Bakes(this.gpu, this.data, this.textures.field, this.texels, highest);
-    this.bakedFor = null;
-    // nothing can be drawn until what it needs is baked
-    this.shown = null;
   }
 
   // Where there is no normal map, normals are made of the heights, by the library's own program.

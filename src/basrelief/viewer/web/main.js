@@ -337,6 +337,15 @@ class View {
     }
   }
 
+  // Leave the normal map away: normals are made of the heights.
+  leaveNormals() {
+    const { normal, ...pictures } = this.pictures;
+    this.drawing.setMaps(pictures);
+    this.pictures = pictures;
+    this.mapSaid = "Normals are made of the heights.";
+    this.changed(true);
+  }
+
   tellMap(name, slot, { width, height, bits, lost }) {
     this.mapSaid = `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}`;
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
