@@ -101,15 +101,7 @@ READ = """async ([codes, height, width, name]) => {
   const { [name]: held, ...pictures } = viewer.pictures;
   drawing.setMaps({ ...pictures, field: { width, height, texels } });
   const table = await drawing.bakes.table(name);
-  const row = Math.ceil(table.width / 32) * 256;
-  const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-  const buffer = gpu.device.createBuffer({ size: row * table.height, usage });
-  const encoder = gpu.device.createCommandEncoder();
-  const from = { texture: table };
-  encoder.copyTextureToBuffer(from, { buffer, bytesPerRow: row }, [table.width, table.height]);
-  gpu.device.queue.submit([encoder.finish()]);
-  const words = [...new Uint16Array(await gpu.read(buffer))];
-  return [table.width, table.height, row / 2, words];
+  return [table.width, table.height, [...(await gpu.readTexture(table))]];
 }"""
 
 
@@ -117,13 +109,28 @@ READ = """async ([codes, height, width, name]) => {
 @pytest.mark.parametrize("name", ["bounds", "cone_map", "relaxed_cone_map"])
 def test_tables_are_pythons(seen: Seen, name: str, shape: tuple[int, int]) -> None:
     codes = noise(shape)
-    width, height, row, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name])
-    found = np.array(words, np.uint16).reshape(height, row)[:, : 4 * width]
+    width, height, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name])
+    found = np.array(words, np.uint16).reshape(height, width, 4)
     wanted = getattr(bake, name)(as_heights(codes), "wrap")
-    assert np.array_equal(found.reshape(height, width, 4), wanted)
+    assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
     assert seen.said == []
     assert seen.text("#messages") == ""
+
+
+def test_normals_are_pythons(seen: Seen) -> None:
+    codes = noise((50, 37))
+    script = """async ([codes, height, width, rise]) => {
+      const texels = Uint16Array.from(codes);
+      viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
+      return [...(await viewer.drawing.bakes.normals(rise))];
+    }"""
+    found = seen.page.evaluate(script, [codes.ravel().tolist(), *codes.shape, 0.08 * 37])
+    made = bake.normal_map(as_heights(codes), "wrap", 0.08)
+    wanted = np.full((50, 37, 4), 65535)
+    wanted[:, :, :3] = np.rint((made * 0.5 + 0.5) * 65535)
+    apart = np.abs(np.array(found).reshape(wanted.shape) - wanted)
+    assert apart.max() <= 1
 
 
 # --- dropped heights -----------------------------------------------------------------------------

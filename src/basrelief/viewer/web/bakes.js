@@ -1,6 +1,6 @@
-// What techniques have baked of the heights: the steps of the library's `bake.bounds` and
-// `bake.cones`, run by its own programs. Nothing is read back: a step's planes become a texture
-// that the next step reads.
+// What is made of the heights: normals, and what techniques have baked, by the steps of the
+// library's `bake.bounds` and `bake.cones` and by its own programs. Between steps nothing is read
+// back: a step's planes become a texture that the next one reads.
 
 import { Job } from "view/gpu.js";
 
@@ -18,6 +18,11 @@ struct Size { width: u32, rows: u32, stride: u32 }
 @group(0) @binding(2) var<storage, read_write> texels: array<vec2u>;
 
 fn code(p: u32, plane: u32) -> u32 { return u32(bitcast<f32>(planes[p + plane * size.stride])); }
+
+// −1 to 1 as 0 to 65535.
+fn unit(p: u32, plane: u32) -> u32 {
+  return u32(round((bitcast<f32>(planes[p + plane * size.stride]) * 0.5 + 0.5) * 65535.0));
+}
 
 fn texel(p: u32) -> vec2u {
   return TEXEL;
@@ -39,6 +44,10 @@ const KINDS = {
     texel: "vec2u(code(p, 0u) | (code(p, 1u) << 16u), code(p, 2u) | (code(p, 3u) << 16u))",
   },
   cones: { planes: 1, texel: "vec2u(code(p, 0u) * 65537u, code(p, 0u) | 0xffff0000u)" },
+  normals: {
+    planes: 3,
+    texel: "vec2u(unit(p, 0u) | (unit(p, 1u) << 16u), unit(p, 2u) | 0xffff0000u)",
+  },
 };
 
 // Thrown where a bake is no longer wanted.
@@ -58,21 +67,41 @@ export class Bakes {
 
   // The table `name`, made once; `tell` hears what share is done, and `wanted` whether to go on.
   // What could not be made is not tried again.
-  async table(name, tell = () => {}, wanted = () => true) {
+  async table(name, tell, wanted) {
     if (this.failures.has(name)) throw this.failures.get(name);
     if (!this.tables.has(name)) {
-      Object.assign(this, { tell, wanted, done: 0, whole: 1 });
-      Object.assign(this, { scratch: new Set(), refused: [] });
       try {
-        this.tables.set(name, await this[name]());
+        this.tables.set(name, await this.making(() => this[name](), tell, wanted));
       } catch (error) {
         if (!(error instanceof Left)) this.failures.set(name, error);
         throw error;
-      } finally {
-        for (const each of this.scratch) if (each !== this.tables.get(name)) each.destroy();
       }
     }
     return this.tables.get(name);
+  }
+
+  // Normals of a relief that rises so much a texel, four 16-bit channels a texel.
+  normals(per_texel) {
+    return this.making(async () => {
+      const made = this.texture(this.size, false);
+      const values = { field: this.field, relief: { per_texel } };
+      await this.run(this.data.bakedNormals, "normals", values, this.size, made);
+      return this.gpu.readTexture(made);
+    });
+  }
+
+  // Go through a bake's steps; of its textures only the one that it returns is kept.
+  async making(steps, tell = () => {}, wanted = () => true) {
+    Object.assign(this, { tell, wanted, done: 0, whole: 1, refused: [], scratch: new Set() });
+    let made = null;
+    try {
+      const found = await steps();
+      this.stay();
+      made = found;
+      return made;
+    } finally {
+      for (const each of this.scratch) if (each !== made) each.destroy();
+    }
   }
 
   // The heights are others now: stop, and give back what is held.
@@ -242,10 +271,16 @@ export class Bakes {
       });
       await this.gpu.device.queue.onSubmittedWorkDone();
       await Promise.all([failed, ...this.refused.splice(0)]);
-      this.speeds.set(key, [performance.now() - began, rows * wide]);
+      this.note(key, performance.now() - began, rows * wide);
       first += rows;
       if (height > rows) this.tell((this.done + first / height) / this.whole);
     }
+  }
+
+  // What a submission took; of the few rows that are left at the end only that they took long.
+  note(key, took, count) {
+    const [, before] = this.speeds.get(key) ?? [0, 0];
+    if (2 * count >= before || took > LONG) this.speeds.set(key, [took, count]);
   }
 
   // How many invocations of a program should take as long as a submission should.

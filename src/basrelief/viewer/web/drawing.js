@@ -98,24 +98,12 @@ export class Drawing {
   async ensureNormals(state) {
     if (this.pictures.normal || this.bakedFor === state.scale) return;
     const { width, height } = this.pictures.field;
-    const made = await this.gpu.pipeline(this.data.bakedNormals, this.data);
-    const job = new Job(this.gpu, made, this.data);
-    const planes = this.gpu.planes(3, width, height);
-    job.put({ field: this.textures.field, relief: { per_texel: state.scale * width } });
-    job.dispatch(planes, [width, height], 0, height);
-    const found = new Float32Array(await this.gpu.read(planes));
-    const area = width * height;
-    const texels = new Uint16Array(4 * area).fill(65535);
-    for (let k = 0; k < area; k++) {
-      for (let c = 0; c < 3; c++) {
-        texels[4 * k + c] = Math.round((found[c * area + k] * 0.5 + 0.5) * 65535);
-      }
-    }
+    const texels = await this.bakes.normals(state.scale * width);
+    // another map may have been dropped
+    if (this.pictures.normal) return;
     this.textures.normal?.destroy();
     this.textures.normal = this.gpu.texture(channelLevels({ width, height, texels }), false);
     this.bakedFor = state.scale;
-    planes.destroy();
-    job.destroy();
   }
 
   // --- values

@@ -110,6 +110,25 @@ export class Gpu {
     return this.device.createBuffer({ size: 4 * count * width * height, usage });
   }
 
+  // What a texture of four channels holds, row by row.
+  async readTexture(texture) {
+    const { width, height } = texture;
+    const row = Math.ceil((8 * width) / 256) * 256;
+    const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+    const buffer = this.device.createBuffer({ size: row * height, usage });
+    const encoder = this.device.createCommandEncoder();
+    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: row }, [width, height]);
+    this.device.queue.submit([encoder.finish()]);
+    const words = new Uint16Array(await this.read(buffer));
+    buffer.destroy();
+    const texels = new Uint16Array(4 * width * height);
+    for (let y = 0; y < height; y++) {
+      const from = (y * row) / 2;
+      texels.set(words.subarray(from, from + 4 * width), 4 * width * y);
+    }
+    return texels;
+  }
+
   async read(buffer) {
     const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST;
     const copy = this.device.createBuffer({ size: buffer.size, usage });
