@@ -23,13 +23,14 @@ from basrelief.measure.truth import truth
 from basrelief.picture import encode_png, read_picture, write_data
 from basrelief.presets import preset
 from basrelief.rendering import Frame, render
-from basrelief.scene import SHAPES, Object, Orbit, Scene
+from basrelief.scene import SHAPES, Layer, Object, Orbit, Scene, Tiling, placed, point, spot, turned
 from basrelief.scene.views import FILLED
+from basrelief.shaders.pixel import SOLID
 from basrelief.shaders.techniques import TECHNIQUES
-from basrelief.viewer import write_view
+from basrelief.viewer import Sources, write_view
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import LARGEST
-from basrelief.viewer.printed import choices, key_of
+from basrelief.viewer.state import state_of
 from browser import SOFTWARE, chromium
 
 SIZE = (160, 90)
@@ -46,7 +47,7 @@ def material() -> Material:
 def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     scene = Scene((Object(material, scale=0.08),), camera=CAMERA)
-    write_view(scene, file, source="sample:bricks", engine="cpu")
+    write_view(scene, file, sources=Sources("sample:bricks"), engine="cpu")
     return file
 
 
@@ -87,10 +88,10 @@ class Seen:
         width, height = SIZE
         planes = np.array(words, np.uint32).reshape(9, height, width)
         real = planes.view(np.float32)
-        hit = planes[7] != 0
+        share = np.where(planes[7] != 0, real[3], 0.0)[:, :, None]
+        hit = share[:, :, 0] >= SOLID
         color = np.zeros((height, width, 4), np.float32)
-        share = np.where(hit, real[3], 0.0)[:, :, None]
-        background = np.array(Scene(()).background, np.float32)
+        background = np.array(self.page.evaluate("viewer.state.background"), np.float32)
         color[:, :, :3] = background * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
         color[:, :, 3] = 1.0
         depth = np.where(hit, real[4], np.inf).astype(np.float32)
@@ -226,9 +227,91 @@ def test_smaller_levels_are_pythons(seen: Seen) -> None:
         level = pyramids.halved(level)
 
 
-def test_every_choice_has_a_program(seen: Seen) -> None:
-    made = seen.page.evaluate("Object.keys(viewer.data.programs)")
-    assert {key_of(chosen) for chosen in choices()} <= set(made)
+OTHERWISE: dict[str, dict[str, Any]] = {
+    "clamped": {"edge": "clamp", "shift": (0.4, 0.3), "shape": "box"},
+    "clipped": {"edge": "clip", "technique": "parallax_occlusion"},
+    "smooth": {"heights": "smooth", "tiling": (8.0, 8.0)},
+    "mips": {"heights": "mip", "tiling": (8.0, 8.0), "technique": "steep"},
+    "landscape": {"surface": "landscape", "technique": "fixed_length", "scale": 0.2},
+    "faded": {"fade": (1.5, 2.5), "shadows": "hard"},
+    "three sides": {"mapping": "triplanar", "scale": 0.2},
+    "apart": {
+        "tilings": {
+            "base_color": Tiling((-3.0, 2.0), (0.1, 0.2)),
+            "normal": Tiling((-2.0, 3.0)),
+        }
+    },
+    "a layer": {"layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1)))},
+    "fog": {"fog": "linear", "air": {"fog_start": 1.0, "fog_end": 3.0}},
+    "thick fog": {"fog": "exponential_squared", "air": {"fog_density": 0.5}},
+    "occluded": {"occlusion_kind": "directional", "shadows": "soft"},
+    "lamps": {
+        "lights": (
+            point((0.5, 0.8, 0.2), (1.0, 0.5, 0.2), 2.0, 1.0),
+            spot((-0.4, 0.9, 0.3), (0.1, 0.0, 0.1), angle=50.0, softness=0.5),
+        ),
+        "shadows": "hard",
+        "background": (0.2, 0.0, 0.1),
+    },
+}
+
+
+LEANING = placed((0.1, 0.0, 0.05), scale=(1.2, 0.8, 0.9)) @ turned("x", -70.0)
+
+
+@pytest.fixture(scope="module")
+def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Seen, Material]]:
+    """A page of a material that has every map, and a second layer."""
+    material = _rich_material()
+    file = tmp_path_factory.mktemp("rich") / "page.html"
+    thing = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
+    write_view(Scene((thing,), camera=CAMERA), file, engine="cpu")
+    made = Seen(browser, file)
+    yield made, material
+    made.page.close()
+
+
+def _rich_material() -> Material:
+    """Gravel with holes, metal, and places that glow."""
+    v, u = np.mgrid[0:TEXELS, 0:TEXELS] / TEXELS
+    hole = np.where((u - 0.3) ** 2 + (v - 0.6) ** 2 < 0.02, 0.2, 1.0)
+    glow = np.stack([3.0 * (u > 0.75), 0.5 * v, np.zeros_like(u)], -1)
+
+    def map_of(pixels: Any) -> Map:
+        return Map(
+            np.ascontiguousarray(pixels, np.float32).reshape(TEXELS, TEXELS, -1), False, "made"
+        )
+
+    return replace(
+        sample("gravel", TEXELS),
+        opacity=map_of(hole),
+        metallic=map_of((v < 0.4) * 0.9),
+        roughness=map_of(0.3 + 0.5 * u),
+        emission=map_of(glow),
+        layer_mask=map_of(u * v),
+    )
+
+
+@pytest.mark.parametrize("way", OTHERWISE)
+def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str) -> None:
+    seen, material = rich
+    options = dict(OTHERWISE[way])
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    standing = None if "shape" in options else LEANING
+    thing = Object(material, **{"scale": 0.08, "transform": standing, **options})
+    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    _shown_as(seen, scene)
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert drawn.hit.mean() > 0.1
+    assert_agree(drawn, seen.frame(), TEXELS)
+
+
+def _shown_as(seen: Seen, scene: Scene) -> None:
+    """Show a scene in the page of another: all that a page can change is as the scene has it."""
+    state = state_of(scene, scene.objects[0])
+    seen.page.evaluate("viewer.reset()")
+    seen.state(**state)
+    seen.page.evaluate("viewer.changed(true)")
 
 
 # --- what a person does --------------------------------------------------------------------------
@@ -403,13 +486,66 @@ def test_the_picture_is_saved(fresh: Seen) -> None:
     )
 
 
-def test_presets_are_the_librarys(fresh: Seen, material: Material) -> None:
-    fresh.page.get_by_label("Preset").select_option("gamedev")
-    scene = preset("gamedev").scene(material, camera=CAMERA)
+@pytest.mark.parametrize("name", ["gamedev", "habrador-bricks", "halliwell", "wikibooks"])
+def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) -> None:
+    fresh.page.get_by_label("Preset").select_option(name)
+    scene = preset(name).scene(material, camera=CAMERA, shape="plane")
     drawn = render(scene, size=SIZE, samples=1, engine="cpu")
     assert_agree(drawn, fresh.frame(), TEXELS)
-    why = fresh.page.evaluate("viewer.data.presets.habrador.why")
-    assert "landscape" in why
+
+
+def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
+    seen: Seen, browser: Any, tmp_path: Path
+) -> None:
+    def greyed(seen: Seen) -> list[str]:
+        found: list[str] = seen.page.evaluate(
+            "Object.entries(viewer.data.presets).flatMap(([name, { state }]) => state ? [] : name)"
+        )
+        return found
+
+    assert greyed(seen) == ["habrador"]
+    why = seen.page.evaluate("viewer.data.presets.habrador.why")
+    assert why == "it lays stone over; make a page with --preset habrador"
+    # a landscape with grass and stone, water and what is never reached
+    noise = sample("noise", TEXELS)
+    scene = preset("habrador").scene(noise, camera=CAMERA)
+    write_view(scene, tmp_path / "page.html", engine="cpu")
+    other = Seen(browser, tmp_path / "page.html")
+    assert greyed(other) == []
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), other.frame(), TEXELS)
+    other.page.close()
+
+
+OWN = """
+from basrelief.lang import HeightField, setting, shader, struct
+from basrelief.shaders.techniques import Hit, Ray, at, height_under, technique
+
+@struct
+class Halving:
+    share: float = setting(default=0.5, doc="how deep all is taken for", low=0.0, high=1.0)
+
+@technique()
+def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
+    height = height_under(field, ray, 1.0 - settings.share)
+    return Hit(at(ray, height), height, True, 1)
+"""
+
+
+def test_a_technique_of_ones_own_is_there(
+    browser: Any, tmp_path: Path, material: Material, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    own = Object(material, technique="own.py:steep", settings={"share": 0.7}, scale=0.08)
+    scene = Scene((own,), camera=CAMERA)
+    write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), engine="cpu")
+    seen = Seen(browser, tmp_path / "page.html")
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert_agree(drawn, seen.frame(), TEXELS)
+    # beside the library's own of that name
+    assert seen.page.locator("select[name=technique]").input_value() == "steep_"
+    assert "--technique own.py:steep " in seen.page.evaluate("viewer.text('command')")
+    seen.page.close()
 
 
 # --- dropped maps --------------------------------------------------------------------------------
@@ -464,11 +600,7 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     seen = Seen(browser, page_file)
     before = seen.frame().color
     seen.page.evaluate(
-        """() => {
-          viewer.data.pieces.push("fn broken( {");
-          viewer.data.programs["steep|plane|none|full|ggx"].pieces.push(
-            viewer.data.pieces.length - 1);
-        }"""
+        """() => { viewer.data.programs.slots.displace.steep[0] += "fn broken( {"; }"""
     )
     seen.page.get_by_label("Technique", exact=True).select_option("steep")
     seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
@@ -525,9 +657,9 @@ def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> No
 
 
 def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
-    smooth = Scene((Object(material, heights="smooth"),))
-    with pytest.raises(InputError, match="has smooth heights, which the page does not draw"):
-        write_view(smooth, tmp_path / "page.html", engine="cpu")
+    two = Scene((Object(material), Object(material, shape="sphere")))
+    with pytest.raises(InputError, match="has further objects, which the page does not draw"):
+        write_view(two, tmp_path / "page.html", engine="cpu")
     with pytest.raises(InputError, match="nothing in the scene"):
         write_view(Scene(()), tmp_path / "page.html", engine="cpu")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import struct
 import zlib
 from collections.abc import Iterator
@@ -95,23 +96,33 @@ def as_heights(codes: np.ndarray) -> np.ndarray:
 
 # --- tables --------------------------------------------------------------------------------------
 
-READ = """async ([codes, height, width, name]) => {
+READ = """async ([codes, height, width, name, edge]) => {
   const { drawing, gpu } = viewer;
   const texels = Uint16Array.from(codes);
   const { [name]: held, ...pictures } = viewer.pictures;
   drawing.setMaps({ ...pictures, field: { width, height, texels } });
-  const table = await drawing.bakes.table(name);
+  const table = await drawing.bakesFor(edge).table(name);
   return [table.width, table.height, [...(await gpu.readTexture(table))]];
 }"""
 
 
 @pytest.mark.parametrize("shape", [(64, 96), (50, 37), (5, 3), (1, 1)])
-@pytest.mark.parametrize("name", ["bounds", "cone_map", "relaxed_cone_map"])
-def test_tables_are_pythons(seen: Seen, name: str, shape: tuple[int, int]) -> None:
+@pytest.mark.parametrize(
+    ("name", "edge"),
+    [
+        *itertools.product(("bounds", "cone_map", "relaxed_cone_map"), ("wrap", "clamp")),
+        ("mip_bounds", "wrap"),
+    ],
+)
+def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, int]) -> None:
     codes = noise(shape)
-    width, height, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name])
+    width, height, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name, edge])
     found = np.array(words, np.uint16).reshape(height, width, 4)
-    wanted = getattr(bake, name)(as_heights(codes), "wrap")
+    heights = as_heights(codes)
+    if name == "mip_bounds":
+        wanted = bake.bounds(heights, edge, all_levels=True)
+    else:
+        wanted = getattr(bake, name)(heights, edge)
     assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
     assert seen.said == []
@@ -123,7 +134,7 @@ def test_normals_are_pythons(seen: Seen) -> None:
     script = """async ([codes, height, width, rise]) => {
       const texels = Uint16Array.from(codes);
       viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
-      return [...(await viewer.drawing.bakes.normals(rise))];
+      return [...(await viewer.drawing.bakesFor("wrap").normals(rise))];
     }"""
     found = seen.page.evaluate(script, [codes.ravel().tolist(), *codes.shape, 0.08 * 37])
     made = bake.normal_map(as_heights(codes), "wrap", 0.08)
@@ -131,6 +142,9 @@ def test_normals_are_pythons(seen: Seen) -> None:
     wanted[:, :, :3] = np.rint((made * 0.5 + 0.5) * 65535)
     apart = np.abs(np.array(found).reshape(wanted.shape) - wanted)
     assert apart.max() <= 1
+
+
+MADE = "[...viewer.drawing.bakes.values()].flatMap((each) => [...each.tables.keys()])"
 
 
 # --- dropped heights -----------------------------------------------------------------------------
@@ -150,6 +164,34 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
         assert_agree(expected(swapped, technique=technique), seen.frame(), TEXELS)
     assert seen.said == []
     assert seen.text("#messages") == ""
+
+
+@pytest.mark.parametrize(
+    ("technique", "changes"),
+    [
+        ("exact", {"edge": "clamp"}),
+        ("exact", {"heights": "mip"}),
+        ("exact", {"edge": "clamp", "heights": "mip"}),
+        ("cone", {"edge": "clamp"}),
+        ("relaxed_cone", {"edge": "clamp"}),
+    ],
+)
+def test_bakes_go_by_edge_and_levels(
+    seen: Seen, material: Material, technique: str, changes: dict[str, Any]
+) -> None:
+    # a far tile or two, so that the border and smaller levels are seen
+    far = {"tiling": [1.5, 1.5], "shift": [-0.2, 0.3]}
+    seen.state(technique=technique, **changes, **far)
+    wanted = expected(
+        material, technique=technique, **changes, **{k: tuple(v) for k, v in far.items()}
+    )
+    assert_agree(wanted, seen.frame(), TEXELS)
+    assert seen.text("#messages") == ""
+
+
+def test_only_what_takes_long_comes_baked(seen: Seen) -> None:
+    made = set(seen.page.evaluate("Object.keys(viewer.data.maps)"))
+    assert made & {"bounds", "cone_map", "relaxed_cone_map"} == {"relaxed_cone_map"}
 
 
 def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
@@ -182,20 +224,19 @@ def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material
 
 
 def test_a_bake_is_kept_until_the_heights_change(seen: Seen) -> None:
-    made = "[...viewer.drawing.bakes.tables.keys()]"
-    assert seen.page.evaluate(made) == []
+    assert seen.page.evaluate(MADE) == []
     seen.state(technique="exact")
     seen.draw()
-    assert seen.page.evaluate(made) == ["bounds"]
-    table = "window.held = viewer.drawing.bakes.tables.get('bounds')"
+    assert seen.page.evaluate(MADE) == ["bounds"]
+    table = "window.held = viewer.drawing.bakesFor('wrap').tables.get('bounds')"
     seen.page.evaluate(f"() => {{ {table} }}")
     _drop(seen, "rough.png", encode_png(np.full((4, 4, 3), 0.5, np.float32)), slot="roughness")
     seen.state(technique="relief", compare="exact")
     seen.draw()
-    assert seen.page.evaluate("held === viewer.drawing.bakes.tables.get('bounds')")
+    assert seen.page.evaluate("held === viewer.drawing.bakesFor('wrap').tables.get('bounds')")
     seen.state(compare="")
     _drop(seen, "heights.png", _png(noise((32, 32))[:, :, None], 0, 16))
-    assert seen.page.evaluate(made) == []
+    assert seen.page.evaluate(MADE) == []
 
 
 def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
@@ -207,7 +248,7 @@ def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
     assert "baking relaxed cone map for relaxed cone …" in seen.text("#busy")
     seen.state(technique="relief")
     seen.draw()
-    assert seen.page.evaluate("[...viewer.drawing.bakes.tables.keys()]") == []
+    assert seen.page.evaluate(MADE) == []
     assert seen.text("#busy") == ""
     assert seen.text("#messages") == ""
 
@@ -216,10 +257,12 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
     shown = seen.frame().color
     seen.page.evaluate(
         """() => {
-          window.pieces = viewer.data.programs.far_record.pieces;
-          viewer.data.programs.far_record.pieces = [...pieces, viewer.data.pieces.length];
-          viewer.data.pieces.push("fn broken( {");
-          viewer.gpu.pipelines.delete("far_record");
+          const { entries } = viewer.data.programs;
+          window.far_record = entries.far_record;
+          entries.far_record = ["fn broken( {", []];
+          for (const key of viewer.gpu.pipelines.keys()) {
+            if (key.startsWith("far_record")) viewer.gpu.pipelines.delete(key);
+          }
         }"""
     )
     # beside the divider and as the truth it is left away, and the rest is drawn
@@ -233,9 +276,7 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
     seen.draw()
     seen.state(technique="cone")
     assert seen.frame().hit.any()
-    seen.page.evaluate(
-        "() => { viewer.data.programs.far_record.pieces = pieces; viewer.data.pieces.pop() }"
-    )
+    seen.page.evaluate("() => { viewer.data.programs.entries.far_record = far_record }")
 
 
 # --- dropped pictures of every kind --------------------------------------------------------------

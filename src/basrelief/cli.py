@@ -102,6 +102,11 @@ def _said(options: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
+def _plain(options: dict[str, Any]) -> dict[str, Any]:
+    """Options as JSON has them."""
+    return {name: str(x) if isinstance(x, Path) else x for name, x in options.items()}
+
+
 def _loaded(path: str, **maps: Any) -> Material:
     from basrelief.material import load
 
@@ -557,7 +562,7 @@ def demo(
 
 @app.command()
 @options.taking(
-    options.Relief, options.Light, options.Camera, ..., options.Maps,
+    options.Relief, options.Surface, options.Light, options.Camera, ..., options.Maps,
 )  # fmt: skip
 def view(
     path: PathArgument,
@@ -575,21 +580,23 @@ def view(
         import webbrowser
 
         from basrelief import arguments
-        from basrelief.viewer import write_view
+        from basrelief.viewer import Sources, write_view
 
         if texels < 1:
             raise InputError(f"--texels {texels}: give at least 1")
         maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
         arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
         chosen = arguments.preset_from(given.pop("preset"))
-        material = _loaded(path, **{**chosen.maps, **_said(maps)})
+        reading = {**chosen.maps, **_said(maps)}
+        material = _loaded(path, **reading)
+        sources = Sources(path, _plain(reading), given["layer"] or "LAYER")
         scene = arguments.scene(
             material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
         )
 
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{material.name}.html"
         made = write_view(
-            scene, target, texels=texels, source=path, engine=engine, progress=progress.at
+            scene, target, texels=texels, sources=sources, engine=engine, progress=progress.at
         )
     if made.scaled_to is not None:
         width, height = made.scaled_to

@@ -158,7 +158,7 @@ class GpuEngine:
         self, code: str, program: Program, values: Mapping[str, Any], size: tuple[int, int]
     ) -> Job:
         """The same for WGSL written by hand that binds what the program does; to compare them."""
-        needed = bindings(program.module)
+        needed = bindings(program.module.entry)
         return Job(self, self._pipeline(code, needed, "by hand"), program, values, size)
 
     @property
@@ -194,7 +194,7 @@ class GpuEngine:
 
     def _build(self, program: Program) -> _Pipeline:
         code = print_wgsl(program.module, program.edge)
-        return self._pipeline(code, bindings(program.module), program.entry.name)
+        return self._pipeline(code, bindings(program.module.entry), program.entry.name)
 
     def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
         import wgpu

@@ -20,7 +20,14 @@ from basrelief.lang import tree
 from basrelief.lang.intrinsics import BY_FUNCTION
 from basrelief.lang.resources import buffer_record, is_handle
 from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.types import SCALARS, VECTORS, ShaderError, TypeSlot, fields_of, is_record
+from basrelief.lang.types import (
+    SCALARS,
+    VECTORS,
+    ShaderError,
+    fields_of,
+    is_record,
+    is_type_slot,
+)
 from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
 
@@ -53,6 +60,18 @@ def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
     for shader in shaders:
         program.function(shader)
     return list(program.done.values())
+
+
+def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
+    """Typed functions of shaders, slots among them, and of all that they call; nothing is bound.
+
+    A slot is called by its own name and has no body; a type slot stays one; every parameter is
+    kept, whether or not anything reads it.
+    """
+    program = _Apart({})
+    for shader in shaders:
+        program.function(shader)
+    return program.done
 
 
 @functools.cache
@@ -89,7 +108,7 @@ class _Program:
 
     def type_of(self, annotation: Any) -> Any:
         """An annotation's type, with type slots filled in."""
-        if isinstance(annotation, type) and issubclass(annotation, TypeSlot):
+        if is_type_slot(annotation):
             if annotation not in self.types:
                 raise ShaderError(f"the type slot {annotation.__name__} is not bound")
             return self.types[annotation]
@@ -105,7 +124,7 @@ class _Program:
             )
         self.under_way.append(shader)
         entry = len(self.under_way) == 1
-        function = _FunctionAnalysis(self, shader).run(entry)
+        function = self.analysed(shader, entry)
         self.under_way.pop()
         number = 2
         while function.name in self.names:
@@ -114,6 +133,38 @@ class _Program:
         self.names.add(function.name)
         self.done[shader] = function
         return function
+
+    def analysed(self, shader: Shader[..., Any], entry: bool) -> tree.Function:
+        """A shader's typed function, the name not yet cleared of others.
+
+        What a shader never reads is not passed to it: a program without a height map has no trace
+        of one; the pixel stays, since the engine's loop passes it.
+        """
+        analysis = _FunctionAnalysis(self, shader)
+        function = analysis.run()
+        function.parameters = {
+            name: t
+            for index, (name, t) in enumerate(analysis.parameters.items())
+            if name in analysis.used_parameters or (entry and index == 0)
+        }
+        return function
+
+
+class _Apart(_Program):
+    """Analyses shaders for whatever their slots will be bound to."""
+
+    def resolve(self, shader: Shader[..., Any]) -> Shader[..., Any]:
+        return shader
+
+    def type_of(self, annotation: Any) -> Any:
+        return annotation
+
+    def analysed(self, shader: Shader[..., Any], entry: bool) -> tree.Function:
+        if not shader.is_slot:
+            return _FunctionAnalysis(self, shader).run()
+        parameters, result = shader.signature
+        doc = inspect.cleandoc(shader.__doc__ or "")
+        return tree.Function(shader.name, parameters, result, tree.Block(), doc, shader.location)
 
 
 def bound_types(bindings: Bindings) -> dict[type, Any]:
@@ -127,7 +178,7 @@ def bound_types(bindings: Bindings) -> dict[type, Any]:
         pairs = [*zip(offered, given.values(), strict=False), (wanted_result, given_result)]
         fits = taken is not None
         for w, g in pairs:
-            if isinstance(w, type) and issubclass(w, TypeSlot) and g is not w:
+            if is_type_slot(w) and g is not w:
                 fits = fits and found.setdefault(w, g) is g
             else:
                 fits = fits and w == g
@@ -202,7 +253,7 @@ class _FunctionAnalysis:
             for field, inner in fields_of(record).items():
                 self.check_name(field)
                 self.check_type(self.program.type_of(inner), "return")
-        value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t)
+        value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
         handle = is_handle(t) and (record is t or is_record(record))
         if not value and not (handle and name != "return"):
             raise ShaderError(
@@ -210,7 +261,7 @@ class _FunctionAnalysis:
                 "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
             )
 
-    def run(self, entry: bool) -> tree.Function:
+    def run(self) -> tree.Function:
         returns = self.block_into(self.scope, self.source.tree.body)
         if not returns:
             raise self.source.error(
@@ -218,18 +269,11 @@ class _FunctionAnalysis:
                 f"{self.shader.name} can end without a result; end every path with `return`",
             )
         self.place_declarations()
-        # what a shader never reads is not passed to it: a program without a height map has no
-        # trace of one; the pixel stays, since the engine's loop passes it
-        kept = {
-            name: t
-            for index, (name, t) in enumerate(self.parameters.items())
-            if name in self.used_parameters or (entry and index == 0)
-        }
         once = {name for name, found in self.assignments.items() if len(found) == 1}
         declared = {n for n in once if self.assignments[n][0][1].declares}
         return tree.Function(
             name=self.shader.name,
-            parameters=kept,
+            parameters=self.parameters,
             result=self.result,
             body=self.scope.block,
             doc=inspect.cleandoc(self.shader.__doc__ or ""),

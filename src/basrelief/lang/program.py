@@ -17,7 +17,14 @@ from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
 from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.shader import Shader
-from basrelief.lang.types import SCALARS, ShaderError, TypeSlot, fields_of, is_record, leaves
+from basrelief.lang.types import (
+    SCALARS,
+    ShaderError,
+    fields_of,
+    is_record,
+    is_type_slot,
+    leaves,
+)
 from basrelief.lang.values import IVec2
 
 
@@ -101,7 +108,7 @@ class _Contents:
                 self.record(thing)
         elif buffer_record(thing) is not None:
             self.visit(buffer_record(thing))
-        elif isinstance(thing, type) and issubclass(thing, TypeSlot):
+        elif is_type_slot(thing):
             self.found.append(thing.__name__.encode())
         elif type(thing) in SCALARS:
             self.found.append(repr(thing).encode())

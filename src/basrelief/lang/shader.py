@@ -21,7 +21,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 import numpy as np
 
 from basrelief.lang.intrinsics import INTRINSICS
-from basrelief.lang.types import ShaderError, TypeSlot, coerce, is_record
+from basrelief.lang.types import ShaderError, coerce, is_record, is_type_slot
 
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
@@ -150,17 +150,13 @@ def taken_parameters(slot: Shader[..., Any], shader: Shader[..., Any]) -> tuple[
         taken.append(name)
     # nothing but the shader says what a type slot is
     left_out = set(slot.signature[0]) - set(taken)
-    if any(_is_type_slot(slot.signature[0][name]) for name in left_out):
+    if any(is_type_slot(slot.signature[0][name]) for name in left_out):
         return None
     return tuple(taken)
 
 
 def _stands_for(offered: Any, wanted: Any) -> bool:
-    return offered == wanted or (_is_type_slot(offered) and is_record(wanted))
-
-
-def _is_type_slot(t: Any) -> bool:
-    return isinstance(t, type) and issubclass(t, TypeSlot)
+    return offered == wanted or (is_type_slot(offered) and is_record(wanted))
 
 
 @contextlib.contextmanager

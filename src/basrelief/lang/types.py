@@ -66,6 +66,11 @@ class TypeSlot:
     """
 
 
+def is_type_slot(t: Any) -> bool:
+    """Whether t stands for a type that is not known yet."""
+    return isinstance(t, type) and issubclass(t, TypeSlot)
+
+
 def is_record(t: Any) -> bool:
     """Whether t was made by `@struct`."""
     return isinstance(t, type) and _FIELDS in vars(t)
@@ -124,7 +129,7 @@ def coerce(value: Any, t: Any) -> Any:
         return bool(value)
     if t in VECTORS and not isinstance(value, t):
         return t(*value)
-    if isinstance(t, type) and not issubclass(t, TypeSlot) and not isinstance(value, t):
+    if isinstance(t, type) and not is_type_slot(t) and not isinstance(value, t):
         raise TypeError(f"expected {t.__name__}, not {type(value).__name__}")
     return value
 

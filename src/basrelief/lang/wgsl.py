@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -49,10 +49,10 @@ class Binding:
     type: Any = None
 
 
-def bindings(module: tree.Module) -> list[Binding]:
-    """What the printed program binds, in order."""
+def bindings(entry: tree.Function) -> list[Binding]:
+    """What a program with this entry binds, in order."""
     found = [Binding("run", "run"), Binding("planes", "planes"), Binding("sampler", "edge_sampler")]
-    for name, t in list(module.entry.parameters.items())[1:]:
+    for name, t in list(entry.parameters.items())[1:]:
         kind: Literal["uniform", "buffer", "map"] = "uniform"
         if is_handle(t):
             kind = "map" if buffer_record(t) is None else "buffer"
@@ -68,44 +68,51 @@ def _bound_name(binding: Binding) -> str:
 
 def print_functions(module: tree.Module, edge: Edge) -> str:
     """The functions of a program and what they need, without its entry."""
-    return _Module(module, edge).functions_text()
+    return ModulePrinter(module.functions, [module.entry], edge).functions_text()
 
 
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
     """The whole program as a compute shader, entry point `main`, one invocation a pixel."""
-    return _Module(module, edge).text()
+    printer = ModulePrinter(module.functions, [module.entry], edge)
+    body = printer.functions_text()
+    return "\n".join([printer.bound_text(module.entry), body, printer.main_text(module.entry)])
 
 
-class _Module:
-    """Names and helpers that the functions of a module share."""
+class ModulePrinter:
+    """Names and helpers that the functions of a module share.
 
-    def __init__(self, module: tree.Module, edge: Edge) -> None:
-        self.module = module
-        self.edge: Edge = edge
+    `edge` is the name of what a map does at its edge: that of an `Edge`, or of a slot.
+    """
+
+    def __init__(
+        self, functions: Sequence[tree.Function], entries: Sequence[tree.Function], edge: str
+    ) -> None:
+        self.functions = functions
+        self.edge = edge
         self.helpers: set[str] = set()
         self.approximations: set[str] = set()
         """Names of our own functions that stand in for less exact ones."""
         self.chosen: dict[Any, None] = {}
         """Matrices and records between which a conditional expression chooses."""
         self.records: dict[Any, None] = {}
-        for function in module.functions:
+        for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
                 self.note_record(t)
-        self.taken = {*_RESERVED, *_PRINTED, *(_bound_name(b) for b in bindings(module))}
+        given = [each for entry in entries for each in list(entry.parameters.items())[1:]]
+        bound = [_bound_name(each) for entry in entries for each in bindings(entry)]
+        self.taken = {*_RESERVED, *_PRINTED, *bound}
         self.scope: dict[Any, str] = {}
         """The names of functions and records, clear of one another and of all that is printed."""
-        for named in [*module.functions, *approximations().values()]:
+        for named in [*functions, *approximations().values()]:
             self.claim(named, named.name)
         for record in self.records:
             self.claim(record, record.__name__)
         self.shared: set[Any] = set()
         """Records that lie in memory; theirs is the layout of `layout.py`."""
-        for t in list(module.entry.parameters.values())[1:]:
+        for _, t in given:
             self.note_shared(buffer_record(t) or t)
         self.buffers = {
-            buffer_record(t): f"{name}_buffer"
-            for name, t in module.entry.parameters.items()
-            if buffer_record(t) is not None
+            buffer_record(t): f"{name}_buffer" for name, t in given if buffer_record(t) is not None
         }
 
     def note_record(self, t: Any) -> None:
@@ -137,32 +144,41 @@ class _Module:
         return _TYPES[t] if t in _TYPES else self.scope[t]
 
     def functions_text(self) -> str:
-        functions = [_FunctionPrinter(self, f).text() for f in self.module.functions]
+        """The functions, and the records and helpers that they need."""
+        functions = list(self.function_texts())
+        return "\n".join([*self.record_texts(), *self.helper_texts(), *functions])
+
+    def function_texts(self) -> Iterator[str]:
+        for function in self.functions:
+            yield self.function_text(function)
         printed: set[str] = set()
         while self.approximations - printed:
             for name in sorted(self.approximations - printed):
                 printed.add(name)
-                functions.append(_FunctionPrinter(self, approximations()[name]).text())
-        return "\n".join([*self.record_texts(), *self.helper_texts(), *functions])
+                yield self.function_text(approximations()[name])
 
-    def text(self) -> str:
-        body = self.functions_text()
-        return "\n".join([_RUN, *self.binding_texts(), body, self.entry_text()])
+    def function_text(self, function: tree.Function) -> str:
+        """One function."""
+        return _FunctionPrinter(self, function).text()
 
     def record_texts(self) -> Iterator[str]:
         for record in self.records:
+            fields = fields_of(record)
             lines = [f"struct {self.scope[record]} {{"]
-            for name, t in fields_of(record).items():
-                first = record in self.shared and name == next(iter(fields_of(record)))
+            for name, t in fields.items():
+                first = record in self.shared and name == next(iter(fields))
                 align = "@align(16) " if first or is_record(t) else ""
                 lines.append(f"  {align}{self.field(name)}: {self.type(t)},")
+            if not fields:
+                lines.append("  @align(16) nothing: f32,")  # WGSL has no record without fields
             yield "\n".join([*lines, "}", ""])
 
     def helper_texts(self) -> Iterator[str]:
+        """What is printed for lack of it in WGSL, as far as functions printed so far need it."""
         wanted = set(self.helpers)
         if wanted & {"corners", "texel"}:
             wanted |= {f"edge_{self.edge}", "level_size"}
-        for name, text in _HELPERS.items():
+        for name, text in HELPERS.items():
             if name in wanted:
                 yield text.replace("EDGE", f"edge_{self.edge}")
         for t in self.chosen:
@@ -173,8 +189,12 @@ class _Module:
         wanted = ("select", t)
         return self.scope.get(wanted) or self.claim(wanted, f"select_{t.__name__}")
 
-    def binding_texts(self) -> Iterator[str]:
-        for number, binding in enumerate(bindings(self.module)):
+    def bound_text(self, entry: tree.Function) -> str:
+        """What a program with this entry binds."""
+        return "\n".join([_RUN, *self._binding_texts(entry)])
+
+    def _binding_texts(self, entry: tree.Function) -> Iterator[str]:
+        for number, binding in enumerate(bindings(entry)):
             where = f"@group(0) @binding({number}) var"
             match binding.kind:
                 case "run":
@@ -184,7 +204,8 @@ class _Module:
                 case "sampler":
                     yield f"{where} edge_sampler: sampler;"
                 case "uniform":
-                    align_and_size(binding.type)  # refuses what a GPU cannot be given
+                    if is_record(binding.type):
+                        align_and_size(binding.type)  # refuses what a GPU cannot be given
                     yield f"{where}<uniform> {_bound_name(binding)}: {self.type(binding.type)};"
                 case "map":
                     yield f"{where} {_bound_name(binding)}: {self.type(binding.type)};"
@@ -212,10 +233,10 @@ class _Module:
         else:
             yield value, t
 
-    def entry_text(self) -> str:
-        entry = self.module.entry
+    def main_text(self, entry: tree.Function) -> str:
+        """The function that a GPU calls for each pixel."""
         given = ["vec2i(at)"]
-        for binding in bindings(self.module)[3:]:
+        for binding in bindings(entry)[3:]:
             if binding.kind != "buffer":
                 given.append(_bound_name(binding))
         lines = [f"  let result = {self.scope[entry]}({', '.join(given)});"]
@@ -228,7 +249,7 @@ class _Module:
 class _FunctionPrinter:
     """One function."""
 
-    def __init__(self, module: _Module, function: tree.Function) -> None:
+    def __init__(self, module: ModulePrinter, function: tree.Function) -> None:
         self.module = module
         self.function = function
         self.lines: list[str] = []
@@ -374,7 +395,7 @@ class _FunctionPrinter:
             case tree.IntrinsicCall():
                 return self.intrinsic(node)
             case tree.Call(_, function, arguments):
-                if function not in self.module.module.functions:
+                if function not in self.module.functions:
                     self.module.approximations.add(function.name)
                 given = [a for a in arguments if buffer_record(a.type) is None]
                 return f"{self.module.scope[function]}({self.arguments(given)})"
@@ -451,7 +472,7 @@ class _FunctionPrinter:
             self.module.helpers.add("level_size")
             level = f"clamp({given[1]}, 0, i32(textureNumLevels({given[0]})) - 1)"
             return f"level_size(textureDimensions({given[0]}), {level})"
-        if name in _HELPERS:
+        if name in HELPERS:
             self.module.helpers.add(name)
         return f"{_CALLED.get(name, name)}({', '.join(given)})"
 
@@ -515,7 +536,7 @@ _OWN = ("asin", "acos", "atan", "atan2")
 """Computed by our own shaders: WGSL's may be out by 4096 units in the last place."""
 _SPREAD = {"clamp", "minimum", "maximum"}
 
-_HELPERS = {
+HELPERS = {
     "floor_divide": """\
 fn floor_divide(a: i32, b: i32) -> i32 {
   if (b == 0) { return 0; }
@@ -644,7 +665,7 @@ BODY
 
 _PRINTED = frozenset(
     ["Run", "main", "id", "at"]
-    + [name for text in _HELPERS.values() for name in re.findall(r"fn (\w+)", text)]
+    + [name for text in HELPERS.values() for name in re.findall(r"fn (\w+)", text)]
 )
 """Names at module scope that this printer writes itself."""
 

@@ -6,5 +6,6 @@ The page needs no network, no server and no Python; it draws by WebGPU.
 """
 
 from basrelief.viewer.page import View, write_view
+from basrelief.viewer.state import Sources
 
-__all__ = ["View", "write_view"]
+__all__ = ["Sources", "View", "write_view"]

@@ -11,38 +11,30 @@ from typing import Any
 from basrelief.bake.bounds import FAR_WINDOWS
 from basrelief.bake.cones import SECTORS, ends_of, sector_of
 from basrelief.lang import Shader
-from basrelief.lang.program import Program
 from basrelief.shaders.bakes import bounds, cones, texels, windows
 from basrelief.shaders.bakes.bounds import FAR_REACH, REACH
-from basrelief.shaders.edge import edges_of
 from basrelief.shaders.techniques.exact import BLOCK, FAR_BLOCK
 from basrelief.viewer.layouts import plain
 
-BAKED_NORMALS = "normals"
-"""The key of the program that makes normals of heights."""
-_ENTRIES: dict[str, Shader[..., Any]] = {
-    BAKED_NORMALS: texels.normals,
-    "block_top": bounds.block_top,
-    "window_top": bounds.window_top,
-    "near_record": bounds.near_record,
-    "far_record": bounds.far_record,
-    "far_side": cones.far_side,
-    "first_windows": windows.first_windows,
-    "next_windows": windows.next_windows,
-    "steepest_everywhere": cones.steepest,
-    "steepest_in_sector": cones.steepest,
-    "cone_of": cones.cone_of,
-    "relaxed_cone_of": cones.relaxed_cone_of,
-}
+BAKES: tuple[Shader[..., Any], ...] = (
+    texels.normals,
+    bounds.block_top,
+    bounds.window_top,
+    bounds.near_record,
+    bounds.far_record,
+    cones.far_side,
+    cones.steepest,
+    cones.cone_of,
+    cones.relaxed_cone_of,
+    windows.first_windows,
+    windows.next_windows,
+)
+"""The programs that bake something; a page finds them by their names."""
 
 
-def bake_programs() -> dict[str, Program]:
-    """Every program that bakes something, by the key that a page has it by."""
-    made = {}
-    for key, entry in _ENTRIES.items():
-        asked = cones.in_sector if key == "steepest_in_sector" else cones.everywhere
-        made[key] = Program(entry, {**edges_of("wrap"), cones.is_asked: asked}, "wrap")
-    return made
+def is_asked(choices: Any) -> Shader[..., Any]:
+    """Which windows `steepest` goes through: those of one sector, or all."""
+    return cones.in_sector if choices.in_sector else cones.everywhere
 
 
 def bake_numbers() -> dict[str, Any]:

@@ -23,11 +23,12 @@ from basrelief.material import Map, Material, pyramids
 from basrelief.picture import encode_png, srgb_encode
 from basrelief.rendering import render
 from basrelief.scene import Object, Scene
+from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shaders.techniques import Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
-from basrelief.viewer.state import check_shown, manifest
+from basrelief.viewer.state import Sources, check_shown, manifest, techniques_of
 from basrelief.webpage import check_ours, write_page
 
 __all__ = ["View", "write_view"]
@@ -45,9 +46,20 @@ _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 _LONG_BAKE = "relaxed_cone_map"
 """What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
-    "state", "camera", "records", "maps", "png", "dropped", "colors", "gpu", "bakes", "drawing",
-    "controls", "main",
-)  # fmt: skip
+    "state",
+    "camera",
+    "records",
+    "link",
+    "maps",
+    "png",
+    "dropped",
+    "colors",
+    "gpu",
+    "bakes",
+    "drawing",
+    "controls",
+    "main",
+)
 
 
 @dataclass(frozen=True)
@@ -63,49 +75,51 @@ def write_view(
     path: str | Path,
     *,
     texels: int = 1024,
-    source: str = "FOLDER",
+    sources: Sources | None = None,
     engine: str | Engine = "auto",
     progress: Progress | None = None,
 ) -> View:
     """Write a page that shows the first object of a scene, whole or not at all.
 
     Maps are scaled to at most `texels` a side, and further until the page has at most 12 MB.
-    `source` is what the command lines that the page makes call the material. Raises InputError for
-    a file that is there and no such page, for one that cannot be written, and for a scene without
-    an object, or with one that the page's programs do not draw.
+    `sources` say what the lines of Python and the commands that the page makes are to name. Raises
+    InputError for a file that is there and no such page, for one that cannot be written, and for a
+    scene without an object, or with more than one.
     """
     file = Path(path)
     check_ours(file, GENERATOR, "a page of the viewer")
     check_shown(scene)
-    made = page_of(scene, texels, source, engine, progress or (lambda what, share: None))
+    made = page_of(
+        scene, texels, sources or Sources(), engine, progress or (lambda what, share: None)
+    )
     write_page(file, made.html)
     return made
 
 
 def page_of(
-    scene: Scene, texels: int, source: str, engine: str | Engine, progress: Progress
+    scene: Scene, texels: int, sources: Sources, engine: str | Engine, progress: Progress
 ) -> View:
     """The page of a scene."""
     thing = scene.objects[0]
-    programs = printed(lambda share: progress("printing the programs", share))
+    progress("printing the programs", 0.0)
+    programs = printed(techniques_of(thing))
     runner = choose_engine(engine) if isinstance(engine, str) else engine
     stills = list(_stills(scene, runner, progress))
-    whole = max((max(one.width, one.height) for _, one in thing.material.maps()), default=1)
+    whole = max((max(one.width, one.height) for one in _all_maps(thing)), default=1)
     most = min(whole, texels)
     while True:
         progress("packing the maps", 0.9)
-        shown = _scaled(thing.material, most)
-        maps = _maps(replace(thing, material=shown))
+        shown = _shrunk(thing, most)
+        maps = _maps(shown)
         if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
             break
         most = most // 2
-    maps |= _bakes(shown, LARGEST - _bytes(maps, stills))
-    scaled = (shown_size(shown)) if most < whole else None
+    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills))
+    scaled = shown_size(shown.material) if most < whole else None
     data = {
-        "records": layouts(),
-        "pieces": programs.pieces,
-        "programs": programs.programs,
-        **manifest(scene, shown, source, scaled),
+        "programs": programs.told(),
+        "records": layouts(programs.library.names),
+        **manifest(replace(scene, objects=(shown,)), sources, scaled),
     }
     return View(_html(thing.material.name, data, maps, stills), scaled)
 
@@ -120,6 +134,21 @@ def shown_size(material: Material) -> tuple[int, int]:
     """Width and height of a material's largest map."""
     largest = max((one for _, one in material.maps()), key=lambda one: one.width * one.height)
     return largest.width, largest.height
+
+
+def _all_maps(thing: Object) -> Iterator[Map]:
+    for material in (thing.material, thing.layer and thing.layer.material):
+        yield from (one for _, one in (material.maps() if material else ()))
+
+
+def _shrunk(thing: Object, most: int) -> Object:
+    """The object with maps of at most so many texels a side, its layer's too."""
+    over = thing.layer
+    return replace(
+        thing,
+        material=_scaled(thing.material, most),
+        layer=over and replace(over, material=_scaled(over.material, most)),
+    )
 
 
 def _scaled(material: Material, most: int) -> Material:
@@ -161,7 +190,17 @@ def _maps(thing: Object) -> dict[str, Any]:
     ):
         if map is not None:
             found[name] = packed(map.levels[0])
+    if thing.layer is not None:
+        found |= _layer_maps(thing.layer.material)
     return found
+
+
+def _layer_maps(over: Material) -> dict[str, Any]:
+    """What is read of a material that lies over another."""
+    color = pyramids.base_color(over, "wrap")
+    normal = pyramids.normal(over, "wrap", over.scale or DEFAULT_SCALE)
+    both = {"layer_color": color, "layer_normal": normal}
+    return {name: packed(map.levels[0]) for name, map in both.items() if map is not None}
 
 
 def _bakes(material: Material, room: int) -> dict[str, Any]:

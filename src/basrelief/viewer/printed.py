@@ -1,220 +1,190 @@
-"""Programs as a page holds them: every piece of WGSL once, each program as a list of pieces.
+"""The programs as a page holds them: each shader once, and what a choice binds its slots to.
 
-Pieces are told apart by their text, so what many programs share is stored once. The programs are
-those of a material that has every map; a page gives a single texel for a map that is missing, so
-that they are the same for every material, and are kept on disk once they are printed.
+The rules by which choices bind slots (`basrelief.choices`) are Python. Each is turned into a
+decision tree by asking it with every answer to whatever it asks, so that a page follows the very
+same rules and knows none of its own.
 """
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import itertools
-import json
-import os
-import queue
-import re
-import subprocess
-import sys
-import threading
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-import basrelief
-from basrelief._version import __version__
-from basrelief.engine import cache
-from basrelief.errors import EngineError
-from basrelief.lang.program import Program
+from basrelief.choices import RULES, Choices
+from basrelief.lang.library import Library, library_of
 from basrelief.lang.resources import buffer_record
-from basrelief.lang.types import is_record
-from basrelief.lang.wgsl import bindings, print_wgsl
-from basrelief.material import Map, Material
-from basrelief.programs import program_of
-from basrelief.scene import SHAPES, Object, Scene
-from basrelief.shaders.techniques import TECHNIQUES
-from basrelief.viewer.bakes import bake_programs
-from basrelief.viewer.layouts import record_names
+from basrelief.scene import SHAPES, SURFACES
+from basrelief.shaders import pixel
+from basrelief.shaders.bakes import cones
+from basrelief.shaders.surfaces.surface import SurfaceSettings
+from basrelief.shaders.techniques import TECHNIQUES, Technique
+from basrelief.shaders.techniques.technique import Settings
+from basrelief.viewer.bakes import BAKES, is_asked
 
-CHOICES: dict[str, tuple[str, ...]] = {
-    "technique": tuple(TECHNIQUES),
+CHOICES: dict[str, tuple[Any, ...]] = {
     "shape": SHAPES,
-    "shadows": ("none", "hard", "soft"),
     "projection": ("full", "biased", "limited"),
+    "heights": ("sharp", "smooth", "mip"),
+    "edge": ("wrap", "clamp"),
+    "clipped": (False, True),
+    "fades": (False, True),
+    "mapping": ("planar", "triplanar"),
+    "apart": (False, True),
+    "alpha": ("blend", "mask", "opaque"),
+    "surface": tuple(SURFACES),
+    "layer": (False, True),
+    "base_color": (True, False),
+    "normal": (True, False),
+    "response": (True, False),
+    "emission": (True, False),
+    "layer_color": (True, False),
+    "layer_normal": (True, False),
+    "shadows": ("none", "hard", "soft"),
+    "shadows_on": ("relief",),
+    "casts": (False,),
     "shading_model": ("ggx", "phong"),
+    "occlusion_kind": ("ambient", "directional"),
+    "fog": ("none", "linear", "exponential", "exponential_squared"),
+    "in_sector": (False, True),
 }
-"""What makes a program of its own, in the order of a program's key; all else is a number."""
-_MOST_PROCESSES = 8
-_PIECE = re.compile(r"\n(?=(?://[^\n]*\n)*(?:fn |struct |@group|@compute))")
-_SAYING = (
-    "lang", "shaders", "scene", "programs.py", "viewer/printed.py", "viewer/layouts.py",
-    "viewer/bakes.py",
-)  # fmt: skip
-"""The parts of the package whose source says what a program's text is."""
+"""What a page may choose, beside the technique; one object casts no shadow on others."""
+ENTRIES = (pixel.pixel, *BAKES)
+Techniques = Mapping[str, Technique[..., Any]]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Printed:
-    """`pieces` of WGSL; `programs` by key: the numbers of their pieces, and what they bind."""
+    """The library of all programs, and by slot the tree that says what it is bound to."""
 
-    pieces: list[str] = field(default_factory=list)
-    programs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    library: Library
+    trees: dict[str, Any]
 
-    def text(self, key: str) -> str:
-        """A program's whole WGSL."""
-        return "\n".join(self.pieces[number] for number in self.programs[key]["pieces"])
-
-
-def printed(progress: Callable[[float], None] | None = None) -> Printed:
-    """Every program that a page can choose; from disk where they were printed before."""
-    key = f"viewer-{_source()}"
-    found = cache.read(key)
-    if found is not None:
-        return Printed(**json.loads(found[1]))
-    made = _print(progress)
-    cache.write(key, {}, json.dumps(vars(made)).encode())
-    return made
-
-
-def choices() -> Iterator[dict[str, str]]:
-    """Every combination of what a page can choose."""
-    for values in itertools.product(*CHOICES.values()):
-        yield dict(zip(CHOICES, values, strict=True))
-
-
-def key_of(chosen: Mapping[str, str]) -> str:
-    """A program's key in a page."""
-    return "|".join(chosen[name] for name in CHOICES)
-
-
-def _print(progress: Callable[[float], None] | None) -> Printed:
-    """Print them all, on all cores: each works through its share and hands over line by line."""
-    whole = len(list(choices()))
-    made, numbers = Printed(), dict[str, int]()
-    for key, program in bake_programs().items():
-        _add(made, numbers, {"key": key, **_shown(program)})
-    found: dict[str, dict[str, Any]] = {}
-    for each in _from_all_cores():
-        found[each["key"]] = each
-        if progress is not None:
-            progress(len(found) / whole)
-    # in one order, however the cores took turns
-    for chosen in choices():
-        _add(made, numbers, found[key_of(chosen)])
-    return made
+    def told(self) -> dict[str, Any]:
+        """Both as JSON has them."""
+        made = self.library
+        slots = {
+            name: {bound: [piece.text, piece.uses] for bound, piece in each.items()}
+            for name, each in made.slots.items()
+        }
+        return {
+            "pieces": {name: [piece.text, piece.uses] for name, piece in made.pieces.items()},
+            "slots": slots,
+            "entries": {name: [piece.text, piece.uses] for name, piece in made.entries.items()},
+            "bindings": {
+                name: [
+                    {
+                        "kind": each.kind,
+                        "name": each.name,
+                        "type": _type_name(each.type, made.names),
+                    }
+                    for each in found
+                ]
+                for name, found in made.bindings.items()
+            },
+            "trees": self.trees,
+        }
 
 
-def _from_all_cores() -> Iterator[dict[str, Any]]:
-    """Every program's text and bindings, in any order."""
-    count = min(os.cpu_count() or 1, _MOST_PROCESSES)
-    if count == 1 or not sys.executable:
-        yield from _share(0, 1)
-        return
-    home = str(Path(basrelief.__file__).parent.parent)
-    told = {**os.environ, "PYTHONPATH": os.pathsep.join([home, os.environ.get("PYTHONPATH", "")])}
-    arguments = ("-c", "import sys; from basrelief.viewer.printed import work; work(*sys.argv[1:])")
-    heard: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-    with contextlib.ExitStack() as stack:
-        for number in range(count):
-            worker = subprocess.Popen(
-                [sys.executable, *arguments, str(number), str(count)],
-                stdout=subprocess.PIPE,
-                text=True,
-                encoding="utf-8",
-                env=told,
-            )
-            listener = threading.Thread(target=_hear, args=(worker, heard), daemon=True)
-            stack.callback(listener.join)
-            stack.callback(worker.wait)
-            stack.callback(worker.kill)
-            listener.start()
-        left = count
-        done = 0
-        while left:
-            line = heard.get()
-            if line is None:
-                left -= 1
-                continue
-            done += 1
-            yield json.loads(line)
-    if done != len(list(choices())):
-        raise EngineError("printing the programs failed in another process; see what it said")
+def printed(techniques: Techniques = TECHNIQUES) -> Printed:
+    """Every program that a page can choose, with these techniques by name.
 
-
-def _hear(worker: subprocess.Popen[str], heard: queue.SimpleQueue[str | None]) -> None:
-    assert worker.stdout is not None
-    with worker.stdout:
-        for line in worker.stdout:
-            heard.put(line)
-    heard.put(None)
-
-
-def work(number: str, count: str) -> None:
-    """One process's share of the programs, a line of JSON each on standard output."""
-    for each in _share(int(number), int(count)):
-        sys.stdout.write(json.dumps(each) + "\n")
-
-
-def _share(number: int, count: int) -> Iterator[dict[str, Any]]:
-    for chosen in itertools.islice(choices(), number, None, count):
-        yield {"key": key_of(chosen), **_shown(_program(chosen))}
-
-
-def _program(chosen: Mapping[str, str]) -> Program:
-    """The program of one combination, for a material that has every map."""
-    of_object = {name: chosen[name] for name in ("technique", "shape", "projection")}
-    of_scene: dict[str, Any] = {name: chosen[name] for name in ("shadows", "shading_model")}
-    thing = Object(_whole_material(), **of_object)  # type: ignore[arg-type]
-    return program_of(thing, Scene((thing,), **of_scene))
-
-
-def _whole_material() -> Material:
-    def one(channels: int) -> Map:
-        return Map(np.ones((1, 1, channels), np.float32), False, "one texel")
-
-    return Material(
-        "any", height=one(1), base_color=one(3), normal=one(3), occlusion=one(1), emission=one(3)
-    )
-
-
-def _shown(program: Program) -> dict[str, Any]:
-    """What a program is, as JSON has it."""
-    return {
-        "text": print_wgsl(program.module, program.edge),
-        "bindings": [
-            {"kind": each.kind, "name": each.name, "type": _type_name(each.type)}
-            for each in bindings(program.module)
-        ],
+    Raises ShaderError for a technique that is outside the subset.
+    """
+    asked = {
+        "technique": techniques,
+        **{n: {str(v).lower(): v for v in vs} for n, vs in CHOICES.items()},
     }
+    rules = {**RULES, cones.is_asked: is_asked}
+    trees = {slot: tree_of(rule, asked) for slot, rule in rules.items()}
+    options = {slot: list(_leaves(tree)) for slot, tree in trees.items()}
+    library = library_of(ENTRIES, options)
+    names = library.names
+    named = {names[slot]: _named(tree, names) for slot, tree in trees.items()}
+    named |= {
+        "edge": tree_of(lambda c: c.edge, asked),
+        names[Settings]: tree_of(lambda c: names[c.technique.settings], asked),
+        names[SurfaceSettings]: tree_of(lambda c: names[SURFACES[c.surface]], asked),
+    }
+    return Printed(library, {name: _plain(tree) for name, tree in named.items()})
 
 
-def _add(made: Printed, numbers: dict[str, int], shown: Mapping[str, Any]) -> None:
-    listed = []
-    for piece in _PIECE.split(shown["text"]):
-        if piece not in numbers:
-            numbers[piece] = len(made.pieces)
-            made.pieces.append(piece)
-        listed.append(numbers[piece])
-    made.programs[shown["key"]] = {"pieces": listed, "bindings": shown["bindings"]}
+def answers(techniques: Techniques) -> dict[str, Mapping[str, Any]]:
+    """What may be chosen: the answers to each question, by the text that a page has for them."""
+    listed = {
+        name: {str(value).lower(): value for value in values} for name, values in CHOICES.items()
+    }
+    return {"technique": techniques, **listed}
 
 
-def _type_name(t: Any) -> str:
-    record = buffer_record(t) or t
-    if is_record(record):
-        return record_names()[record]
-    return getattr(record, "__name__", "")
+# --- rules as trees ------------------------------------------------------------------------------
 
 
-def _source() -> str:
-    """A digest of the source that the programs are printed from."""
-    home = Path(basrelief.__file__).parent
-    digest = hashlib.sha256(__version__.encode())
-    for part in _SAYING:
-        place = home / part
-        files = [place] if place.is_file() else sorted(place.rglob("*.py"))
-        for file in files:
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
+@dataclass(frozen=True)
+class Ask:
+    """A question, and what follows from each answer."""
+
+    name: str
+    then: dict[str, Any]
+
+
+class _UnansweredError(Exception):
+    """A rule asked for something that has no answer yet."""
+
+
+class _Answers:
+    """Choices as far as they are known."""
+
+    def __init__(self, known: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
+        self._known, self._asked = known, asked
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self._known:
+            return self._known[name]
+        if name in self._asked:
+            raise _UnansweredError(name)
+        return getattr(Choices, name).fget(self)
+
+
+def tree_of(
+    rule: Callable[[Any], Any],
+    asked: Mapping[str, Mapping[str, Any]],
+    known: Mapping[str, Any] | None = None,
+) -> Any:
+    """A rule as a tree: its result, or an `Ask` where that depends on an answer.
+
+    `asked` are the answers that each question may have, by the text that stands for them.
+    """
+    known = known or {}
+    try:
+        return rule(_Answers(known, asked))
+    except _UnansweredError as question:
+        name = str(question)
+    then = {
+        text: tree_of(rule, asked, {**known, name: value}) for text, value in asked[name].items()
+    }
+    first = next(iter(then.values()))
+    return first if all(each == first for each in then.values()) else Ask(name, then)
+
+
+def _leaves(tree: Any) -> dict[Any, None]:
+    if not isinstance(tree, Ask):
+        return {tree: None}
+    return {leaf: None for each in tree.then.values() for leaf in _leaves(each)}
+
+
+def _named(tree: Any, names: Mapping[Any, str]) -> Any:
+    if isinstance(tree, Ask):
+        return Ask(tree.name, {text: _named(each, names) for text, each in tree.then.items()})
+    return names[tree]
+
+
+def _plain(tree: Any) -> Any:
+    if isinstance(tree, Ask):
+        return [tree.name, {text: _plain(each) for text, each in tree.then.items()}]
+    return tree
+
+
+def _type_name(t: Any, names: Mapping[Any, str]) -> str:
+    named = buffer_record(t) or t
+    return names.get(named) or str(getattr(named, "__name__", ""))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import math
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,103 +16,154 @@ from basrelief.errors import BasreliefError, InputError
 from basrelief.material import Material, pyramids
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.presets import PRESETS, preset
-from basrelief.programs import values_of
 from basrelief.rendering import sample_places
-from basrelief.scene import SHAPES, LookAt, Object, Orbit, Scene
+from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
+from basrelief.scene.objects import OWN_TILINGS
+from basrelief.scene.scene import BACKGROUND
 from basrelief.scene.views import FILLED
+from basrelief.shaders.fog import Fog
 from basrelief.shaders.height import Smoothing
-from basrelief.shaders.lighting import DIRECTIONAL, Light, Shading
+from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
-from basrelief.shaders.surfaces.standard import Finish
-from basrelief.shaders.techniques import TECHNIQUES
-from basrelief.viewer.bakes import BAKED_NORMALS, bake_numbers
+from basrelief.shaders.techniques import TECHNIQUES, Technique
+from basrelief.viewer.bakes import bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
-from basrelief.viewer.printed import CHOICES
 
 SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
 _KINDS = ("directional", "point", "spot")
+MENUS: dict[str, tuple[str, ...]] = {
+    "shape": SHAPES,
+    "projection": ("full", "biased", "limited"),
+    "heights": ("sharp", "smooth", "mip"),
+    "edge": ("wrap", "clamp", "clip"),
+    "mapping": ("planar", "triplanar"),
+    "alpha": ("blend", "mask", "opaque"),
+    "surface": tuple(SURFACES),
+    "shadows": ("none", "hard", "soft"),
+    "shading_model": ("ggx", "phong"),
+    "occlusion_kind": ("ambient", "directional"),
+    "fog": ("none", "linear", "exponential", "exponential_squared"),
+}
+"""What is chosen by name, as `Object` and `Scene` have it."""
 
 
-def manifest(
-    scene: Scene, material: Material, source: str, scaled: tuple[int, int] | None
-) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Sources:
+    """What lines of Python and commands call the material and its layer, and how it is read."""
+
+    material: str = "FOLDER"
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    layer: str = "LAYER"
+
+
+def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
     """What the page knows beside programs and maps."""
-    thing = replace(scene.objects[0], material=material)
+    thing = scene.objects[0]
+    material = thing.material
+    techniques = techniques_of(thing)
     return {
         "name": material.name,
         "version": __version__,
-        "source": source,
+        "source": sources.material,
+        "reading": dict(sources.reading),
+        "layerSource": sources.layer,
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
-        "choices": CHOICES,
-        "bakedNormals": BAKED_NORMALS,
         "bakes": bake_numbers(),
-        "techniques": {name: _technique(made) for name, made in TECHNIQUES.items()},
-        "shapes": {shape: _shape(material, shape) for shape in SHAPES},
+        "menus": {"technique": tuple(techniques), **MENUS},
+        "techniques": {name: _technique(made) for name, made in techniques.items()},
+        "shapes": {shape: _shape(thing, shape) for shape in SHAPES},
         "settings": {
-            "finish": settings_of(Finish),
+            "finish": {name: settings_of(record) for name, record in SURFACES.items()},
             "shading": settings_of(Shading),
             "shadowing": settings_of(Shadowing),
             "smoothing": settings_of(Smoothing),
+            "air": settings_of(Fog),
         },
-        "constants": _constants(scene, thing),
+        "constants": _constants(thing),
         "filled": FILLED,
         "samples": sample_places(SAMPLES),
-        "state": state_of(scene, thing),
+        "state": state_of(scene, thing, techniques),
         "defaults": _defaults_of(material),
         "colors": {
             "heat": [[round(float(x), 5) for x in c] for c in heat(np.linspace(0.0, 1.0, COUNT))],
             "short": [float(x) for x in SHORT],
             "passed": [float(x) for x in PASSED],
         },
-        "presets": _presets(material),
+        "presets": _presets(material, thing),
     }
 
 
-def _technique(made: Any) -> dict[str, Any]:
+def techniques_of(thing: Object) -> dict[str, Technique[..., Any]]:
+    """The library's techniques by name, and the one that an object brings of its own."""
+    own = thing.drawn_with
+    if own in TECHNIQUES.values():
+        return dict(TECHNIQUES)
+    name = own.name
+    while name in TECHNIQUES:
+        name += "_"
+    return {**TECHNIQUES, name: own}
+
+
+def _technique(made: Technique[..., Any]) -> dict[str, Any]:
     doc = inspect.cleandoc(made.__doc__ or "").split("\n\n")
     return {
         "doc": " ".join(doc[0].split()),
+        "called": _called(made),
         "level": made.level,
         "projection": made.projection,
         "mostReads": made.most_reads,
         "bake": made.bake,
         "boxes": made.boxes,
+        "heights": made.takes_heights,
         "settings": settings_of(made.settings),
     }
 
 
-def _shape(material: Material, shape: str) -> dict[str, Any]:
+def _called(made: Technique[..., Any]) -> str:
+    """What a command line calls a technique: its name, or its file and name."""
+    if made in TECHNIQUES.values():
+        return made.name
+    file = Path(made.function.__code__.co_filename)
+    home = Path.cwd()
+    return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{made.name}"
+
+
+def _shape(thing: Object, shape: str) -> dict[str, Any]:
     """Where a shape stands, how many tiles it has, and the points that it lies between."""
-    thing = Object(material, shape=shape, technique="flat")
-    placement = plain(thing.placement())
+    # a scene's own transform is that of its own shape
+    placed = thing.transform if shape == thing.shape else None
+    stands = Object(thing.material, shape=shape, technique="flat", transform=placed)
+    placement = plain(stands.placement())
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
-        "proportion": placement["proportion"],
-        "tiling": list(map(float, thing.tiles)),
-        "outline": [[round(float(x), 9) for x in point] for point in thing.outline()],
+        "tiling": list(map(float, stands.tiles)),
+        "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
+        "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }
 
 
-def _constants(scene: Scene, thing: Object) -> dict[str, Any]:
-    """What the page's controls leave as it is: records, and an emission map's own brightness."""
-    values = values_of(thing, scene, (16, 9))
-    background = scene.background or (0.0, 0.0, 0.0)
+def _constants(thing: Object) -> dict[str, Any]:
+    """What the page's controls leave as it is."""
     glow = pyramids.emission(thing.material, "wrap")
+    over = thing.layer and thing.layer.material
     return {
-        "places": plain(values["places"]),
-        "fog": plain(values["fog"]),
-        "background": list(background),
+        "proportion": thing.material.proportion,
+        "layerProportion": over.proportion if over else 1.0,
         "glow": glow[1] if glow else 1.0,
     }
 
 
-def state_of(scene: Scene, thing: Object) -> dict[str, Any]:
+def state_of(
+    scene: Scene, thing: Object, techniques: Mapping[str, Technique[..., Any]] = TECHNIQUES
+) -> dict[str, Any]:
     """Everything that a person can change, as it is in a scene."""
+    name = next(name for name, each in techniques.items() if each is thing.drawn_with)
+    main = thing.main_tiling
     made = {
-        "technique": thing.drawn_with.name,
+        "technique": name,
         "shape": thing.shape,
         "shadows": scene.shadows,
         "projection": thing.relief_projection,
@@ -118,18 +171,38 @@ def state_of(scene: Scene, thing: Object) -> dict[str, Any]:
         "scale": thing.relief_scale,
         "level": thing.relief_level,
         "bias": float(thing.bias),
+        "heights": thing.heights,
+        "edge": thing.edge,
+        "fades": thing.fade is not None,
+        "fade": list(map(float, thing.fade or (2.0, 4.0))),
         "tiling": list(map(float, thing.tiles)),
         "shift": list(map(float, thing.shift)),
-        "settings": {name: _defaults(each) for name, each in TECHNIQUES.items()},
-        "finish": plain(thing.finish),
+        "apart": bool(thing.tilings),
+        "tilings": {each: _tiling(thing.tilings.get(each, main)) for each in OWN_TILINGS},
+        "mapping": thing.mapping,
+        "alpha": thing.alpha,
+        "surface": thing.surface,
+        "layer": thing.layer is not None,
+        "layer_tiling": _tiling(thing.layer.tiling if thing.layer else Tiling((10.0, 10.0))),
+        "settings": {name: _defaults(each) for name, each in techniques.items()},
+        "finish": {name: plain(record()) for name, record in SURFACES.items()},
         "smoothing": plain(thing.smoothing),
         "shading": plain(scene.shading),
         "shadowing": plain(scene.shadowing),
+        "occlusion_kind": scene.occlusion_kind,
+        "fog": scene.fog,
+        "air": plain(scene.air),
+        "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
         "lights": [_light(each) for each in scene.lights],
         "camera": _camera(scene),
     }
-    made["settings"][thing.drawn_with.name] = plain(thing.settings)
+    made["settings"][name] = plain(thing.settings)
+    made["finish"][thing.surface] = plain(thing.finish)
     return made
+
+
+def _tiling(tiling: Tiling) -> dict[str, Any]:
+    return {"tiles": list(map(float, tiling.tiles)), "shift": list(map(float, tiling.shift))}
 
 
 def _defaults_of(material: Material) -> dict[str, Any]:
@@ -138,6 +211,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
     return {
         "scale": thing.relief_scale,
         "bias": float(thing.bias),
+        "background": list(BACKGROUND),
         "lights": [_light(each) for each in Scene(()).lights],
     }
 
@@ -171,67 +245,53 @@ def _camera(scene: Scene) -> dict[str, Any]:
 
 
 def _light(light: Light) -> dict[str, Any]:
-    """A light with its strength apart from its colour, and its direction as angles."""
+    """A light with its strength apart from its colour, its direction and its cone as angles."""
     said = plain(light)
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
+    outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
     return {
-        **said,
         "kind": _KINDS[int(light.kind)],
-        "color": [round(each / intensity, 6) for each in said["color"]],
-        "intensity": intensity,
+        "position": said["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
-        "turned": int(light.kind) == DIRECTIONAL,
+        "color": [round(each / intensity, 6) for each in said["color"]],
+        "intensity": intensity,
+        "falloff": said["falloff"],
+        "angle": round(math.degrees(2.0 * outer), 4),
+        "softness": round(1.0 - inner / outer if outer > 0.0 else 0.0, 4),
     }
 
 
-def _presets(material: Material) -> dict[str, Any]:
+def _presets(material: Material, shown: Object) -> dict[str, Any]:
     """The presets as states; those that a page's programs cannot draw say why not."""
     found: dict[str, Any] = {}
     for name in PRESETS:
         chosen = preset(name)
+        about = " ".join(chosen.about.split())
         try:
             scene = chosen.scene(material)
         except BasreliefError as error:
-            found[name] = {"about": chosen.about, "why": str(error)}
+            found[name] = {"about": about, "why": str(error)}
             continue
         thing = scene.objects[0]
-        lost = beyond(scene, thing)
-        found[name] = {"about": " ".join(chosen.about.split())}
-        if lost:
-            found[name]["why"] = lost
-        else:
-            found[name]["state"] = state_of(scene, thing)
+        if _layer_of(thing) not in (None, _layer_of(shown)):
+            why = f"it lays {_layer_of(thing)} over; make a page with --preset {name}"
+            found[name] = {"about": about, "why": why}
+            continue
+        found[name] = {"about": about, "state": state_of(scene, thing)}
     return found
+
+
+def _layer_of(thing: Object) -> str | None:
+    return None if thing.layer is None else thing.layer.material.name
 
 
 def check_shown(scene: Scene) -> None:
     """Raise InputError for a scene that a page's programs cannot draw."""
     if not scene.objects:
         raise InputError("there is nothing in the scene to show")
-    lost = beyond(scene, scene.objects[0])
-    if lost:
-        raise InputError(f"the scene {lost}; leave that away")
-
-
-def beyond(scene: Scene, thing: Object) -> str:
-    """What of a scene a page's programs do not have, in words; "" where they have all of it."""
-    for lost, what in (
-        (thing.surface != "standard", "a landscape"),
-        (thing.layer is not None, "a second layer"),
-        (thing.heights != "sharp", "smooth heights"),
-        (scene.occlusion_kind != "ambient", "occlusion with a direction"),
-        (scene.fog != "none", "fog"),
-        (bool(thing.tilings), "maps with tilings of their own"),
-        (thing.mapping != "planar", "tri-planar colour"),
-        (thing.edge != "wrap", "maps that do not repeat"),
-        (thing.fade is not None, "a relief that fades"),
-        (thing.alpha != "blend", "a cut-out"),
-        (thing.transform is not None, "a transform"),
-        (len(scene.objects) > 1, "further objects"),
-        (TECHNIQUES.get(thing.drawn_with.name) is not thing.drawn_with, "a technique of one's own"),
-    ):
-        if lost:
-            return f"has {what}, which the page does not draw"
-    return ""
+    if len(scene.objects) > 1:
+        raise InputError(
+            "the scene has further objects, which the page does not draw; leave them away"
+        )

@@ -3,6 +3,7 @@
 // back: a step's planes become a texture that the next one reads.
 
 import { Job } from "view/gpu.js";
+import { linked } from "view/link.js";
 
 const ROW = 64; // words that a row of a copy is a multiple of
 const LONG = 60; // milliseconds that a submission should take; drivers stop those of seconds
@@ -54,9 +55,10 @@ const KINDS = {
 export class Left extends Error {}
 
 export class Bakes {
-  // Of the heights in a texture of (width, height).
-  constructor(gpu, data, field, size, highest) {
-    Object.assign(this, { gpu, data, field, size, highest });
+  // Of the heights in a texture with all its levels, for maps that end as an `edge` says.
+  constructor(gpu, data, field, highest, edge) {
+    Object.assign(this, { gpu, data, field, highest, edge });
+    this.size = [field.width, field.height];
     this.tables = new Map();
     this.failures = new Map();
     this.jobs = new Map();
@@ -71,6 +73,7 @@ export class Bakes {
     if (this.failures.has(name)) throw this.failures.get(name);
     if (!this.tables.has(name)) {
       try {
+        if (!(name in this)) throw new Error(`the page cannot bake ${words(name)}`);
         this.tables.set(name, await this.making(() => this[name](), tell, wanted));
       } catch (error) {
         if (!(error instanceof Left)) this.failures.set(name, error);
@@ -85,7 +88,7 @@ export class Bakes {
     return this.making(async () => {
       const made = this.texture(this.size, false);
       const values = { field: this.field, relief: { per_texel } };
-      await this.run(this.data.bakedNormals, "normals", values, this.size, made);
+      await this.run("normals", "normals", values, this.size, made);
       return this.gpu.readTexture(made);
     });
   }
@@ -115,34 +118,64 @@ export class Bakes {
 
   // --- the bounds, as `bake/bounds.py` has them
 
-  async bounds() {
-    const { block, reach, farBlock, farReach, farWindows } = this.data.bakes.bounds;
-    const [near, far] = [this.blocks(block), this.blocks(farBlock)];
-    const table = this.texture([2 * near[0], 2 * (near[1] + far[1])], false);
+  bounds() {
+    return this.boundsOf(1);
+  }
+
+  mip_bounds() {
+    return this.boundsOf(this.field.mipLevelCount);
+  }
+
+  // Of so many levels, below one another.
+  async boundsOf(count) {
+    const { block, farBlock } = this.data.bakes.bounds;
+    const levels = Array.from({ length: count }, (_, k) => this.level(k));
+    const rows = levels.map(({ size }) => 2 * (blocks(size, block)[1] + blocks(size, farBlock)[1]));
+    const columns = 2 * blocks(this.size, block)[0];
+    const table = this.texture([columns, rows.reduce((sum, n) => sum + n)], false);
+    let below = 0;
+    for (const [k, level] of levels.entries()) {
+      await this.near(level, table, below);
+      await this.far(level, table, below + 2 * blocks(level.size, block)[1]);
+      below += rows[k];
+    }
+    return table;
+  }
+
+  // A level of the heights as a map of its own.
+  level(k) {
     const { field } = this;
-    const windows = await this.widened(await this.tops(block, reach), 1, reach);
-    const records = near.map((n) => 2 * n);
-    await this.run("near_record", "records", { field, windows }, records, table);
+    const view = { baseMipLevel: k, mipLevelCount: 1 };
+    return {
+      field: { createView: () => field.createView(view) },
+      size: this.size.map((n) => Math.max(1, n >> k)),
+    };
+  }
+
+  async near({ field, size }, table, below) {
+    const { block, reach } = this.data.bakes.bounds;
+    const windows = await this.widened(await this.tops(field, size, block, reach), 1, reach);
+    const records = blocks(size, block).map((n) => 2 * n);
+    await this.run("near_record", "records", { field, windows }, records, table, below);
+  }
+
+  async far({ field, size }, table, below) {
+    const { farBlock, farReach, farWindows } = this.data.bakes.bounds;
     const found = {};
-    let [wide, width] = [await this.tops(farBlock, farReach), 1];
+    let [wide, width] = [await this.tops(field, size, farBlock, farReach), 1];
     for (const [name, wanted] of farWindows) {
       wide = found[name] = await this.widened(wide, width, wanted);
       width = wanted;
     }
-    const below = far.map((n) => 2 * n);
-    await this.run("far_record", "records", { field, ...found }, below, table, 2 * near[1]);
-    return table;
-  }
-
-  blocks(side) {
-    return this.size.map((n) => Math.ceil(n / side));
+    const records = blocks(size, farBlock).map((n) => 2 * n);
+    await this.run("far_record", "records", { field, ...found }, records, table, below);
   }
 
   // The highest points of the blocks of so many cells, and of a margin of blocks around.
-  tops(side, margin) {
-    const size = this.blocks(side).map((n) => n + 2 * margin);
+  tops(field, size, side, margin) {
+    const wide = blocks(size, side).map((n) => n + 2 * margin);
     this.speeds.delete("block_top"); // it goes by the side
-    return this.heights("block_top", { blocks: { side, margin }, field: this.field }, size);
+    return this.heights("block_top", { blocks: { side, margin }, field }, wide);
   }
 
   // Windows of a wanted width in blocks, from narrower ones that overlap.
@@ -179,9 +212,10 @@ export class Bakes {
     return this.cones("relaxed_cone_of", { slopes });
   }
 
-  // How many octaves reach as far as texels matter: half of a map that repeats.
+  // How many octaves reach as far as texels matter: of those that repeat, the nearest do.
   octaves() {
-    const furthest = Math.floor(Math.max(...this.size) / 2);
+    const side = Math.max(...this.size);
+    const furthest = this.edge === "wrap" ? Math.floor(side / 2) : side - 1;
     let count = 1;
     while (this.data.bakes.cones.blocks * 2 ** (count - 1) <= furthest) count += 1;
     return count;
@@ -189,21 +223,20 @@ export class Bakes {
 
   // The steepest line, squared, from each vertex to those of a field; `squared` is used up.
   async steepest(those, sector, squared) {
-    const { blocks, sectors } = this.data.bakes.cones;
+    const { blocks: across, sectors } = this.data.bakes.cones;
     const [first, last] = (sector ?? sectors[0]).ends;
-    const key = sector ? "steepest_in_sector" : "steepest_everywhere";
     let [slopes, windows] = [squared, null];
     for (let k = 0; k < this.octaves(); k++) {
       windows = await this.windows(k, those, windows);
-      const nearest = k ? (blocks * 2 ** k) / 2 : 0;
+      const nearest = k ? (across * 2 ** k) / 2 : 0;
       const values = {
         octave: { nearest, highest: this.highest, first, last },
-        held: held(k),
+        held: this.held(k),
         field: this.field,
         windows,
         so_far: slopes,
       };
-      const steeper = await this.heights(key, values, this.size);
+      const steeper = await this.heights("steepest", values, this.size, Boolean(sector));
       this.free(slopes);
       slopes = steeper;
       this.done += 1;
@@ -215,13 +248,19 @@ export class Bakes {
 
   // Windows of 2 ** k texels, from narrower ones, which are used up; the first from heights.
   async windows(k, field, windows) {
-    const made = this.texture(this.size, false);
+    const held = this.held(k);
+    const size = this.size.map((n) => n + held.before);
+    const made = this.texture(size, false);
     const [key, values] = k
-      ? ["next_windows", { made: held(k), narrower: held(k - 1), windows }]
-      : ["first_windows", { made: held(k), field }];
-    await this.run(key, "windows", values, this.size, made);
+      ? ["next_windows", { made: held, narrower: this.held(k - 1), windows }]
+      : ["first_windows", { made: held, field }];
+    await this.run(key, "windows", values, size, made);
     if (windows) this.free(windows);
     return made;
+  }
+
+  held(k) {
+    return { width: 2 ** k, before: this.edge === "clamp" ? 2 ** (k + 1) - 1 : 0 };
   }
 
   async cones(key, values) {
@@ -232,9 +271,9 @@ export class Bakes {
 
   // --- a step
 
-  async heights(key, values, size) {
+  async heights(key, values, size, inSector = false) {
     const made = this.texture(size, true);
-    await this.run(key, "heights", values, size, made);
+    await this.run(key, "heights", values, size, made, 0, inSector);
     return made;
   }
 
@@ -252,8 +291,8 @@ export class Bakes {
 
   // Run a program over a picture, into a texture from row `below` on, as many rows at once as take
   // no longer than a submission should.
-  async run(key, kind, values, [width, height], texture, below = 0) {
-    const job = await this.job(key);
+  async run(key, kind, values, [width, height], texture, below = 0, inSector = false) {
+    const job = await this.job(key, inSector);
     if (!this.packers.has(kind) && KINDS[kind].texel) this.packers.set(kind, await this.packer(kind));
     const wide = Math.ceil(width / ROW) * ROW;
     const most = Math.max(1, Math.floor(ROOM / (4 * KINDS[kind].planes * wide)));
@@ -294,13 +333,15 @@ export class Bakes {
     if (this.over || !this.wanted()) throw new Left();
   }
 
-  async job(key) {
-    if (!this.jobs.has(key)) {
-      const made = await this.gpu.pipeline(key, this.data);
+  async job(entry, in_sector) {
+    const name = `${entry} ${in_sector}`;
+    if (!this.jobs.has(name)) {
+      const program = linked(this.data.programs, entry, { edge: this.edge, in_sector });
+      const made = await this.gpu.pipeline(program);
       this.stay();
-      this.jobs.set(key, new Job(this.gpu, made, this.data));
+      this.jobs.set(name, new Job(this.gpu, made, this.data));
     }
-    return this.jobs.get(key);
+    return this.jobs.get(name);
   }
 
   submit(job, kind, wide, first, last, { texture, origin, size }) {
@@ -374,4 +415,7 @@ export class Bakes {
   }
 }
 
-const held = (k) => ({ width: 2 ** k, before: 0 });
+const words = (name) => name.replaceAll("_", " ");
+
+// How many blocks of so many cells a side a map has.
+const blocks = (size, side) => size.map((n) => Math.ceil(n / side));

@@ -112,6 +112,44 @@ export function menu(view, path, label, options, after = () => {}) {
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);
 }
 
+// A box to tick.
+export function check(view, path, label) {
+  const id = `control-${(count += 1)}`;
+  const box = element("input", { type: "checkbox", id, name: path.join(".") });
+  const show = () => {
+    box.checked = at(view.state, path);
+  };
+  box.addEventListener("change", () => {
+    set(view.state, path, box.checked);
+    view.changed(true);
+  });
+  view.shows.push(show);
+  show();
+  return element("div", { class: "check" }, box, element("label", { for: id }, label));
+}
+
+// A colour, chosen as it is seen and held as light: linear, 0 to 1.
+export function color(view, path, label, doc = "") {
+  const id = `control-${(count += 1)}`;
+  const field = element("input", { type: "color", id, name: path.join(".") });
+  const show = () => {
+    const codes = at(view.state, path).map((x) => Math.round(255 * encoded(Math.min(x, 1))));
+    field.value = `#${codes.map((n) => n.toString(16).padStart(2, "0")).join("")}`;
+  };
+  field.addEventListener("input", () => {
+    const codes = [1, 3, 5].map((k) => Number.parseInt(field.value.slice(k, k + 2), 16) / 255);
+    set(view.state, path, codes.map((x) => Number(decoded(x).toPrecision(4))));
+    view.changed();
+  });
+  view.shows.push(show);
+  show();
+  return element("div", { class: "menu", title: doc }, element("label", { for: id }, label), field);
+}
+
+// sRGB, as `picture.srgb_encode` has it.
+const encoded = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+const decoded = (x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+
 export function button(text, act, attributes = {}) {
   const made = element("button", { type: "button", ...attributes }, text);
   made.addEventListener("click", act);
@@ -132,6 +170,7 @@ function rows(view, path, settings) {
     if (!Array.isArray(each.default)) {
       return [number(view, [...path, each.name], { ...each, label: words(each.name) })];
     }
+    if (each.name.endsWith("color")) return [color(view, [...path, each.name], words(each.name), each.doc)];
     return each.default.map((_, k) =>
       number(view, [...path, each.name, k], {
         ...each,
@@ -149,7 +188,7 @@ export function build(view, panel) {
   const focused = document.activeElement?.name;
   view.shows = [];
   panel.replaceChildren(
-    ...[technique, relief, light, surface, maps, picture, share].map((make) => make(view)),
+    ...[technique, relief, light, surface, air, maps, picture, share].map((make) => make(view)),
   );
   for (const made of panel.querySelectorAll("details")) {
     if (opened.has(made.id)) made.open = opened.get(made.id);
@@ -158,7 +197,7 @@ export function build(view, panel) {
 }
 
 function techniques(view) {
-  return view.data.choices.technique.map((name) => {
+  return view.data.menus.technique.map((name) => {
     const why = !view.hasHeights && name !== "flat" ? "needs heights" : "";
     return [name, words(name), !why, why];
   });
@@ -195,10 +234,27 @@ function technique(view) {
   );
 }
 
+// A menu of names that mean themselves.
+const named = (view, name, label, after) =>
+  menu(view, [name], label, view.data.menus[name].map((each) => [each, words(each)]), after);
+
+const pair = (view, path, label, range) =>
+  [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
+
+const tiling = (view, path, label) => [
+  ...pair(view, [...path, "tiles"], `${label} tiling`, { low: 0.1, high: 32, step: 0.1 }),
+  ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01 }),
+];
+
 function relief(view) {
-  const { data } = view;
-  const pair = (name, label, range) =>
-    [0, 1].map((k) => number(view, [name, k], { ...range, label: `${label} ${"uv"[k]}` }));
+  const { data, state } = view;
+  const able = data.techniques[state.technique].heights;
+  const reads = data.menus.heights.map((name) => [
+    name,
+    name,
+    able.includes(name),
+    `not by ${words(state.technique)}`,
+  ]);
   return section(
     "Relief",
     true,
@@ -216,71 +272,130 @@ function relief(view) {
       step: 0.01,
       doc: "the height that lies on the polygon: 1 pushes the relief in",
     }),
-    menu(
-      view,
-      ["projection"],
-      "Projection",
-      data.choices.projection.map((name) => [name, name]),
-    ),
-    ...(view.state.projection === "biased"
+    named(view, "projection", "Projection"),
+    ...(state.projection === "biased"
       ? [number(view, ["bias"], { label: "bias", low: 0, high: 2, step: 0.01 })]
       : []),
+    menu(view, ["heights"], "Heights", reads),
+    ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
+    named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
+    named(view, "edge", "Edge"),
+    ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1 }),
+    ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01 }),
+    check(view, ["fades"], "Fade with the distance"),
+    ...(state.fades
+      ? ["fade from", "gone at"].map((label, k) =>
+          number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05 }),
+        )
+      : []),
+  );
+}
+
+// What one light is; `k` counts from 0.
+function lamp(view, k) {
+  const { kind } = view.state.lights[k];
+  const path = ["lights", k];
+  const name = `light ${k + 1}`;
+  const degrees = (part, label, low, high) =>
+    number(view, [...path, part], { label: `${name} ${label}`, low, high, step: 1 });
+  const made = [
     menu(
       view,
-      ["shape"],
-      "Shape",
-      data.choices.shape.map((name) => [name, name]),
-      (shape) => view.reshaped(shape),
+      [...path, "kind"],
+      `Light ${k + 1}`,
+      ["directional", "point", "spot"].map((each) => [each, each]),
     ),
-    ...pair("tiling", "tiling", { low: 0.1, high: 16, step: 0.1 }),
-    ...pair("shift", "shift", { low: -1, high: 1, step: 0.01 }),
+  ];
+  if (kind !== "point") {
+    made.push(degrees("azimuth", "angle", -180, 180), degrees("elevation", "height", -90, 90));
+  }
+  if (kind !== "directional") {
+    for (const c of [0, 1, 2]) {
+      const range = { label: `${name} ${"xyz"[c]}`, low: -4, high: 4, step: 0.05 };
+      made.push(number(view, [...path, "position", c], range));
+    }
+    made.push(
+      number(view, [...path, "falloff"], { label: `${name} falloff`, low: 0, high: 8, step: 0.1 }),
+    );
+  }
+  if (kind === "spot") {
+    made.push(
+      degrees("angle", "cone", 1, 179),
+      number(view, [...path, "softness"], { label: `${name} softness`, low: 0, high: 1, step: 0.01 }),
+    );
+  }
+  made.push(
+    number(view, [...path, "intensity"], { label: `${name} strength`, low: 0, high: 10, step: 0.1 }),
+    color(view, [...path, "color"], `${name} color`),
+    element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k))),
   );
+  return made;
 }
 
 function light(view) {
   const { data, state } = view;
-  const lamps = state.lights.flatMap((lamp, k) => {
-    const path = ["lights", k];
-    const name = `light ${k + 1}`;
-    const place =
-      lamp.kind === "directional"
-        ? [
-            number(view, [...path, "azimuth"], { label: `${name} angle`, low: -180, high: 180, step: 1 }),
-            number(view, [...path, "elevation"], { label: `${name} height`, low: 0, high: 90, step: 1 }),
-          ]
-        : [0, 1, 2].map((c) =>
-            number(view, [...path, "position", c], {
-              label: `${name} ${"xyz"[c]}`,
-              low: -4,
-              high: 4,
-              step: 0.05,
-            }),
-          );
-    const strength = { label: `${name} strength`, low: 0, high: 10, step: 0.1 };
-    return [...place, number(view, [...path, "intensity"], strength)];
-  });
-  const options = (name) => data.choices[name].map((each) => [each, each]);
+  const shown = ({ name }) =>
+    name === "ambient" ||
+    (name === "directional_occlusion"
+      ? state.occlusion_kind === "directional"
+      : state.shading_model === "phong");
   return section(
     "Light",
     true,
-    menu(view, ["shadows"], "Shadows", options("shadows")),
+    named(view, "shadows", "Shadows"),
     ...(state.shadows === "none" ? [] : rows(view, ["shadowing"], data.settings.shadowing)),
-    ...lamps,
-    menu(view, ["shading_model"], "Shading", options("shading_model")),
-    ...rows(
-      view,
-      ["shading"],
-      data.settings.shading.filter(
-        ({ name }) => name === "ambient" || (state.shading_model === "phong" && !/^dir/.test(name)),
-      ),
+    ...state.lights.flatMap((_, k) => lamp(view, k)),
+    element(
+      "div",
+      { class: "buttons" },
+      button("Add a light", () => view.addLight(), { id: "add-light" }),
     ),
+    named(view, "shading_model", "Shading"),
+    named(view, "occlusion_kind", "Occlusion"),
+    ...rows(view, ["shading"], data.settings.shading.filter(shown)),
+  );
+}
+
+const USED = {
+  fog_color: () => true,
+  fog_density: (kind) => kind !== "linear",
+  fog_start: (kind) => kind === "linear",
+  fog_end: (kind) => kind === "linear",
+};
+
+function air(view) {
+  const { data, state } = view;
+  const used = data.settings.air.filter(({ name }) => USED[name]?.(state.fog) ?? true);
+  return section(
+    "Air",
+    false,
+    named(view, "fog", "Fog"),
+    ...(state.fog === "none" ? [] : rows(view, ["air"], used)),
+    color(view, ["background"], "background"),
   );
 }
 
 function surface(view) {
-  const used = ["base_color", "normal_strength", "roughness", "metallic", "occlusion", "emission"];
-  const settings = view.data.settings.finish.filter(({ name }) => used.includes(name));
-  return section("Surface", false, ...rows(view, ["finish"], settings));
+  const { data, state } = view;
+  const finish = data.settings.finish[state.surface];
+  return section(
+    "Surface",
+    false,
+    named(view, "surface", "Surface"),
+    ...rows(view, ["finish", state.surface], finish),
+    named(view, "mapping", "Colour laid on"),
+    named(view, "alpha", "Opacity"),
+    check(view, ["apart"], "Maps with tilings of their own"),
+    ...(state.apart
+      ? Object.keys(state.tilings).flatMap((name) => tiling(view, ["tilings", name], words(name)))
+      : []),
+    ...(view.hasLayer
+      ? [
+          check(view, ["layer"], "Second layer"),
+          ...(state.layer ? tiling(view, ["layer_tiling"], "layer") : []),
+        ]
+      : []),
+  );
 }
 
 // --- maps ---------------------------------------------------------------------------------------

@@ -7,21 +7,23 @@ import { Bakes, Left } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
 import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
+import { linked } from "view/link.js";
 import { channelLevels, heightLevels, single } from "view/maps.js";
-import { keyOf } from "view/state.js";
 
 const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
 const words = (name) => name.replaceAll("_", " ");
+const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
+const NOTHING = single([0, 0, 0, 65535]);
 const MISSING = {
   field: single([65535]),
-  base_color: single([39321, 39321, 39321, 65535]),
-  response: single([65535, 52428, 0, 65535]),
-  emission: single([0, 0, 0, 65535]),
-  level_normal: single([32768, 32768, 65535, 65535]),
+  distances: single([65535]),
+  unbaked: single([0, 0, 0, 0]),
+  ...Object.fromEntries(NAMES.map((name) => [name, NOTHING])),
 };
+const HEIGHTS = ["field", "distances"];
 const KINDS = { directional: 0, point: 1, spot: 2 };
 
 export class Drawing {
@@ -29,6 +31,8 @@ export class Drawing {
     Object.assign(this, { gpu, data, canvas, heard });
     this.colors = new Colors(gpu, canvas, data.colors);
     this.pictures = {};
+    this.taken = {}; // and what stands for those that are missing
+    this.bakes = new Map(); // by edge
     this.textures = {};
     this.jobs = new Map();
     this.sides = {};
@@ -44,27 +48,26 @@ export class Drawing {
 
   // --- maps
 
-  // `pictures` by name: what is in the page, or was dropped; others are single texels. All or none
-  // of what changed is taken.
+  // `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
+  // missing, but is given a texel in its place. All or none of what changed is taken.
   setMaps(pictures) {
     const shown = { ...MISSING, ...pictures };
-    const changed = Object.keys(shown).filter((name) => shown[name] !== this.pictures[name]);
+    const held = this.taken;
+    const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
     const levels = Object.fromEntries(
       changed.map((name) => [name, this.levels(name, shown[name])]),
     );
-    const made = changed.map((name) => [name, this.gpu.texture(levels[name], name === "field")]);
-    for (const name of Object.keys(this.pictures)) {
-      if (shown[name] === this.pictures[name]) continue;
+    const made = changed.map((name) => [name, this.gpu.texture(levels[name], HEIGHTS.includes(name))]);
+    for (const name of Object.keys(held)) {
+      if (shown[name] === held[name]) continue;
       this.textures[name].destroy();
       delete this.textures[name];
     }
-    for (const [name, texture] of made) {
-      this.textures[name]?.destroy();
-      this.textures[name] = texture;
-    }
-    this.pictures = shown;
+    for (const [name, texture] of made) this.textures[name] = texture;
+    this.taken = shown;
+    this.pictures = pictures;
     if (levels.field) this.newHeights(levels.field[0]);
-    if (levels.field || !this.textures.normal) {
+    if (levels.field || levels.normal) {
       this.bakedFor = null;
       // nothing can be drawn until what it needs is baked
       this.shown = null;
@@ -72,38 +75,59 @@ export class Drawing {
   }
 
   levels(name, picture) {
-    if (name === "field") return heightLevels(picture);
-    if (this.isBake(name)) return [picture];
-    return channelLevels(picture, name === "base_color" && hasHoles(picture));
+    if (HEIGHTS.includes(name)) return heightLevels(picture);
+    if (name === "unbaked" || this.isBake(name)) return [picture];
+    return channelLevels(picture, name.endsWith("color") && hasHoles(picture));
   }
 
   isBake(name) {
     return Object.values(this.data.techniques).some(({ bake }) => bake === name);
   }
 
-  // What a technique has baked, undefined where it is not there: out of the page, or made here.
-  baked(bake) {
-    return this.textures[bake] ?? this.bakes.tables.get(bake);
+  // What a state's technique has baked, undefined where it is not there: out of the page, or made
+  // here.
+  baked(state) {
+    const { name, edge } = this.bakeOf(state);
+    if (edge === "wrap" && this.textures[name]) return this.textures[name];
+    return this.bakes.get(edge)?.tables.get(name);
+  }
+
+  // What a state's technique needs, as `programs` has it: "" where it needs nothing.
+  bakeOf(state) {
+    const { technique, heights, edge } = this.choices(state);
+    const { bake } = this.data.techniques[technique];
+    return { name: bake && heights === "mip" ? `mip_${bake}` : (bake ?? ""), edge };
   }
 
   // What was made of the heights before is of no use any more.
   newHeights({ width, height, texels }) {
     this.texels = [width, height];
-    this.bakes?.destroy();
-    const highest = texels.reduce((most, x) => Math.max(most, x), 0);
-    this.bakes = new Bakes(this.gpu, this.data, this.textures.field, this.texels, highest);
+    this.highest = texels.reduce((most, x) => Math.max(most, x), 0);
+    for (const each of this.bakes.values()) each.destroy();
+    this.bakes.clear();
+  }
+
+  bakesFor(edge) {
+    if (!this.bakes.has(edge)) {
+      const { gpu, data, textures, highest } = this;
+      this.bakes.set(edge, new Bakes(gpu, data, textures.field, highest, edge));
+    }
+    return this.bakes.get(edge);
   }
 
   // Where there is no normal map, normals are made of the heights, by the library's own program.
   async ensureNormals(state) {
-    if (this.pictures.normal || this.bakedFor === state.scale) return;
-    const { width, height } = this.pictures.field;
-    const texels = await this.bakes.normals(state.scale * width);
+    const { edge } = this.choices(state);
+    const wanted = `${state.scale} ${edge}`;
+    const { normal, field } = this.pictures;
+    if (normal || !field || this.bakedFor === wanted) return;
+    const { width, height } = field;
+    const texels = await this.bakesFor(edge).normals(state.scale * width);
     // another map may have been dropped
     if (this.pictures.normal) return;
-    this.textures.normal?.destroy();
+    this.textures.normal.destroy();
     this.textures.normal = this.gpu.texture(channelLevels({ width, height, texels }), false);
-    this.bakedFor = state.scale;
+    this.bakedFor = wanted;
   }
 
   // --- values
@@ -117,29 +141,88 @@ export class Drawing {
     return camera;
   }
 
+  // What binds the slots of a program, as `programs.choices_of` has it.
+  choices(state) {
+    const { pictures, data } = this;
+    const technique = pictures.field ? state.technique : "flat";
+    const { boxes, heights } = data.techniques[technique];
+    const repeats = ({ tiles, shift }) => shift.some(Boolean) || tiles.some((n) => n <= 0 || n > 1);
+    const tilings = [{ tiles: state.tiling, shift: state.shift }];
+    if (state.apart) tilings.push(...Object.values(state.tilings));
+    if (state.layer) tilings.push(state.layer_tiling);
+    const clipped = state.edge === "clip";
+    const wraps = state.edge === "wrap" || (clipped && tilings.some(repeats));
+    const has = (name) => Boolean(pictures[name]);
+    const layer = state.layer && (has("layer_color") || has("layer_normal"));
+    return {
+      ...state,
+      technique,
+      heights: heights.includes(state.heights) ? state.heights : "sharp",
+      clipped,
+      edge: wraps ? "wrap" : "clamp",
+      base_color: has("base_color"),
+      // the tops of boxes are level, whatever the heights beside them
+      normal: has("normal") || (has("field") && state.scale > 0 && !boxes),
+      response: has("response"),
+      emission: has("emission"),
+      layer,
+      layer_color: layer && has("layer_color"),
+      layer_normal: layer && has("layer_normal"),
+      shadows_on: "relief",
+      casts: false,
+    };
+  }
+
   values(state, size, sample) {
     const { data, textures } = this;
-    const made = data.techniques[state.technique];
-    const shape = data.shapes[state.shape];
-    const { origin, to_object, proportion } = shape;
-    const level = made.boxes && !this.pictures.normal;
-    const { glow = 1 } = this.pictures.emission;
+    const { technique } = this.choices(state);
+    const { origin, to_object } = data.shapes[state.shape];
+    const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
+    const { proportion, places } = this.lying(state);
+    const finish = { ...state.finish[state.surface] };
+    if (finish.emission) finish.emission = finish.emission.map((x) => x * this.glow());
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
-      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near: 0, fade_far: 0 },
+      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near, fade_far },
       smoothing: state.smoothing,
-      settings: state.settings[state.technique],
-      finish: { ...state.finish, emission: state.finish.emission.map((x) => x * glow) },
-      places: data.constants.places,
+      settings: state.settings[technique],
+      finish,
+      places,
       shading: state.shading,
       shadowing: state.shadowing,
-      fog: data.constants.fog,
+      fog: state.air,
       lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
+      views: [],
       ...textures,
-      normal: level ? textures.level_normal : textures.normal,
-      baked: made.bake ? this.baked(made.bake) : undefined,
+      baked: this.baked(state) ?? textures.unbaked,
     };
+  }
+
+  // How much brighter than its own numbers the emission map is that the page was made with.
+  glow() {
+    return this.pictures.emission?.dropped ? 1 : this.data.constants.glow;
+  }
+
+  // How the maps lie beside the heights, as `Object.map_places` has it.
+  lying(state) {
+    const main = { tiles: state.tiling, shift: state.shift };
+    const { constants } = this.data;
+    const beside = ({ tiles, shift }) => {
+      const ratio = tiles.map((n, k) => n / main.tiles[k]);
+      return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
+    };
+    const places = {};
+    for (const [name, own] of Object.entries(state.tilings)) {
+      places[name] = beside(state.apart ? own : main);
+    }
+    const { pictures } = this;
+    const own = state.apart && pictures.normal ? places.normal : [1, 1];
+    const proportion = constants.proportion * Math.abs(own[0] / own[1]);
+    places.layer = beside(state.layer ? state.layer_tiling : main);
+    const stretch = Math.abs(places.layer[1] / places.layer[0]);
+    places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
+    return { proportion, places };
   }
 
   // --- what is drawn
@@ -211,13 +294,12 @@ export class Drawing {
 
   // What one picture needs: its bake and its program.
   async side(side, state) {
-    const { bake } = this.data.techniques[state.technique];
-    if (bake && !this.baked(bake)) await this.bakeFor(state.technique, bake);
-    const key = keyOf(state, this.data.choices);
-    const known = this.gpu.pipelines.has(key);
+    if (this.bakeOf(state).name && !this.baked(state)) await this.bakeFor(state);
+    const program = linked(this.data.programs, "pixel", this.choices(state));
+    const known = this.gpu.pipelines.has(program.key);
     if (!known) this.heard({ busy: `compiling ${words(state.technique)} …` });
-    const pipeline = await this.gpu.pipeline(key, this.data);
-    const name = `${side}:${key}`;
+    const pipeline = await this.gpu.pipeline(program);
+    const name = `${side}:${program.key}`;
     if (!this.jobs.has(name)) {
       this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
       this.fresh = true;
@@ -225,18 +307,20 @@ export class Drawing {
     return { state, job: this.jobs.get(name) };
   }
 
-  async bakeFor(technique, bake) {
+  async bakeFor(state) {
+    const { name, edge } = this.bakeOf(state);
     const tell = (share) => {
       const percent = share ? ` ${Math.floor(100 * share)} %` : "";
-      this.heard({ busy: `baking ${words(bake)} for ${words(technique)} …${percent}` });
+      this.heard({ busy: `baking ${words(name)} for ${words(state.technique)} …${percent}` });
     };
     // who has turned to another technique need not wait for this one
     const needed = () =>
-      Object.values(this.wanted(this.latest)).some(
-        (each) => this.data.techniques[each.technique].bake === bake,
-      );
+      Object.values(this.wanted(this.latest)).some((each) => {
+        const other = this.bakeOf(each);
+        return other.name === name && other.edge === edge;
+      });
     tell(0);
-    await this.bakes.table(bake, tell, needed);
+    await this.bakesFor(edge).table(name, tell, needed);
   }
 
   // Something changed: draw anew with the next frame.
@@ -370,7 +454,7 @@ export class Drawing {
       size: this.drawnSize,
       canvas: [canvas.width, canvas.height],
       texels: this.texels,
-      background: [...this.data.constants.background, 1],
+      background: [...state.background, 1],
       divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
       show: state.show,
       samples: this.drawn,
@@ -425,13 +509,18 @@ export class Drawing {
   }
 }
 
+// A light as `scene.lights` makes it.
 function lightRecord(light) {
-  const turned = light.kind === "directional";
+  const half = ((light.angle / 2) * Math.PI) / 180;
+  const spot = light.kind === "spot";
   return {
-    ...light,
     kind: KINDS[light.kind],
-    direction: turned ? travelling(light.azimuth, light.elevation) : light.direction,
+    position: light.position,
+    direction: light.kind === "point" ? [0, -1, 0] : travelling(light.azimuth, light.elevation),
     color: light.color.map((c) => c * light.intensity),
+    falloff: light.falloff,
+    cos_inner: spot ? Math.cos(half * (1 - light.softness)) : 1,
+    cos_outer: spot ? Math.cos(half) : 0,
   };
 }
 

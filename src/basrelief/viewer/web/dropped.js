@@ -63,7 +63,7 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
     case "opacity":
       return { ...pictures, base_color: merged(old, picture, { 3: one() }) };
     case "emission":
-      return { ...pictures, emission: opaque(withLight(picture)) };
+      return { ...pictures, emission: { ...opaque(withLight(picture)), dropped: true } };
     case "normal":
       return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
     case "packed":

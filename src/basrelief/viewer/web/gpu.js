@@ -28,7 +28,8 @@ export class Gpu {
     this.limits = device.limits;
     this.pipelines = new Map();
     this.compiled = 0; // how many pipelines were ever made
-    this.sampler = device.createSampler({ addressModeU: "repeat", addressModeV: "repeat" });
+    const sampler = (mode) => device.createSampler({ addressModeU: mode, addressModeV: mode });
+    this.samplers = { wrap: sampler("repeat"), clamp: sampler("clamp-to-edge") };
     this.stamps = device.features.has("timestamp-query") ? this.timing() : null;
   }
 
@@ -42,23 +43,21 @@ export class Gpu {
     };
   }
 
-  // The pipeline of a program, made once; rejects with what the compiler says.
-  pipeline(key, data) {
+  // The pipeline of a linked program, made once; rejects with what the compiler says.
+  pipeline(program) {
+    const { key } = program;
     if (!this.pipelines.has(key)) {
-      const made = this.build(key, data);
+      const made = this.build(program);
       this.pipelines.set(key, made);
       made.catch(() => this.pipelines.delete(key));
     }
     return this.pipelines.get(key);
   }
 
-  async build(key, data) {
+  async build(program) {
     const { device } = this;
-    const program = data.programs[key];
-    if (!program) throw new Error(`the page has no program for ${key.replaceAll("|", ", ")}`);
-    const code = program.pieces.map((number) => data.pieces[number]).join("\n");
     this.compiled += 1;
-    const module = device.createShaderModule({ code, label: key });
+    const module = device.createShaderModule({ code: program.code, label: program.key });
     const layout = device.createBindGroupLayout({ entries: program.bindings.map(layoutEntry) });
     const pipeline = await device.createComputePipelineAsync({
       layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
@@ -187,7 +186,7 @@ export class Job {
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
-      if (kind === "sampler") return { binding, resource: gpu.sampler };
+      if (kind === "sampler") return { binding, resource: gpu.samplers[made.program.edge ?? "wrap"] };
       if (kind === "map") return { binding, resource: this.textures[name].createView() };
       return { binding, resource: { buffer: this.uniforms.get(name) } };
     });

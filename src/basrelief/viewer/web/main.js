@@ -72,13 +72,10 @@ class View {
   }
 
   async packedMaps() {
-    const { maps, constants } = this.data;
     const found = {};
-    for (const [name, told] of Object.entries(maps)) {
+    for (const [name, told] of Object.entries(this.data.maps)) {
       found[name] = await unpacked(told, byId(`map-${name}`).textContent);
     }
-    // fractions of the brightest
-    if (found.emission) found.emission.glow = constants.glow;
     return found;
   }
 
@@ -126,6 +123,20 @@ class View {
   rebuild() {
     build(this, byId("panel"));
     this.updateDivider();
+  }
+
+  addLight() {
+    this.state.lights.push(copyOf(this.state.lights.at(-1) ?? this.data.defaults.lights[0]));
+    this.changed(true);
+  }
+
+  removeLight(k) {
+    this.state.lights.splice(k, 1);
+    this.changed(true);
+  }
+
+  get hasLayer() {
+    return Boolean(this.drawing.pictures.layer_color || this.drawing.pictures.layer_normal);
   }
 
   preset(name) {
@@ -349,7 +360,7 @@ class View {
   tellMap(name, slot, { width, height, bits, lost }) {
     this.mapSaid = `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}`;
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
-    const { proportion } = this.data.shapes.plane;
+    const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
     if (width * height > 1 && apart > 0.02) {
       this.say(`${name} has other proportions than the page's material, and is stretched.`, true);

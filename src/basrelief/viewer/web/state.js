@@ -1,11 +1,8 @@
 // What a person can change, as one plain object; as a link, a line of Python, a command line.
 
-export const copyOf = (value) => structuredClone(value);
+import { travelling } from "view/camera.js";
 
-export const keyOf = (state, choices) =>
-  Object.keys(choices)
-    .map((name) => state[name])
-    .join("|");
+export const copyOf = (value) => structuredClone(value);
 
 // Only what differs from where the page began, so that links stay short.
 function difference(now, then) {
@@ -50,11 +47,16 @@ export function toHash(state, start) {
 export function fromHash(hash, start, data) {
   if (hash.length < 2) return copyOf(start);
   const made = merged(start, JSON.parse(decodeURIComponent(hash.slice(1))));
-  for (const [name, known] of Object.entries(data.choices)) {
-    if (!known.includes(made[name])) made[name] = start[name];
+  return held(made, start, data);
+}
+
+// A state with what is unknown put back to how the page began.
+function held(state, start, data) {
+  for (const [name, known] of Object.entries(data.menus)) {
+    if (!known.includes(state[name])) state[name] = start[name];
   }
-  if (made.compare !== "" && !data.choices.technique.includes(made.compare)) made.compare = "";
-  return made;
+  if (state.compare !== "" && !data.menus.technique.includes(state.compare)) state.compare = "";
+  return state;
 }
 
 // --- as text ------------------------------------------------------------------------------------
@@ -65,28 +67,55 @@ const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 // What the library would have to be told: all that is not its own default.
 function told(state, data) {
   const made = data.techniques[state.technique];
-  const changed = (values, settings) =>
+  const { settings, defaults } = data;
+  const changed = (values, known) =>
     Object.fromEntries(
-      settings.filter((s) => !same(values[s.name], s.default)).map((s) => [s.name, values[s.name]]),
+      known.filter((s) => !same(values[s.name], s.default)).map((s) => [s.name, values[s.name]]),
     );
   const numbers = {
     settings: changed(state.settings[state.technique], made.settings),
-    finish: changed(state.finish, data.settings.finish),
-    shading: changed(state.shading, data.settings.shading),
-    shadowing: changed(state.shadowing, data.settings.shadowing),
+    finish: changed(state.finish[state.surface], settings.finish[state.surface]),
+    shading: changed(state.shading, settings.shading),
+    shadowing: state.shadows === "none" ? {} : changed(state.shadowing, settings.shadowing),
+    smoothing: state.heights === "sharp" ? {} : changed(state.smoothing, settings.smoothing),
+    air: state.fog === "none" ? {} : changed(state.air, settings.air),
   };
-  const plain = { technique: state.technique };
-  if (state.shape !== "plane") plain.shape = state.shape;
-  if (state.scale !== data.defaults.scale) plain.scale = state.scale;
-  if (state.level !== made.level) plain.level = state.level;
-  if (state.projection !== made.projection) plain.projection = state.projection;
-  if (state.shadows !== "none") plain.shadows = state.shadows;
-  if (state.shading_model !== "ggx") plain.shading_model = state.shading_model;
-  const tiling = same(state.tiling, data.shapes[state.shape].tiling) ? null : state.tiling;
-  const shift = same(state.shift, [0, 0]) ? null : state.shift;
-  const lights = same(state.lights, data.defaults.lights) ? null : state.lights;
-  const bias = state.bias === data.defaults.bias ? null : state.bias;
-  return { plain, numbers, tiling, shift, lights, bias, camera: cameraOf(state.camera) };
+  const plain = { technique: made.called };
+  const usual = {
+    shape: "plane",
+    surface: "standard",
+    scale: defaults.scale,
+    level: made.level,
+    projection: made.projection,
+    heights: "sharp",
+    edge: "wrap",
+    mapping: "planar",
+    alpha: "blend",
+    shadows: "none",
+    shading_model: "ggx",
+    occlusion_kind: "ambient",
+    fog: "none",
+  };
+  for (const [name, value] of Object.entries(usual)) {
+    if (state[name] !== value) plain[name] = state[name];
+  }
+  if (!made.heights.includes(state.heights)) delete plain.heights;
+  const other = (value, usually) => (same(value, usually) ? null : value);
+  const main = { tiles: state.tiling, shift: state.shift };
+  const own = Object.entries(state.tilings).filter(([, each]) => !same(each, main));
+  return {
+    plain,
+    numbers,
+    tilings: state.apart && own.length ? Object.fromEntries(own) : null,
+    layer: state.layer ? state.layer_tiling : null,
+    tiling: other(state.tiling, data.shapes[state.shape].tiling),
+    shift: other(state.shift, [0, 0]),
+    fade: state.fades ? state.fade : null,
+    background: other(state.background, defaults.background),
+    lights: other(state.lights, defaults.lights),
+    bias: other(state.bias, defaults.bias),
+    camera: cameraOf(state.camera),
+  };
 }
 
 function cameraOf(camera) {
@@ -100,56 +129,87 @@ function cameraOf(camera) {
 
 function lightOf(light) {
   const made = { color: light.color, intensity: light.intensity };
-  if (light.kind === "directional") {
-    return { azimuth: light.azimuth, elevation: light.elevation, ...made };
-  }
-  const lamp = { position: light.position, ...made, falloff: light.falloff };
+  const { azimuth, elevation, position, falloff, angle, softness } = light;
+  if (light.kind === "directional") return { azimuth, elevation, ...made };
+  const lamp = { position, ...made, falloff };
   if (light.kind === "point") return lamp;
-  const [outer, inner] = [Math.acos(light.cos_outer), Math.acos(light.cos_inner)];
-  const target = light.position.map((x, k) => x + light.direction[k]);
-  return { ...lamp, target, angle: (outer * 360) / Math.PI, softness: 1 - inner / outer };
+  const target = travelling(azimuth, elevation).map((x, k) => position[k] + x);
+  return { ...lamp, target, angle, softness };
 }
 
 export function toCommand(state, data) {
-  const { plain, numbers, tiling, shift, lights, bias, camera } = told(state, data);
+  const said = told(state, data);
   const values = (each, sign) =>
     Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
   const quoted = (text) => (/^[\w./:=,-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
   const parts = ["basrelief", "render", quoted(data.source)];
-  for (const [name, x] of Object.entries(plain)) {
-    parts.push(`--${name.replace("_", "-")}`, typeof x === "number" ? short(x) : x);
+  const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, quoted(String(x)));
+  const tiles = (pair) => pair.map(short).join("x");
+  // what begins with a minus would be taken for an option
+  const joined = (name, pair) => parts.push(`--${name}=${pair.map(short).join(",")}`);
+  for (const [name, x] of Object.entries(data.reading)) {
+    if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
+    else option(name, typeof x === "number" ? short(x) : x);
   }
-  for (const each of Object.values(numbers)) {
+  for (const [name, x] of Object.entries(said.plain)) option(name, typeof x === "number" ? short(x) : x);
+  for (const each of Object.values(said.numbers)) {
     for (const text of values(each, "/")) parts.push("--set", text);
   }
-  if (bias !== null) parts.push("--set", `bias=${short(bias)}`);
-  if (tiling) parts.push("--tiling", tiling.map(short).join("x"));
-  if (shift) parts.push(`--shift=${shift.map(short).join(",")}`);
-  parts.push("--camera", values(camera, "/").join(","));
-  for (const light of lights ?? []) {
+  if (said.bias !== null) parts.push("--set", `bias=${short(said.bias)}`);
+  if (said.tiling) parts.push("--tiling", tiles(said.tiling));
+  if (said.shift) joined("shift", said.shift);
+  for (const [name, each] of Object.entries(said.tilings ?? {})) {
+    parts.push("--map-tiling", `${name}=${tiles(each.tiles)}`);
+    parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
+  }
+  if (said.layer) {
+    parts.push("--layer", quoted(data.layerSource), "--layer-tiling", tiles(said.layer.tiles));
+    joined("layer-shift", said.layer.shift);
+  }
+  if (said.fade) joined("fade", said.fade);
+  if (said.background) joined("background", said.background);
+  parts.push("--camera", values(said.camera, "/").join(","));
+  for (const light of said.lights ?? []) {
     parts.push("--light", [light.kind, ...values(lightOf(light), "/")].join(","));
   }
   return parts.join(" ");
 }
 
 export function toPython(state, data) {
-  const { plain, numbers, tiling, shift, lights, bias, camera } = told(state, data);
+  const said = told(state, data);
   const value = (x) => {
+    if (x === true) return "True";
     if (typeof x === "string") return JSON.stringify(x);
-    if (Array.isArray(x)) return `(${x.map(short).join(", ")})`;
+    if (Array.isArray(x)) return `(${x.map(value).join(", ")})`;
     if (typeof x === "number") return short(x);
     return `{${Object.entries(x).map(([name, y]) => `"${name}": ${value(y)}`).join(", ")}}`;
   };
-  const call = (name, given) =>
-    `basrelief.${name}(${Object.entries(given).map(([key, x]) => `${key}=${value(x)}`).join(", ")})`;
-  const given = Object.entries(plain).map(([name, x]) => `${name}=${value(x)}`);
-  for (const [name, each] of Object.entries(numbers)) {
+  const listed = (given) => Object.entries(given).map(([key, x]) => `${key}=${value(x)}`);
+  const call = (name, given) => `basrelief.${name}(${listed(given).join(", ")})`;
+  const given = listed(said.plain);
+  for (const [name, each] of Object.entries(said.numbers)) {
     if (Object.keys(each).length) given.push(`${name}=${value(each)}`);
   }
-  if (bias !== null) given.push(`bias=${short(bias)}`);
-  if (tiling) given.push(`tiling=${value(tiling)}`);
-  if (shift) given.push(`shift=${value(shift)}`);
-  given.push(`camera=${call("Orbit", camera)}`);
-  if (lights) given.push(`lights=(${lights.map((l) => `${call(l.kind, lightOf(l))},`).join(" ")})`);
-  return `basrelief.render(${JSON.stringify(data.source)}, ${given.join(", ")})`;
+  for (const name of ["bias", "tiling", "shift", "fade", "background"]) {
+    if (said[name] !== null) given.push(`${name}=${value(said[name])}`);
+  }
+  if (said.tilings) {
+    const each = Object.entries(said.tilings).map(([name, x]) => `"${name}": ${call("Tiling", x)}`);
+    given.push(`tilings={${each.join(", ")}}`);
+  }
+  if (said.layer) {
+    const over = `basrelief.load(${JSON.stringify(data.layerSource)})`;
+    given.push(`layer=basrelief.Layer(${over}, ${call("Tiling", said.layer)})`);
+  }
+  const { world } = data.shapes[state.shape];
+  if (world) given.push(`transform=${value(world)}`);
+  given.push(`camera=${call("Orbit", said.camera)}`);
+  if (said.lights) {
+    const each = said.lights.map((l) => `${call(l.kind, lightOf(l))},`);
+    given.push(`lights=(${each.join(" ")})`);
+  }
+  const source = JSON.stringify(data.source);
+  const reading = listed(data.reading);
+  const what = reading.length ? `basrelief.load(${[source, ...reading].join(", ")})` : source;
+  return `basrelief.render(${[what, ...given].join(", ")})`;
 }

@@ -1,0 +1,186 @@
+"""Shaders printed as WGSL one by one, to be put together where they run.
+
+A printed program has its slots bound. A library has each shader once, whatever is bound: a slot is
+a function of its own name, which hands on to the shader bound to it, and a type slot is an alias.
+So few pieces make any number of programs: `linked` here, and a page's own few lines, follow what an
+entry uses.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from basrelief.lang.frontend import analyse_apart, bound_types
+from basrelief.lang.resources import buffer_record
+from basrelief.lang.shader import Shader, taken_parameters
+from basrelief.lang.wgsl import HELPERS, Binding, ModulePrinter, bindings
+
+EDGE = "edge"
+"""The slot of what a map does at its edge; bound to an `Edge`."""
+_EDGES = ("wrap", "clamp")
+_NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
+"""A name that is used: not a field, nor the name of a parameter."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of WGSL, and the names of the pieces and slots that it uses."""
+
+    text: str
+    uses: tuple[str, ...]
+
+
+@dataclass
+class Library:
+    """`pieces` by name; `slots` by name, then by the name of what is bound; `entries` by name."""
+
+    pieces: dict[str, Piece] = field(default_factory=dict)
+    slots: dict[str, dict[str, Piece]] = field(default_factory=dict)
+    entries: dict[str, Piece] = field(default_factory=dict)
+    bindings: dict[str, list[Binding]] = field(default_factory=dict)
+    """What each entry binds, all of it whatever is bound to the slots."""
+    names: dict[Any, str] = field(default_factory=dict)
+    """Shaders, slots, records and type slots, and what they are called here."""
+
+
+def linked(library: Library, entry: str, bound: Mapping[str, str]) -> str:
+    """The WGSL of an entry: all that it uses, with slots bound by their names."""
+    first = library.entries[entry]
+    found = {"": first}
+    left = list(first.uses)
+    while left:
+        name = left.pop()
+        if name not in found:
+            options = library.slots.get(name)
+            found[name] = library.pieces[name] if options is None else options[bound[name]]
+            left += found[name].uses
+    return "\n".join(piece.text for piece in found.values())
+
+
+def library_of(
+    entries: Sequence[Shader[..., Any]],
+    options: Mapping[Shader[..., Any], Iterable[Shader[..., Any]]],
+) -> Library:
+    """The library of several entries, with all that may be bound to each of their slots.
+
+    Raises ShaderError for what is outside the subset, or does not fit its slot.
+    """
+    return _Printing(entries, options).library
+
+
+class _Printing:
+    """Names first, since all pieces share them; then texts; then which uses which."""
+
+    def __init__(
+        self,
+        entries: Sequence[Shader[..., Any]],
+        options: Mapping[Shader[..., Any], Iterable[Shader[..., Any]]],
+    ) -> None:
+        self.options = {slot: list(shaders) for slot, shaders in options.items()}
+        every = [*entries, *self.options, *(s for each in self.options.values() for s in each)]
+        self.done = analyse_apart(every)
+        tops = [self.done[entry] for entry in entries]
+        self.printer = ModulePrinter(list(self.done.values()), tops, EDGE)
+        self.types = self.types_bound()
+        for slot, records in self.types.items():
+            self.printer.claim(slot, slot.__name__)
+            for record in records:
+                self.printer.note_shared(record)
+        self.texts = {self.printer.scope[f]: self.text(s) for s, f in self.done.items()}
+        self.library = Library(names=self.names())
+        self.fill(entries)
+
+    def types_bound(self) -> dict[type, list[type]]:
+        """The records that each type slot may stand for."""
+        found: dict[type, list[type]] = {}
+        for slot, shaders in self.options.items():
+            for shader in shaders:
+                for asked, record in bound_types({slot: shader}).items():
+                    if record not in found.setdefault(asked, []):
+                        found[asked].append(record)
+        return found
+
+    def names(self) -> dict[Any, str]:
+        scope = self.printer.scope
+        shaders = {shader: scope[function] for shader, function in self.done.items()}
+        return {**scope, **shaders}
+
+    def text(self, shader: Shader[..., Any]) -> str:
+        return "" if shader.is_slot else self.printer.function_text(self.done[shader])
+
+    def forwarding(self, slot: Shader[..., Any], shader: Shader[..., Any]) -> str:
+        """The function of a slot that hands on to a shader."""
+        m, taken = self.printer, taken_parameters(slot, shader) or ()
+        function = self.done[slot]
+        plain = {n: t for n, t in function.parameters.items() if buffer_record(t) is None}
+        given = ", ".join(f"{name}: {m.type(t)}" for name, t in plain.items())
+        handed = ", ".join(name for name in taken if name in plain)
+        doc = "".join(f"// {line}".rstrip() + "\n" for line in function.doc.splitlines())
+        return (
+            f"{doc}fn {m.scope[function]}({given}) -> {m.type(function.result)} {{\n"
+            f"  return {m.scope[self.done[shader]]}({handed});\n}}\n"
+        )
+
+    def fill(self, entries: Sequence[Shader[..., Any]]) -> None:
+        m = self.printer
+        made = self.library
+        whole = {
+            entry: m.bound_text(self.done[entry]) + "\n" + m.main_text(self.done[entry])
+            for entry in entries
+        }
+        slots = {
+            m.scope[self.done[slot]]: {
+                m.scope[self.done[shader]]: self.forwarding(slot, shader) for shader in shaders
+            }
+            for slot, shaders in self.options.items()
+        }
+        for asked, records in self.types.items():
+            slots[m.scope[asked]] = {
+                m.scope[record]: f"alias {m.scope[asked]} = {m.scope[record]};\n"
+                for record in records
+            }
+        slots[EDGE] = {
+            each: HELPERS[f"edge_{each}"].replace(f"edge_{each}", f"edge_{EDGE}") for each in _EDGES
+        }
+        texts = {name: text for name, text in self.texts.items() if name not in slots}
+        for text in self.shared_texts():
+            texts[_declared(text)] = text
+        known = {*texts, *slots, f"edge_{EDGE}"}
+
+        def piece(text: str, own: str) -> Piece:
+            return Piece(text, tuple(sorted(_used(text, known) - {own})))
+
+        made.pieces = {name: piece(text, name) for name, text in texts.items()}
+        made.slots = {
+            name: {bound: piece(text, name) for bound, text in each.items()}
+            for name, each in slots.items()
+        }
+        for entry, text in whole.items():
+            made.entries[entry.name] = piece(text, "")
+            made.bindings[entry.name] = bindings(self.done[entry])
+
+    def shared_texts(self) -> Iterable[str]:
+        """Records, helpers, and our own functions in place of less exact ones."""
+        functions = set(self.texts)
+        yield from self.printer.record_texts()
+        # printed for their needs, which are known only then
+        for text in self.printer.function_texts():
+            if _declared(text) not in functions:
+                yield text
+        yield from self.printer.helper_texts()
+
+
+def _declared(text: str) -> str:
+    """The name of the one thing that a text declares."""
+    found = re.search(r"^(?:fn|struct|alias) (\w+)", text, re.MULTILINE)
+    assert found is not None
+    return found[1]
+
+
+def _used(text: str, known: set[str]) -> set[str]:
+    code = re.sub(r"//[^\n]*", "", text)
+    found = {name for name in _NAME.findall(code) if name in known}
+    return {EDGE if name == f"edge_{EDGE}" else name for name in found}

@@ -1,0 +1,72 @@
+"""The pictures of the viewer's page in docs/viewer.md, drawn in a headless Chromium.
+
+Run as a program it draws them anew: `scripts/goldens`. A test holds them to what the page shows.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from basrelief.material import sample
+from basrelief.scene import Object, Orbit, Scene
+from basrelief.viewer import Sources, write_view
+from browser import SOFTWARE, chromium
+
+PICTURES = Path(__file__).resolve().parent.parent / "docs" / "images"
+SHOTS: dict[str, tuple[tuple[int, int], str, dict[str, Any]]] = {
+    "viewer-light": ((960, 600), "light", {"shadows": "soft"}),
+    "viewer-divider": ((960, 600), "dark", {"compare": "offset", "scale": 0.08}),
+    "viewer-missed": (
+        (960, 600), "dark", {"technique": "parallax_occlusion", "show": "missed", "scale": 0.1},
+    ),
+    "viewer-narrow": ((400, 720), "dark", {"shape": "sphere", "shadows": "hard"}),
+}  # fmt: skip
+"""The window's size, the scheme, and what is changed of the page's start."""
+
+
+def write_page(folder: Path) -> Path:
+    """The page that the pictures are of."""
+    file = folder / "page.html"
+    scene = Scene((Object(sample("cobbles", 256)),), camera=Orbit(28.0, 30.0))
+    write_view(scene, file, sources=Sources("sample:cobbles"), engine="cpu")
+    return file
+
+
+def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
+    """A picture of the page as PNG, and where in it the canvas is: x, y, width, height."""
+    (width, height), scheme, changes = SHOTS[name]
+    page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    page.goto(file.as_uri())
+    page.wait_for_function("window.viewer && window.viewer.ready")
+    page.evaluate("viewer.ready")
+    page.evaluate(
+        """async (changes) => {
+          if (changes.shape) viewer.state.tiling = viewer.data.shapes[changes.shape].tiling;
+          Object.assign(viewer.state, changes);
+          viewer.drawing.limit = 2;
+          viewer.changed(true);
+          await viewer.drawing.settled();
+          viewer.drawing.present();
+        }""",
+        changes,
+    )
+    page.wait_for_timeout(300)
+    png = page.screenshot()
+    box = page.locator("#canvas").bounding_box()
+    page.close()
+    return png, box
+
+
+def main() -> None:
+    """Draw them all."""
+    file = write_page(Path(tempfile.mkdtemp()))
+    with chromium(SOFTWARE) as browser:
+        for name in SHOTS:
+            png, _ = shot(browser, file, name)
+            (PICTURES / f"{name}.png").write_bytes(png)
+
+
+if __name__ == "__main__":
+    main()
