@@ -46,7 +46,6 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "shading_model": ("ggx", "phong"),
     "occlusion_kind": ("ambient", "directional"),
     "fog": ("none", "linear", "exponential", "exponential_squared"),
-    "in_sector": (False, True),
 }
 """What a page may choose, beside the technique; one object casts no shadow on others."""
 ENTRIES = (pixel.pixel, *BAKES)
@@ -91,12 +90,10 @@ def printed(techniques: Techniques = TECHNIQUES) -> Printed:
 
     Raises ShaderError for a technique that is outside the subset.
     """
-    asked = {
-        "technique": techniques,
-        **{n: {str(v).lower(): v for v in vs} for n, vs in CHOICES.items()},
-    }
-    rules = {**RULES, cones.is_asked: is_asked}
-    trees = {slot: tree_of(rule, asked) for slot, rule in rules.items()}
+    asked = answers(techniques)
+    trees = {slot: tree_of(rule, asked) for slot, rule in RULES.items()}
+    # what a bake's steps choose
+    trees[cones.is_asked] = tree_of(is_asked, {"in_sector": {"false": False, "true": True}})
     options = {slot: list(_leaves(tree)) for slot, tree in trees.items()}
     library = library_of(ENTRIES, options)
     names = library.names
