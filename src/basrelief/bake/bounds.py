@@ -10,6 +10,7 @@ block of 8 × 8 cells a far record holds the room above the highest points of th
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,8 @@ from basrelief.shaders.bakes.bounds import FAR_REACH, REACH, Blocks, Overlap
 from basrelief.shaders.edge import edges_of
 from basrelief.shaders.techniques.exact import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 
+FAR_WINDOWS = {"least": FAR, "second": FAR_2, "third": FAR_3, "most": FAR_4}
+"""The windows of a far record by name, and their widths in blocks."""
 Heights = NDArray[np.float32]
 Records = NDArray[np.uint16]
 
@@ -71,10 +74,10 @@ class _Making:
     def far(self) -> Records:
         """The far records."""
         found = [self.widened(self.blocks(FAR_BLOCK, FAR_REACH), 1, FAR)]
-        for width, wanted in ((FAR, FAR_2), (FAR_2, FAR_3), (FAR_3, FAR_4)):
+        for width, wanted in itertools.pairwise(FAR_WINDOWS.values()):
             found.append(self.widened(found[-1], width, wanted))
-        names = ("least", "second", "third", "most")
-        return self.records(shaders.far_record, FAR_BLOCK, **dict(zip(names, found, strict=True)))
+        windows = dict(zip(FAR_WINDOWS, found, strict=True))
+        return self.records(shaders.far_record, FAR_BLOCK, **windows)
 
     def blocks(self, side: int, margin: int) -> HeightField:
         """The highest points of the blocks of so many cells, and of a margin of blocks around."""

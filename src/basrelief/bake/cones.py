@@ -24,7 +24,7 @@ from basrelief.shaders.bakes.windows import Windows
 from basrelief.shaders.edge import edges_of
 
 _MOST = 65535
-_SECTORS = 16
+SECTORS = 16
 """All around: whether the surface falls away is asked for each by itself."""
 _MARGIN = 10.0
 """Degrees by which a window may reach beyond the sector that its middle lies in: half of its
@@ -84,17 +84,15 @@ class _Baking:
 
     def relaxed(self) -> NDArray[np.uint16]:
         squared = np.zeros_like(self.heights)
-        for sector in range(_SECTORS):
-            turned = ((sector, -_MARGIN), (sector, 0.0), (sector + 1, 0.0), (sector + 1, _MARGIN))
-            asked = Sector(*(_direction(*each) for each in turned))
+        for sector in range(SECTORS):
+            asked = sector_of(sector)
             falling = self._run(cones.far_side, sector=asked, field=self.field)["height"]
             squared = self._steepest(HeightField([falling], self.edge), sector, squared)
         return self._stored(cones.relaxed_cone_of, squared)
 
     def _steepest(self, those: HeightField, sector: int | None, squared: Heights) -> Heights:
         """The steepest line, squared, from each vertex to those of a field."""
-        first = sector or 0
-        ends = _direction(first, -_ROUNDING), _direction(first + 1, _ROUNDING)
+        ends = ends_of(sector or 0)
         wide = self._first_windows(those)
         k = 0
         while True:
@@ -154,7 +152,18 @@ class _Baking:
         return self.engine.run(program, values, (width + beyond, height + beyond))
 
 
+def sector_of(sector: int) -> Sector:
+    """The directions in which a surface may fall away, of one sector."""
+    turned = ((sector, -_MARGIN), (sector, 0.0), (sector + 1, 0.0), (sector + 1, _MARGIN))
+    return Sector(*(_direction(*each) for each in turned))
+
+
+def ends_of(sector: int) -> tuple[Vec2, Vec2]:
+    """The directions that windows of one sector lie between."""
+    return _direction(sector, -_ROUNDING), _direction(sector + 1, _ROUNDING)
+
+
 def _direction(sector: int, more: float) -> Vec2:
     """The direction that a sector begins with, turned by some degrees."""
-    angle = math.radians(360.0 / _SECTORS * sector + more)
+    angle = math.radians(360.0 / SECTORS * sector + more)
     return Vec2(math.cos(angle), math.sin(angle))

@@ -17,14 +17,16 @@ _UNIT = 65535
 def packed(pixels: Channels) -> dict[str, Any]:
     """A picture of 16-bit channels: size, channels, and the packed numbers as text.
 
-    A channel of one value is that value. One of at most 256 values is a list of them and an index
-    for each texel, in differences from the texel before; any other is in differences too, the
-    low bytes of all texels first.
+    A channel of one value is that value, one that is like another before it is that one's number.
+    One of at most 256 values is a list of them and an index for each texel, in differences from the
+    texel before; any other is in differences too, the low bytes of all texels first.
     """
     height, width, count = pixels.shape
     channels, parts = [], []
     for number in range(count):
-        told, part = _packed_channel(pixels[:, :, number].ravel())
+        values = pixels[:, :, number]
+        like = next((k for k in range(number) if np.array_equal(values, pixels[:, :, k])), None)
+        told, part = _packed_channel(values.ravel()) if like is None else ({"same": like}, b"")
         channels.append(told)
         parts.append(part)
     content = base64.b64encode(zlib.compress(b"".join(parts), 6)).decode()

@@ -24,7 +24,7 @@ from basrelief.picture import encode_png, srgb_encode
 from basrelief.rendering import render
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shaders.techniques import TECHNIQUES, Nothing
+from basrelief.shaders.techniques import Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
@@ -43,9 +43,11 @@ _REST = 400_000
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
+_LONG_BAKE = "relaxed_cone_map"
+"""What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
-    "state", "camera", "records", "link", "maps", "colors", "gpu", "drawing", "controls", "host",
-    "main",
+    "state", "camera", "records", "link", "maps", "png", "dropped", "colors", "gpu", "bakes",
+    "drawing", "controls", "host", "main",
 )  # fmt: skip
 
 
@@ -98,12 +100,10 @@ def page_of(
         progress("packing the maps", 0.9)
         shown = _shrunk(thing, most)
         maps = _maps(shown)
-        # bakes take long, and about as much room as the maps: no need to make what will not fit
-        if _bytes(maps, stills) <= LARGEST / 2 or most <= _SMALLEST:
-            maps |= _bakes(shown.material)
-            if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
-                break
+        if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
+            break
         most = most // 2
+    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills))
     scaled = shown_size(shown.material) if most < whole else None
     data = {
         "programs": programs.told(),
@@ -192,13 +192,15 @@ def _layer_maps(over: Material) -> dict[str, Any]:
     return {name: packed(map.levels[0]) for name, map in both.items() if map is not None}
 
 
-def _bakes(material: Material) -> dict[str, Any]:
-    """What techniques have baked of the heights."""
+def _bakes(material: Material, room: int) -> dict[str, Any]:
+    """What takes a page long to bake, where it fits in so many bytes."""
     found: dict[str, Any] = {}
-    for what in sorted({made.bake for made in TECHNIQUES.values() if made.bake}):
-        baked = pyramids.baked(material, "wrap", what)
-        if baked is not None:
-            found[what] = packed(baked.levels[0])
+    if material.height is not None and room > material.height.width * material.height.height:
+        baked = pyramids.baked(material, "wrap", _LONG_BAKE)
+        assert baked is not None
+        made = packed(baked.levels[0])
+        if len(made["content"]) <= room:
+            found[_LONG_BAKE] = made
     return found
 
 

@@ -16,10 +16,11 @@ from basrelief.lang.library import Library, library_of
 from basrelief.lang.resources import buffer_record
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shaders import pixel
-from basrelief.shaders.bakes.texels import normals
+from basrelief.shaders.bakes import cones
 from basrelief.shaders.surfaces.surface import SurfaceSettings
 from basrelief.shaders.techniques import TECHNIQUES, Technique
 from basrelief.shaders.techniques.technique import Settings
+from basrelief.viewer.bakes import BAKES, is_asked
 
 CHOICES: dict[str, tuple[Any, ...]] = {
     "shape": SHAPES,
@@ -47,7 +48,7 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "fog": ("none", "linear", "exponential", "exponential_squared"),
 }
 """What a page may choose, beside the technique; one object casts no shadow on others."""
-ENTRIES = (pixel.pixel, normals)
+ENTRIES = (pixel.pixel, *BAKES)
 Techniques = Mapping[str, Technique[..., Any]]
 
 
@@ -89,11 +90,10 @@ def printed(techniques: Techniques = TECHNIQUES) -> Printed:
 
     Raises ShaderError for a technique that is outside the subset.
     """
-    asked = {
-        "technique": techniques,
-        **{n: {str(v).lower(): v for v in vs} for n, vs in CHOICES.items()},
-    }
+    asked = answers(techniques)
     trees = {slot: tree_of(rule, asked) for slot, rule in RULES.items()}
+    # what a bake's steps choose
+    trees[cones.is_asked] = tree_of(is_asked, {"in_sector": {"false": False, "true": True}})
     options = {slot: list(_leaves(tree)) for slot, tree in trees.items()}
     library = library_of(ENTRIES, options)
     names = library.names

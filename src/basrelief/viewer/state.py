@@ -26,6 +26,7 @@ from basrelief.shaders.height import Smoothing
 from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.techniques import TECHNIQUES, Technique
+from basrelief.viewer.bakes import bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
 
 SAMPLES = 16
@@ -69,6 +70,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "layerSource": sources.layer,
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
+        "bakes": bake_numbers(),
         "menus": {"technique": tuple(techniques), **MENUS},
         "techniques": {name: _technique(made) for name, made in techniques.items()},
         "shapes": {shape: _shape(thing, shape) for shape in SHAPES},

@@ -198,8 +198,7 @@ export function build(view, panel) {
 
 function techniques(view) {
   return view.data.menus.technique.map((name) => {
-    const { bake } = view.data.techniques[name];
-    const why = !view.hasHeights && name !== "flat" ? "needs heights" : view.lacks(bake);
+    const why = !view.hasHeights && name !== "flat" ? "needs heights" : "";
     return [name, words(name), !why, why];
   });
 }
@@ -412,13 +411,16 @@ function surface(view) {
 
 // --- maps ---------------------------------------------------------------------------------------
 
-const SLOTS = {
+export const SLOTS = {
   height: "heights",
   base_color: "colour",
+  opacity: "opacity",
   normal: "normals",
   roughness: "roughness",
   metallic: "metal",
   occlusion: "occlusion",
+  packed: "occlusion, roughness, metal in r, g, b",
+  emission: "emission",
 };
 
 function maps(view) {
@@ -447,6 +449,9 @@ function maps(view) {
     list("green", "Green is", [["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Picture"), file),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
+    ...(view.hasHeights && view.pictures.normal
+      ? [button("Make normals of the heights", () => view.leaveNormals(), { id: "leave-normals" })]
+      : []),
   );
 }
 
@@ -454,7 +459,7 @@ function picture(view) {
   const shows = [
     ["color", "the picture"],
     ["reads", "reads"],
-    ["missed", "missed hits", !view.lacks("bounds"), view.lacks("bounds")],
+    ["missed", "missed hits", view.hasHeights, "needs heights"],
     ["depth", "depth"],
   ];
   const meaning = {

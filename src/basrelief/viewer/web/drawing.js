@@ -3,6 +3,7 @@
 // While something moves, whole frames are drawn, smaller where one takes over 33 ms. At rest the
 // places in each pixel are gone through, row by row, so that the page stays awake.
 
+import { Bakes, Left } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
 import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
@@ -13,12 +14,25 @@ const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
+const words = (name) => name.replaceAll("_", " ");
+const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
+const NOTHING = single([0, 0, 0, 65535]);
+const MISSING = {
+  field: single([65535]),
+  distances: single([65535]),
+  unbaked: single([0, 0, 0, 0]),
+  ...Object.fromEntries(NAMES.map((name) => [name, NOTHING])),
+};
+const HEIGHTS = ["field", "distances"];
 const KINDS = { directional: 0, point: 1, spot: 2 };
 
 export class Drawing {
   constructor(gpu, data, canvas, heard) {
     Object.assign(this, { gpu, data, canvas, heard });
     this.colors = new Colors(gpu, canvas, data.colors);
+    this.pictures = {};
+    this.taken = {}; // and what stands for those that are missing
+    this.bakes = new Map(); // by edge
     this.textures = {};
     this.jobs = new Map();
     this.sides = {};
@@ -35,53 +49,85 @@ export class Drawing {
   // --- maps
 
   // `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
-  // missing, but is given a texel in its place.
-  async setMaps(pictures) {
+  // missing, but is given a texel in its place. All or none of what changed is taken.
+  setMaps(pictures) {
+    const shown = { ...MISSING, ...pictures };
+    const held = this.taken;
+    const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
+    const levels = Object.fromEntries(
+      changed.map((name) => [name, this.levels(name, shown[name])]),
+    );
+    const made = changed.map((name) => [name, this.gpu.texture(levels[name], HEIGHTS.includes(name))]);
+    for (const name of Object.keys(held)) {
+      if (shown[name] === held[name]) continue;
+      this.textures[name].destroy();
+      delete this.textures[name];
+    }
+    for (const [name, texture] of made) this.textures[name] = texture;
+    this.taken = shown;
     this.pictures = pictures;
-    const heights = pictures.field ?? single([65535]);
-    this.texels = [heights.width, heights.height];
-    this.replace("field", heightLevels(heights), true);
-    this.replace("distances", heightLevels(single([65535])), true);
-    for (const name of ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"]) {
-      const map = pictures[name] ?? single([0, 0, 0, 65535]);
-      this.replace(name, channelLevels(map, name.endsWith("color") && hasHoles(map)));
+    if (levels.field) this.newHeights(levels.field[0]);
+    if (levels.field || levels.normal) {
+      this.bakedFor = null;
+      // nothing can be drawn until what it needs is baked
+      this.shown = null;
     }
-    this.replace("unbaked", [single([0, 0, 0, 0])]);
-    for (const { bake } of Object.values(this.data.techniques)) {
-      if (bake && pictures[bake]) this.replace(bake, [pictures[bake]]);
-    }
-    this.bakedFor = null;
   }
 
-  replace(name, levels, heights = false) {
-    const made = this.gpu.texture(levels, heights);
-    this.textures[name]?.destroy();
-    this.textures[name] = made;
+  levels(name, picture) {
+    if (HEIGHTS.includes(name)) return heightLevels(picture);
+    if (name === "unbaked" || this.isBake(name)) return [picture];
+    return channelLevels(picture, name.endsWith("color") && hasHoles(picture));
+  }
+
+  isBake(name) {
+    return Object.values(this.data.techniques).some(({ bake }) => bake === name);
+  }
+
+  // What a state's technique has baked, undefined where it is not there: out of the page, or made
+  // here.
+  baked(state) {
+    const { name, edge } = this.bakeOf(state);
+    if (edge === "wrap" && this.textures[name]) return this.textures[name];
+    return this.bakes.get(edge)?.tables.get(name);
+  }
+
+  // What a state's technique needs, as `programs` has it: "" where it needs nothing.
+  bakeOf(state) {
+    const { technique, heights, edge } = this.choices(state);
+    const { bake } = this.data.techniques[technique];
+    return { name: bake && heights === "mip" ? `mip_${bake}` : (bake ?? ""), edge };
+  }
+
+  // What was made of the heights before is of no use any more.
+  newHeights({ width, height, texels }) {
+    this.texels = [width, height];
+    this.highest = texels.reduce((most, x) => Math.max(most, x), 0);
+    for (const each of this.bakes.values()) each.destroy();
+    this.bakes.clear();
+  }
+
+  bakesFor(edge) {
+    if (!this.bakes.has(edge)) {
+      const { gpu, data, textures, highest } = this;
+      this.bakes.set(edge, new Bakes(gpu, data, textures.field, highest, edge));
+    }
+    return this.bakes.get(edge);
   }
 
   // Where there is no normal map, normals are made of the heights, by the library's own program.
   async ensureNormals(state) {
-    const wanted = `${state.scale} ${this.choices(state).edge}`;
+    const { edge } = this.choices(state);
+    const wanted = `${state.scale} ${edge}`;
     const { normal, field } = this.pictures;
     if (normal || !field || this.bakedFor === wanted) return;
     const { width, height } = field;
-    const made = await this.gpu.pipeline(linked(this.data.programs, "normals", this.choices(state)));
-    const job = new Job(this.gpu, made, this.data);
-    const planes = this.gpu.planes(3, width, height);
-    job.put({ field: this.textures.field, relief: { per_texel: state.scale * width } });
-    job.dispatch(planes, [width, height], 0, height);
-    const found = new Float32Array(await this.gpu.read(planes));
-    const area = width * height;
-    const texels = new Uint16Array(4 * area).fill(65535);
-    for (let k = 0; k < area; k++) {
-      for (let c = 0; c < 3; c++) {
-        texels[4 * k + c] = Math.round((found[c * area + k] * 0.5 + 0.5) * 65535);
-      }
-    }
-    this.replace("normal", channelLevels({ width, height, texels }));
+    const texels = await this.bakesFor(edge).normals(state.scale * width);
+    // another map may have been dropped
+    if (this.pictures.normal) return;
+    this.textures.normal.destroy();
+    this.textures.normal = this.gpu.texture(channelLevels({ width, height, texels }), false);
     this.bakedFor = wanted;
-    planes.destroy();
-    job.destroy();
   }
 
   // --- values
@@ -130,7 +176,6 @@ export class Drawing {
   values(state, size, sample) {
     const { data, textures } = this;
     const { technique } = this.choices(state);
-    const { bake } = data.techniques[technique];
     const { origin, to_object } = data.shapes[state.shape];
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
     const { proportion, places } = this.lying(state);
@@ -150,7 +195,7 @@ export class Drawing {
       lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
       views: [],
       ...textures,
-      baked: textures[bake] ?? textures.unbaked,
+      baked: this.baked(state) ?? textures.unbaked,
     };
   }
 
@@ -216,34 +261,66 @@ export class Drawing {
       state = this.latest;
       try {
         await this.ensureNormals(state);
-        const wanted = this.wanted(state);
-        for (const [side, each] of Object.entries(wanted)) {
-          const made = this.data.techniques[each.technique];
-          if (made.bake && !this.textures[made.bake]) {
-            throw new Error(`${each.technique} needs ${made.bake}, which the page has not`);
+        const { left, ...others } = this.wanted(state);
+        const shown = { left: await this.side("left", left) };
+        const lost = {};
+        for (const [side, each] of Object.entries(others)) {
+          try {
+            shown[side] = await this.side(side, each);
+          } catch (error) {
+            if (error instanceof Left) throw error;
+            // the rest is drawn all the same
+            Object.assign(lost, side === "right" ? { compare: "" } : { show: "color" });
+            this.heard({ error: `${each.technique}: ${firstLine(error)}` });
           }
-          const program = linked(this.data.programs, "pixel", this.choices(each));
-          const known = this.gpu.pipelines.has(program.key);
-          if (!known) this.heard({ busy: `compiling ${each.technique} …` });
-          const pipeline = await this.gpu.pipeline(program);
-          const name = `${side}:${program.key}`;
-          if (!this.jobs.has(name)) {
-            this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
-            this.fresh = true;
-          }
-          wanted[side] = { state: each, job: this.jobs.get(name) };
         }
-        this.shown = wanted;
-        this.state = state;
+        this.shown = shown;
+        this.state = { ...state, ...lost };
         this.failed = null;
-        this.heard({ busy: "" });
       } catch (error) {
+        if (error instanceof Left) {
+          // something else is wanted by now
+          state = null;
+          continue;
+        }
         this.failed = error;
-        this.heard({ busy: "", error: `${state.technique}: ${firstLine(error)}` });
-        if (!this.shown) return;
+        this.heard({ error: `${state.technique}: ${firstLine(error)}` });
+      } finally {
+        this.heard({ busy: "" });
       }
     }
-    this.touched();
+    if (this.shown) this.touched();
+  }
+
+  // What one picture needs: its bake and its program.
+  async side(side, state) {
+    if (this.bakeOf(state).name && !this.baked(state)) await this.bakeFor(state);
+    const program = linked(this.data.programs, "pixel", this.choices(state));
+    const known = this.gpu.pipelines.has(program.key);
+    if (!known) this.heard({ busy: `compiling ${words(state.technique)} …` });
+    const pipeline = await this.gpu.pipeline(program);
+    const name = `${side}:${program.key}`;
+    if (!this.jobs.has(name)) {
+      this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
+      this.fresh = true;
+    }
+    return { state, job: this.jobs.get(name) };
+  }
+
+  async bakeFor(state) {
+    const { name, edge } = this.bakeOf(state);
+    const tell = (share) => {
+      const percent = share ? ` ${Math.floor(100 * share)} %` : "";
+      this.heard({ busy: `baking ${words(name)} for ${words(state.technique)} …${percent}` });
+    };
+    // who has turned to another technique need not wait for this one
+    const needed = () =>
+      Object.values(this.wanted(this.latest)).some((each) => {
+        const other = this.bakeOf(each);
+        return other.name === name && other.edge === edge;
+      });
+    tell(0);
+    await this.bakesFor(edge).table(name, tell, needed);
   }
 
   // Something changed: draw anew with the next frame.
@@ -309,6 +386,7 @@ export class Drawing {
     this.drawn = 1;
     this.present();
     await this.gpu.device.queue.onSubmittedWorkDone();
+    if (!this.shown) return;
     const took = performance.now() - began;
     this.frames = (this.frames ?? 0) + 1;
     this.speed = took / (size[0] * size[1]);
@@ -324,7 +402,7 @@ export class Drawing {
     this.spent = [0, 0];
     const gpuMilliseconds = await this.stamped();
     this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
-    if (full) await this.figures();
+    if (full && this.shown) await this.figures();
   }
 
   // A part of the next sample, as many rows as fit a frame's time.
@@ -342,7 +420,7 @@ export class Drawing {
     this.speed = took / (size[0] * (last - this.row));
     const clock = await this.stamped();
     this.spent = [this.spent[0] + took, clock === null ? null : this.spent[1] + clock];
-    if (this.dirty) return;
+    if (this.dirty || !this.shown) return;
     this.row = last;
     if (last < size[1]) return;
     this.accumulate(size, this.done === 0);
@@ -393,10 +471,11 @@ export class Drawing {
 
   async figures() {
     const view = { ...this.view(), size: this.drawnSize };
+    const { right } = this.shown;
     const found = await this.colors.figures(this.sides.left, this.sides.truth, view);
     this.found = found;
     const told = { figures: found };
-    if (this.shown.right) {
+    if (right) {
       told.right = await this.colors.figures(this.sides.right, this.sides.truth, view);
       this.found = { ...found, most: Math.max(found.most, told.right.most) };
     }

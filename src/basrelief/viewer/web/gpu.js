@@ -76,16 +76,7 @@ export class Gpu {
   // A texture with all its levels: heights as r32float, four channels as rgba16uint.
   texture(levels, heights) {
     const [{ width, height }] = levels;
-    const most = this.limits.maxTextureDimension2D;
-    if (Math.max(width, height) > most) {
-      throw new Error(`a map of ${width} × ${height} is larger than this GPU takes (${most})`);
-    }
-    const texture = this.device.createTexture({
-      size: [width, height],
-      format: heights ? "r32float" : "rgba16uint",
-      mipLevelCount: levels.length,
-      usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
-    });
+    const texture = this.emptyTexture([width, height], heights, levels.length);
     levels.forEach((level, mipLevel) => {
       this.device.queue.writeTexture(
         { texture, mipLevel },
@@ -97,10 +88,44 @@ export class Gpu {
     return texture;
   }
 
+  // One of zeros, which is filled later.
+  emptyTexture([width, height], heights, mipLevelCount = 1) {
+    const most = this.limits.maxTextureDimension2D;
+    if (Math.max(width, height) > most) {
+      throw new Error(`a map of ${width} × ${height} is larger than this GPU takes (${most})`);
+    }
+    const usage = GPUTextureUsage;
+    return this.device.createTexture({
+      size: [width, height],
+      format: heights ? "r32float" : "rgba16uint",
+      mipLevelCount,
+      usage: usage.TEXTURE_BINDING | usage.COPY_DST | usage.COPY_SRC,
+    });
+  }
+
   // Where a program writes: so many planes of a picture.
   planes(count, width, height) {
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
     return this.device.createBuffer({ size: 4 * count * width * height, usage });
+  }
+
+  // What a texture of four channels holds, row by row.
+  async readTexture(texture) {
+    const { width, height } = texture;
+    const row = Math.ceil((8 * width) / 256) * 256;
+    const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
+    const buffer = this.device.createBuffer({ size: row * height, usage });
+    const encoder = this.device.createCommandEncoder();
+    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: row }, [width, height]);
+    this.device.queue.submit([encoder.finish()]);
+    const words = new Uint16Array(await this.read(buffer));
+    buffer.destroy();
+    const texels = new Uint16Array(4 * width * height);
+    for (let y = 0; y < height; y++) {
+      const from = (y * row) / 2;
+      texels.set(words.subarray(from, from + 4 * width), 4 * width * y);
+    }
+    return texels;
   }
 
   async read(buffer) {
@@ -151,13 +176,13 @@ export class Job {
     this.textures = values;
   }
 
-  // Compute rows first … last − 1 of a picture into planes that hold all of it; `first` is a
-  // multiple of `rowsApart`.
-  dispatch(planes, [width, height], first, last, timed = false) {
+  // Compute rows first … last − 1 of a picture into planes that hold `height` rows from `top` on;
+  // `first` is a multiple of `rowsApart` beyond that.
+  dispatch(planes, [width, height], first, last, timed = false, top = 0) {
     const { gpu, made } = this;
     const { device } = gpu;
     device.queue.writeBuffer(this.run, 0, new Uint32Array([width, first, last, width * height]));
-    const offset = 4 * width * first;
+    const offset = 4 * width * (first - top);
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };

@@ -14,7 +14,8 @@ export function answered(tree, choices) {
 export function linked({ pieces, slots, entries, bindings, trees }, entry, choices) {
   const [first, uses] = entries[entry];
   const texts = new Map([["", first]]);
-  const bound = {};
+  // the sampler goes by the edge too, which no piece tells
+  const bound = { edge: answered(trees.edge, choices) };
   const left = [...uses];
   while (left.length) {
     const name = left.pop();

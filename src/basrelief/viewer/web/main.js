@@ -1,8 +1,9 @@
 // The page: reads what it was made with, and puts the panel, the picture and a person together.
 
 import { across } from "view/camera.js";
-import { build } from "view/controls.js";
+import { SLOTS, build } from "view/controls.js";
 import { Drawing, firstLine } from "view/drawing.js";
+import { pictureOf, replaced } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
@@ -68,16 +69,17 @@ class View {
   }
 
   async loadMaps() {
-    this.pictures ??= Object.fromEntries(
-      await Promise.all(
-        Object.entries(this.data.maps).map(async ([name, told]) => [
-          name,
-          await unpacked(told, byId(`map-${name}`).textContent),
-        ]),
-      ),
-    );
+    this.pictures ??= await this.packedMaps();
     this.drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
-    await this.drawing.setMaps(this.pictures);
+    this.drawing.setMaps(this.pictures);
+  }
+
+  async packedMaps() {
+    const found = {};
+    for (const [name, told] of Object.entries(this.data.maps)) {
+      found[name] = await unpacked(told, byId(`map-${name}`).textContent);
+    }
+    return found;
   }
 
   // A lost device is opened anew; what goes wrong within one is told.
@@ -159,11 +161,6 @@ class View {
 
   get hasLayer() {
     return Boolean(this.drawing.pictures.layer_color || this.drawing.pictures.layer_normal);
-  }
-
-  lacks(bake) {
-    if (!bake || this.drawing?.textures[bake]) return "";
-    return "needs a bake that the page has not";
   }
 
   preset(name) {
@@ -366,34 +363,41 @@ class View {
   // --- maps
 
   async takeMap(file) {
-    const { slot, channel, polarity, green } = this.drop;
+    const { slot, ...how } = this.drop;
     try {
-      const pixels = await pixelsOf(file, this.gpu.limits.maxTextureDimension2D);
-      const pictures = replaced(this.pictures, slot, pixels, { channel, polarity, green });
-      await this.drawing.setMaps(pictures);
+      const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
+      const pictures = replaced(this.pictures, slot, picture, how);
+      // what the page has baked is of its own heights
       if (slot === "height") {
-        this.hasHeights = true;
-        // what was baked of the heights before is of no use any more
-        for (const { bake } of Object.values(this.data.techniques)) {
-          this.drawing.textures[bake]?.destroy();
-          delete this.drawing.textures[bake];
-          delete pictures[bake];
-        }
-        if (this.lacks(this.data.techniques[this.state.technique].bake)) this.useRelief();
-        if (this.lacks(this.data.techniques[this.state.compare]?.bake)) this.state.compare = "";
-        if (this.state.show === "missed") this.state.show = "color";
+        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
       }
+      this.drawing.setMaps(pictures);
       this.pictures = pictures;
-      this.mapSaid = `${file.name}: ${pixels.width} × ${pixels.height}, used as ${slot.replace("_", " ")}`;
+      this.hasHeights ||= slot === "height";
+      this.tellMap(file.name, slot, picture);
       this.changed(true);
     } catch (error) {
       this.say(`${file.name}: ${firstLine(error)}`);
     }
   }
 
-  useRelief() {
-    const { level, projection } = this.data.techniques.relief;
-    Object.assign(this.state, { technique: "relief", level, projection });
+  // Leave the normal map away: normals are made of the heights.
+  leaveNormals() {
+    const { normal, ...pictures } = this.pictures;
+    this.drawing.setMaps(pictures);
+    this.pictures = pictures;
+    this.mapSaid = "Normals are made of the heights.";
+    this.changed(true);
+  }
+
+  tellMap(name, slot, { width, height, bits, lost }) {
+    this.mapSaid = `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}`;
+    if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
+    const { proportion } = this.data.constants;
+    const apart = Math.abs(width / height / proportion - 1);
+    if (width * height > 1 && apart > 0.02) {
+      this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
+    }
   }
 
   // --- the picture
@@ -489,67 +493,4 @@ class View {
     while (box.children.length > 2) box.firstChild.remove();
     box.append(line);
   }
-}
-
-// A picture's texels, 8 bits a channel, as they are stored.
-async function pixelsOf(file, most) {
-  let bitmap;
-  try {
-    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-  } catch {
-    throw new Error("this is no picture that the browser can read");
-  }
-  const { width, height } = bitmap;
-  if (Math.max(width, height) > most) {
-    throw new Error(`${width} × ${height} is larger than this GPU takes (${most})`);
-  }
-  const context = new OffscreenCanvas(width, height).getContext("2d");
-  context.drawImage(bitmap, 0, 0);
-  return { width, height, bytes: context.getImageData(0, 0, width, height).data };
-}
-
-const linear = (code) => (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4);
-
-// The page's pictures with one map taken from a dropped one.
-function replaced(pictures, slot, { width, height, bytes }, { channel, polarity, green }) {
-  const area = width * height;
-  const one = (k) => {
-    const at = 4 * k;
-    const value =
-      channel === "luminance"
-        ? 0.2126 * bytes[at] + 0.7152 * bytes[at + 1] + 0.0722 * bytes[at + 2]
-        : bytes[at + "rgba".indexOf(channel)];
-    return Math.round((polarity === "depth" ? 255 - value : value) * 257);
-  };
-  const whole = (count, fill) => {
-    const texels = new Uint16Array(area * count);
-    for (let k = 0; k < area; k++) fill(texels, k);
-    return { width, height, count, texels };
-  };
-  if (slot === "height") return { ...pictures, field: whole(1, (to, k) => (to[k] = one(k))) };
-  if (slot === "base_color") {
-    const table = Uint16Array.from({ length: 256 }, (_, k) => Math.round(linear(k / 255) * 65535));
-    const fill = (to, k) => {
-      for (let c = 0; c < 3; c++) to[4 * k + c] = table[bytes[4 * k + c]];
-      to[4 * k + 3] = bytes[4 * k + 3] * 257;
-    };
-    return { ...pictures, base_color: whole(4, fill) };
-  }
-  if (slot === "normal") {
-    const fill = (to, k) => {
-      for (let c = 0; c < 4; c++) to[4 * k + c] = c === 3 ? 65535 : bytes[4 * k + c] * 257;
-      if (green === "dx") to[4 * k + 1] = 65535 - to[4 * k + 1];
-    };
-    return { ...pictures, normal: whole(4, fill) };
-  }
-  const place = { occlusion: 0, roughness: 1, metallic: 2 }[slot];
-  const old = pictures.response ?? { width: 1, height: 1, texels: [65535, 52428, 0, 65535] };
-  const fill = (to, k) => {
-    // the other channels stay, texel by texel the nearest
-    const x = Math.floor((((k % width) + 0.5) * old.width) / width);
-    const y = Math.floor(((Math.floor(k / width) + 0.5) * old.height) / height);
-    for (let c = 0; c < 4; c++) to[4 * k + c] = old.texels[4 * (y * old.width + x) + c];
-    to[4 * k + place] = one(k);
-  };
-  return { ...pictures, response: whole(4, fill) };
 }

@@ -19,8 +19,12 @@ export async function unpacked({ width, height, channels }, content) {
   const [area, count] = [width * height, channels.length];
   const texels = new Uint16Array(area * count);
   let at = 0;
-  channels.forEach(({ constant, palette }, c) => {
+  channels.forEach(({ constant, palette, same }, c) => {
     let last = 0;
+    if (same !== undefined) {
+      for (let k = 0; k < area; k++) texels[k * count + c] = texels[k * count + same];
+      return;
+    }
     for (let k = 0; k < area; k++) {
       if (constant !== undefined) last = constant;
       else if (palette) last = (last + bytes[at + k]) & 0xff;
@@ -81,7 +85,7 @@ function nextLevel(level, cutOut) {
   return { ...made, texels };
 }
 
-function roundEven(x) {
+export function roundEven(x) {
   const low = Math.floor(x);
   const rest = x - low;
   if (rest !== 0.5) return rest < 0.5 ? low : low + 1;

@@ -1,0 +1,155 @@
+// A dropped picture: its texels, with all the bits that can be had, and what map it becomes.
+
+import { roundEven, single } from "view/maps.js";
+import { decoded, headerOf, isRead } from "view/png.js";
+
+const PLACES = { occlusion: 0, roughness: 1, metallic: 2 };
+const PLAIN = {
+  base_color: single([39321, 39321, 39321, 65535]),
+  response: single([65535, 52428, 0, 65535]),
+};
+
+// { width, height, bits, texels } of four 16-bit channels as they are stored; `lost` where the file
+// has more bits than are read. A side is at most `most` texels long.
+export async function pictureOf(file, most) {
+  const bytes = new Uint8Array(await file.arrayBuffer());
+  const header = headerOf(bytes);
+  if (header) check(header, most);
+  if (header && isRead(header)) {
+    const { width, height, bits } = header;
+    return { width, height, bits, texels: await decoded(bytes, header) };
+  }
+  return { ...(await byCanvas(file, most)), lost: header?.bits === 16 };
+}
+
+// What the browser reads: 8 bits a channel.
+async function byCanvas(file, most) {
+  let bitmap;
+  try {
+    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  } catch {
+    throw new Error("this is no picture that the browser can read");
+  }
+  const { width, height } = bitmap;
+  check(bitmap, most);
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(bitmap, 0, 0);
+  const { data } = context.getImageData(0, 0, width, height);
+  return { width, height, bits: 8, texels: Uint16Array.from(data, (code) => code * 257) };
+}
+
+function check({ width, height }, most) {
+  if (Math.max(width, height) > most) {
+    const size = `${width} × ${height}`;
+    throw new Error(`${size} is larger than this GPU takes (${most} a side); scale it down`);
+  }
+}
+
+// The page's pictures with one map, or some channels of one, taken from a dropped picture.
+export function replaced(pictures, slot, picture, { channel, polarity, green }) {
+  const one = () => channelOf(picture, channel, polarity === "depth");
+  const [old, response] = [pictures.base_color ?? PLAIN.base_color, pictures.response ?? PLAIN.response];
+  const { width, height } = picture;
+  switch (slot) {
+    case "height":
+      return { ...pictures, field: { width, height, count: 1, texels: one() } };
+    case "base_color": {
+      const color = withLight(picture);
+      // what has no opacity of its own leaves that of the map
+      const alpha = picture.texels.some((code, k) => k % 4 === 3 && code !== 65535);
+      const places = { ...threeOf(color), ...(alpha && { 3: channelAt(picture, 3) }) };
+      return { ...pictures, base_color: merged(old, picture, places) };
+    }
+    case "opacity":
+      return { ...pictures, base_color: merged(old, picture, { 3: one() }) };
+    case "emission":
+      return { ...pictures, emission: { ...opaque(withLight(picture)), dropped: true } };
+    case "normal":
+      return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
+    case "packed":
+      return { ...pictures, response: merged(response, picture, threeOf(picture)) };
+  }
+  return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
+}
+
+// --- channels -----------------------------------------------------------------------------------
+
+function channelAt({ width, height, texels }, c) {
+  const made = new Uint16Array(width * height);
+  for (let k = 0; k < made.length; k++) made[k] = texels[4 * k + c];
+  return made;
+}
+
+const threeOf = (picture) => Object.fromEntries([0, 1, 2].map((c) => [c, channelAt(picture, c)]));
+
+function channelOf(picture, channel, over) {
+  const { width, height, texels } = picture;
+  let made;
+  if (channel === "luminance") {
+    made = new Uint16Array(width * height);
+    for (let k = 0; k < made.length; k++) {
+      const [r, g, b] = [texels[4 * k], texels[4 * k + 1], texels[4 * k + 2]];
+      made[k] = Math.round(0.2126 * r + 0.7152 * g + 0.0722 * b);
+    }
+  } else {
+    made = channelAt(picture, "rgba".indexOf(channel));
+  }
+  return over ? made.map((code) => 65535 - code) : made;
+}
+
+// Colours as fractions of light.
+function withLight(picture) {
+  const linear = (share) => (share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4);
+  const table = Uint16Array.from({ length: 65536 }, (_, k) => roundEven(linear(k / 65535) * 65535));
+  return { ...picture, texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])) };
+}
+
+const opaque = ({ width, height, texels }) => ({
+  width,
+  height,
+  count: 4,
+  texels: texels.map((code, k) => (k % 4 === 3 ? 65535 : code)),
+});
+
+const turned = (picture) => ({
+  ...picture,
+  texels: picture.texels.map((code, k) => (k % 4 === 1 ? 65535 - code : code)),
+});
+
+// A map with some channels, by place, from a picture; the smaller of both is brought to the size of
+// the larger.
+function merged(old, { width, height }, places) {
+  const larger = old.width * old.height > width * height ? old : { width, height };
+  const texels = new Uint16Array(4 * larger.width * larger.height);
+  for (let c = 0; c < 4; c++) {
+    const taken = c in places;
+    const from = taken ? places[c] : channelAt(old, c);
+    const channel = resized(from, taken ? { width, height } : old, larger);
+    for (let k = 0; k < channel.length; k++) texels[4 * k + c] = channel[k];
+  }
+  return { width: larger.width, height: larger.height, count: 4, texels };
+}
+
+// As `material.pyramids._resized`: bilinear, seamless at the edges, rows before columns.
+function resized(channel, { width, height }, wanted) {
+  const rows = stretched(channel, height, wanted.height, width, true);
+  return stretched(rows, width, wanted.width, wanted.height, false);
+}
+
+// One axis of `have` texels brought to `want`, on `lines` lines that lie beside one another.
+function stretched(from, have, want, lines, down) {
+  if (have === want) return from;
+  const step = down ? lines : 1;
+  const across = down ? [1, 1] : [have, want];
+  const made = new Uint16Array(want * lines);
+  for (let k = 0; k < want; k++) {
+    const place = ((k + 0.5) * have) / want - 0.5;
+    const [first, share] = [Math.floor(place), place - Math.floor(place)];
+    const [a, b] = [(first + have) % have, (first + 1) % have].map((n) => n * step);
+    for (let line = 0; line < lines; line++) {
+      const mix = from[a + line * across[0]] * (1 - share) + from[b + line * across[0]] * share;
+      made[k * step + line * across[1]] = roundEven(mix);
+    }
+  }
+  return made;
+}
