@@ -18,6 +18,7 @@ from agreement import assert_agree
 from basrelief import arguments
 from basrelief.errors import InputError
 from basrelief.material import Map, Material, pyramids, sample
+from basrelief.material.conventions import read_name
 from basrelief.measure.errors import errors
 from basrelief.measure.truth import truth
 from basrelief.picture import encode_png, read_picture, write_data
@@ -29,6 +30,7 @@ from basrelief.shaders.lighting import DIRECTIONAL, SPOT
 from basrelief.shaders.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
 from basrelief.viewer.layouts import plain
+from basrelief.viewer.names import place_of
 from basrelief.viewer.page import LARGEST
 from basrelief.viewer.shown import shown_scene
 from basrelief.viewer.state import state_of
@@ -649,8 +651,70 @@ def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
     file.write_text("no picture")
     _drop(fresh, file)
     fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
-    assert "notes.txt: this is no picture" in fresh.text("#messages")
+    assert "notes.txt: its name says no map; choose under “Maps”" in fresh.text("#messages")
+    fresh.page.evaluate("viewer.drop.slot = 'roughness'")
+    _drop(fresh, file)
+    fresh.page.get_by_text("notes.txt: this is no picture").wait_for()
     assert np.array_equal(fresh.frame().color, before)
+    fresh.page.evaluate("viewer.drop.slot = ''")
+
+
+def test_pictures_dropped_together_are_what_their_names_say(
+    fresh: Seen, material: Material
+) -> None:
+    rng = np.random.default_rng(5)
+    folder = _place("wall").parent
+    noise = np.kron(rng.integers(60, 200, (8, 8, 3)), np.ones((8, 8, 1), int)).astype(np.uint8)
+    names = ("Wall_Color.png", "wall_depth_1k.png", "wall_gloss.png", "notes.txt")
+    for name, pixels in zip(names, (noise, noise[::-1, :, :1], noise[:, ::-1, 1:2]), strict=False):
+        write_data(folder / name, np.ascontiguousarray(pixels))
+    (folder / "notes.txt").write_text("no picture")
+    fresh.page.locator("#section-maps summary").click()
+    fresh.page.get_by_label("Pictures").set_input_files([folder / name for name in names])
+    fresh.page.get_by_text("notes.txt: its name says no map").wait_for()
+    fresh.page.wait_for_function("viewer.mapSaid.includes('gloss')")
+    assert fresh.text("#map-said").count("turned over") == 2
+
+    def map_of(pixels: np.ndarray, srgb: bool = False) -> Map:
+        return Map(np.ascontiguousarray(pixels), srgb, "dropped")
+
+    swapped = replace(
+        material,
+        base_color=map_of(noise, srgb=True),
+        height=map_of(255 - noise[::-1, :, :1]),
+        roughness=map_of(255 - noise[:, ::-1, 1:2]),
+    )
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    # and all of it is taken back
+    fresh.page.get_by_role("button", name="As at the start").click()
+    assert_agree(expected(material), fresh.frame(), TEXELS)
+
+
+NAMES = [
+    "Rock058_1K-JPG_Color.jpg", "Rock058_1K-JPG_NormalDX.jpg", "rough_wood_diff_1k.png",
+    "T_Wall_N.tga", "T_Wall_R.png", "brick_ao_2k.jpg", "wall_arm_4k.png", "Wall_Gloss.png",
+    "wall_height_inv.png", "depth.png", "Wall_DispGL.png", "parallax_mapping_d3d_normal.png",
+    "normal_opengl.png", "metal_roughness.png", "wall_orm.png", "wall_rma.png", "preview.png",
+    "wall_specular.png", "Wall Bump 16bit.tif", "wall_nh.png", "wall.png", "4096x4096.png",
+    "wall_emissiveColor.png", "albedoTransparency.png", "WallOpacityMap.png", "layerMask.png",
+]  # fmt: skip
+
+
+def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
+    script = """async (names) => {
+      const { meaningOf } = await import("view/names.js");
+      return names.map((name) => meaningOf(name, viewer.data.names));
+    }"""
+    for name, found in zip(NAMES, seen.page.evaluate(script, NAMES), strict=True):
+        meaning = read_name(name.rsplit(".", 1)[0]).meaning
+        place, over = ("", False) if meaning is None else place_of(meaning)
+        if not place:
+            assert found is None, name
+            continue
+        assert meaning is not None
+        polarity = "depth" if over else "height"
+        wanted = {"slot": place, "polarity": polarity, "green": meaning.green or "gl"}
+        assert found == wanted, name
 
 
 def _drop(seen: Seen, file: Path) -> None:

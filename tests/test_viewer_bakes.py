@@ -65,13 +65,8 @@ def seen(opened: Seen) -> Seen:
         """async () => {
           const { gpu, data } = viewer;
           gpu.limits = gpu.device.limits;
-          viewer.pictures = null;
           viewer.drop = { slot: "height", channel: "luminance", polarity: "height", green: "gl" };
-          viewer.mapSaid = "";
-          viewer.pictures = await viewer.packedMaps();
-          viewer.drawing.setMaps(viewer.pictures);
-          viewer.state = structuredClone(viewer.start);
-          viewer.rebuild();
+          viewer.reset();
           document.getElementById("messages").replaceChildren();
           await viewer.draw(160, 90, 1);
         }"""
@@ -416,7 +411,7 @@ def _drop(
     script = """async ([name, content, slot]) => {
       viewer.drop.slot = slot;
       const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
-      await viewer.takeMap(new File([bytes], name));
+      await viewer.takeMaps([new File([bytes], name)]);
       await viewer.drawing.settled();
       return viewer.mapSaid;
     }"""

@@ -116,9 +116,9 @@ def _table() -> dict[str, Meaning]:
     return table
 
 
-_MEANINGS = _table()
+MEANINGS = _table()
 
-_UNREAL = {
+UNREAL = {
     "d": "color",
     "bc": "color",
     "n": "normal",
@@ -129,31 +129,31 @@ _UNREAL = {
 }
 """Last letters of names that begin with T_, after Epic's naming guide."""
 
-_GREEN: Mapping[str, Green] = {
+GREEN: Mapping[str, Green] = {
     "gl": "gl",
     "ogl": "gl",
     "opengl": "gl",
     "dx": "dx",
     "directx": "dx",
 }
-_INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
-_LONGEST = 4
+INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
+LONGEST = 4
 
-_WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+[kK](?![a-z])|\d+")
-_SIZES = re.compile(
+WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+[kK](?![a-z])|\d+")
+SIZES = re.compile(
     r"(?<![A-Za-z0-9])(\d{2,5}[xX]\d{2,5}|\d+[- ]?bits?|\d+K)(?![a-z0-9])", re.IGNORECASE
 )
-_FORMATS = frozenset({"jpg", "jpeg", "png", "tif", "tiff", "exr", "tga"})
-_RESOLUTIONS = frozenset(str(2**power) for power in range(7, 15))
+FORMATS = frozenset({"jpg", "jpeg", "png", "tif", "tiff", "exr", "tga"})
+RESOLUTIONS = frozenset(str(2**power) for power in range(7, 15))
 
 
 def words(stem: str) -> tuple[str, ...]:
     """The words of a file name without its suffix, lower case, sizes and formats left out."""
-    text = re.sub(r"(?i)d3d", "Directx", _SIZES.sub(" ", stem))
+    text = re.sub(r"(?i)d3d", "Directx", SIZES.sub(" ", stem))
     return tuple(
         word.lower()
-        for word in _WORD.findall(text)
-        if word.lower() not in _FORMATS and word not in _RESOLUTIONS
+        for word in WORD.findall(text)
+        if word.lower() not in FORMATS and word not in RESOLUTIONS
     )
 
 
@@ -195,11 +195,11 @@ def _shared_prefix(names: list[tuple[str, ...]]) -> tuple[str, ...]:
 
 def _read(name: tuple[str, ...]) -> Name:
     """Look for the last run of words that is known, the longest first."""
-    if len(name) > 2 and name[0] == "t" and name[-1] in _UNREAL:
-        return Name(name, name[:-1], _MEANINGS[_UNREAL[name[-1]]])
+    if len(name) > 2 and name[0] == "t" and name[-1] in UNREAL:
+        return Name(name, name[:-1], MEANINGS[UNREAL[name[-1]]])
     for end in range(len(name), 0, -1):
-        for start in range(max(end - _LONGEST, 0), end):
-            meaning = _MEANINGS.get("".join(name[start:end])) or _with_green(name[start:end])
+        for start in range(max(end - LONGEST, 0), end):
+            meaning = MEANINGS.get("".join(name[start:end])) or _with_green(name[start:end])
             if meaning is not None:
                 prefix, tail = name[:start], name[end:]
                 return Name(name, prefix, _qualified(meaning, prefix[-1:] + tail))
@@ -208,10 +208,10 @@ def _read(name: tuple[str, ...]) -> Name:
 
 def _with_green(name: tuple[str, ...]) -> Meaning | None:
     """Words written together, such as "normalgl"."""
-    for spelling, green in _GREEN.items():
+    for spelling, green in GREEN.items():
         stem = "".join(name).removesuffix(spelling)
-        if stem != "".join(name) and stem in _MEANINGS:
-            meaning = _MEANINGS[stem]
+        if stem != "".join(name) and stem in MEANINGS:
+            meaning = MEANINGS[stem]
             if any(part.map == "normal" for part in meaning.parts):
                 return replace(meaning, green=green)
     return None
@@ -221,8 +221,8 @@ def _qualified(meaning: Meaning, around: tuple[str, ...]) -> Meaning:
     """Add what the neighbouring words say: the direction of green, or that values are inverted."""
     if any(part.map == "normal" for part in meaning.parts):
         for word in around:
-            meaning = replace(meaning, green=meaning.green or _GREEN.get(word))
-    if any(word in _INVERTED for word in around):
+            meaning = replace(meaning, green=meaning.green or GREEN.get(word))
+    if any(word in INVERTED for word in around):
         meaning = replace(
             meaning,
             parts=tuple(

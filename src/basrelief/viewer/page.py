@@ -46,8 +46,8 @@ _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 _LONG_BAKE = "relaxed_cone_map"
 """What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
-    "state", "camera", "records", "link", "maps", "png", "dropped", "colors", "gpu", "bakes",
-    "drawing", "controls", "host", "main",
+    "state", "camera", "records", "link", "maps", "png", "names", "dropped", "colors", "gpu",
+    "bakes", "drawing", "controls", "host", "main",
 )  # fmt: skip
 
 

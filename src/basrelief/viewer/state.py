@@ -28,6 +28,7 @@ from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.techniques import TECHNIQUES, Technique
 from basrelief.viewer.bakes import bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
+from basrelief.viewer.names import names
 
 SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
@@ -92,6 +93,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
             "passed": [float(x) for x in PASSED],
         },
         "presets": _presets(material, thing),
+        "names": names(),
     }
 
 

@@ -434,20 +434,20 @@ function maps(view) {
     });
     return element("div", { class: "menu" }, element("label", { for: id }, label), select);
   };
-  const file = element("input", { type: "file", accept: "image/*", id: "map-file" });
+  const file = element("input", { type: "file", accept: "image/*", id: "map-file", multiple: true });
   file.addEventListener("change", () => {
-    if (file.files[0]) view.takeMap(file.files[0]);
+    view.takeMaps([...file.files]);
     file.value = "";
   });
   return section(
     "Maps",
     false,
-    element("p", { class: "doc" }, "Drop a picture on the page, or choose one."),
-    list("slot", "Use it as", Object.entries(SLOTS)),
+    element("p", { class: "doc" }, "Drop pictures on the page, or choose them."),
+    list("slot", "Use it as", [["", "what its name says"], ...Object.entries(SLOTS)]),
     list("channel", "Channel", [["luminance", "luminance"], ...[..."rgba"].map((c) => [c, c])]),
     list("polarity", "White is", [["height", "high, or as it is"], ["depth", "deep: turn it over"]]),
     list("green", "Green is", [["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]),
-    element("div", { class: "menu" }, element("label", { for: "map-file" }, "Picture"), file),
+    element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
     ...(view.hasHeights && view.pictures.normal
       ? [button("Make normals of the heights", () => view.leaveNormals(), { id: "leave-normals" })]

@@ -7,6 +7,7 @@ import { pictureOf, replaced } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
+import { meaningOf } from "view/names.js";
 import { copyOf, difference, fromHash, laidOver, merged, toCommand, toHash, toPython } from "view/state.js";
 
 const byId = (id) => document.getElementById(id);
@@ -23,7 +24,7 @@ export async function start() {
 class View {
   constructor() {
     this.shows = [];
-    this.drop = { slot: "height", channel: "luminance", polarity: "height", green: "gl" };
+    this.drop = { slot: "", channel: "luminance", polarity: "height", green: "gl" };
     this.mapSaid = "";
     this.canvas = byId("canvas");
     this.heldSize = null;
@@ -69,7 +70,8 @@ class View {
   }
 
   async loadMaps() {
-    this.pictures ??= await this.packedMaps();
+    this.began ??= await this.packedMaps();
+    this.pictures ??= this.began;
     this.drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
     this.drawing.setMaps(this.pictures);
   }
@@ -190,8 +192,15 @@ class View {
     this.changed();
   }
 
+  // Settings and maps as the page began with.
   reset() {
     this.state = copyOf(this.start);
+    if (this.pictures !== this.began) {
+      this.pictures = this.began;
+      this.hasHeights = this.data.hasHeights;
+      this.mapSaid = "";
+      this.drawing.setMaps(this.pictures);
+    }
     this.changed(true);
   }
 
@@ -356,29 +365,56 @@ class View {
     document.addEventListener("drop", (event) => {
       event.preventDefault();
       document.body.classList.remove("dropping");
-      if (event.dataTransfer.files[0]) this.takeMap(event.dataTransfer.files[0]);
+      this.takeMaps([...event.dataTransfer.files]);
     });
   }
 
   // --- maps
 
-  async takeMap(file) {
-    const { slot, ...how } = this.drop;
-    try {
-      const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-      const pictures = replaced(this.pictures, slot, picture, how);
-      // what the page has baked is of its own heights
-      if (slot === "height") {
-        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
+  // Pictures dropped together are a material's: each is what its name says, or all are what the panel
+  // says. What is wrong with one is told, and the others are taken.
+  async takeMaps(files) {
+    const said = [];
+    for (const file of files) {
+      try {
+        said.push(await this.takeMap(file));
+      } catch (error) {
+        this.say(`${file.name}: ${firstLine(error)}`);
       }
-      this.drawing.setMaps(pictures);
-      this.pictures = pictures;
-      this.hasHeights ||= slot === "height";
-      this.tellMap(file.name, slot, picture);
-      this.changed(true);
-    } catch (error) {
-      this.say(`${file.name}: ${firstLine(error)}`);
     }
+    if (!said.length) return;
+    this.mapSaid = said.join("; ");
+    this.changed(true);
+  }
+
+  async takeMap(file) {
+    const { slot, ...how } = this.drop.slot ? this.drop : this.asNamed(file);
+    const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
+    const pictures = replaced(this.pictures, slot, picture, how);
+    // what the page has baked is of its own heights
+    if (slot === "height") {
+      for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
+    }
+    this.drawing.setMaps(pictures);
+    this.pictures = pictures;
+    this.hasHeights ||= slot === "height";
+    return this.tellMap(file.name, slot, picture, how);
+  }
+
+  // What a file is to be used as by its name.
+  asNamed({ name }) {
+    const found = meaningOf(name, this.data.names);
+    if (!found) {
+      throw new Error("its name says no map; choose under “Maps” what to use it as, and drop it again");
+    }
+    // what the panel says of depth and of green holds all the same
+    const { polarity, green } = this.drop;
+    return {
+      ...this.drop,
+      slot: found.slot,
+      polarity: polarity === "depth" ? polarity : found.polarity,
+      green: green === "dx" ? green : found.green,
+    };
   }
 
   // Leave the normal map away: normals are made of the heights.
@@ -390,14 +426,15 @@ class View {
     this.changed(true);
   }
 
-  tellMap(name, slot, { width, height, bits, lost }) {
-    this.mapSaid = `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}`;
+  tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
     if (width * height > 1 && apart > 0.02) {
       this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
     }
+    const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", turned over" : "";
+    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}${over}`;
   }
 
   // --- the picture

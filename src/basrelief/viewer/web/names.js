@@ -1,0 +1,50 @@
+// What a file's name says about it, by the library's own tables, as `material.conventions` reads it.
+
+// The map that a file is taken for, and how: { slot, polarity, green }, or null.
+export function meaningOf(fileName, names) {
+  const words = wordsOf(fileName.replace(/\.[^.]*$/, ""), names);
+  const found = placeOf(words, names);
+  if (!found) return null;
+  const { slot, over, around } = found;
+  const turned = around.some((word) => names.inverted.includes(word));
+  const turns = turned && ["height", "roughness"].includes(slot);
+  const green = found.green ?? around.map((word) => names.green[word]).find(Boolean);
+  return { slot, polarity: over !== turns ? "depth" : "height", green: green ?? "gl" };
+}
+
+function wordsOf(stem, { sizes, word, formats, resolutions }) {
+  const text = stem.replace(new RegExp(sizes, "gi"), " ").replace(/d3d/gi, "Directx");
+  return [...text.matchAll(new RegExp(word, "g"))]
+    .map(([found]) => found)
+    .filter((found) => !formats.includes(found.toLowerCase()) && !resolutions.includes(found))
+    .map((found) => found.toLowerCase());
+}
+
+// The last run of words that is known, the longest first.
+function placeOf(words, names) {
+  const { meanings, unreal, longest } = names;
+  const last = unreal[words.at(-1)];
+  if (words.length > 2 && words[0] === "t" && last) {
+    return { slot: meanings[last][0], over: meanings[last][1], around: [words.at(-2)] };
+  }
+  for (let end = words.length; end > 0; end--) {
+    for (let start = Math.max(end - longest, 0); start < end; start++) {
+      const run = words.slice(start, end).join("");
+      const [meaning, green] = meanings[run] ? [meanings[run]] : withGreen(run, names);
+      if (!meaning) continue;
+      if (!meaning[0]) return null;
+      const around = [...words.slice(0, start).slice(-1), ...words.slice(end)];
+      return { slot: meaning[0], over: meaning[1], around, green };
+    }
+  }
+  return null;
+}
+
+// Words written together, such as "normalgl".
+function withGreen(run, { meanings, green }) {
+  for (const [spelling, way] of Object.entries(green)) {
+    const meaning = run.endsWith(spelling) && meanings[run.slice(0, -spelling.length)];
+    if (meaning && meaning[0] === "normal") return [meaning, way];
+  }
+  return [];
+}
