@@ -9,7 +9,7 @@ import pytest
 
 from basrelief.choices import RULES, Choices, bindings_of
 from basrelief.engine.gpu import GpuEngine
-from basrelief.lang import ShaderError, Vec2, shader, slot, struct
+from basrelief.lang import ShaderError, TypeSlot, Vec2, shader, slot, struct
 from basrelief.lang.library import Library, library_of, linked
 from basrelief.lang.program import Program
 from basrelief.lang.values import IVec2
@@ -69,6 +69,39 @@ def test_a_slot_hands_on_what_its_shader_takes() -> None:
 def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ShaderError, match="does not fit the slot"):
         library_of([measured], {measure: [measured]})
+
+
+class Numbers(TypeSlot):
+    """Whatever numbers there are."""
+
+
+@slot
+def chosen(numbers: Numbers, length: Length) -> Length:
+    """A length by numbers."""
+
+
+@struct
+class Switch:
+    """What no GPU can be given."""
+
+    on: bool
+
+
+@shader
+def switched(numbers: Switch, length: Length) -> Length:
+    """As it is, or nothing."""
+    return length if numbers.on else Length(0.0)
+
+
+@shader
+def choosing(at: IVec2, numbers: Numbers, length: Length) -> Length:
+    """The entry."""
+    return chosen(numbers, length)
+
+
+def test_a_record_that_no_gpu_can_be_given_is_refused() -> None:
+    with pytest.raises(ShaderError, match="a record that a GPU reads holds no bool"):
+        library_of([choosing], {chosen: [switched]})
 
 
 # --- the library's own programs ------------------------------------------------------------------

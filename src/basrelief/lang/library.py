@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from basrelief.lang.frontend import analyse_apart, bound_types
+from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import buffer_record
 from basrelief.lang.shader import Shader, taken_parameters
 from basrelief.lang.wgsl import HELPERS, Binding, ModulePrinter, bindings
@@ -100,6 +101,7 @@ class _Printing:
             for shader in shaders:
                 for asked, record in bound_types({slot: shader}).items():
                     if record not in found.setdefault(asked, []):
+                        align_and_size(record)  # refuses what a GPU cannot be given
                         found[asked].append(record)
         return found
 
