@@ -14,16 +14,12 @@ from typing import Any
 import numpy as np
 
 import basrelief
-from basrelief.choices import bindings_of
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
 from basrelief.lang.library import linked
 from basrelief.programs import choices_of, program_of, values_of
-from basrelief.scene import SURFACES
 from basrelief.shaders.cast import CastView
-from basrelief.shaders.surfaces.surface import SurfaceSettings
 from basrelief.shaders.techniques import TECHNIQUES
-from basrelief.shaders.techniques.technique import Settings
 from basrelief.viewer.printed import Printed, printed
 
 SIZE = (1920, 1080)
@@ -47,14 +43,7 @@ def jobs(engine: GpuEngine, made: Printed, scene: basrelief.Scene) -> tuple[dict
     """The engine's program and the linked one, and the seconds that each took to make."""
     thing = scene.objects[0]
     program, values = program_of(thing, scene), values_of(thing, scene, SIZE)
-    library, choices = made.library, choices_of(thing, scene)
-    names = library.names
-    bound = {names[slot]: names[shader] for slot, shader in bindings_of(choices).items()}
-    bound |= {
-        "edge": choices.edge,
-        names[Settings]: names[choices.technique.settings],
-        names[SurfaceSettings]: names[SURFACES[choices.surface]],
-    }
+    library = made.library
     types = program.parameters
     needed = [replace(each, type=types.get(each.name)) for each in library.bindings["pixel"]]
     nothing = {
@@ -67,7 +56,7 @@ def jobs(engine: GpuEngine, made: Printed, scene: basrelief.Scene) -> tuple[dict
     began = time.perf_counter()
     whole = engine.prepare(program, values, SIZE)
     between = time.perf_counter()
-    text = linked(library, "pixel", bound)
+    text = linked(library, "pixel", made.bound(choices_of(thing, scene)))
     both = {
         "whole": whole,
         "linked": engine.prepare_text(text, program, {**nothing, **values}, SIZE, needed),

@@ -29,9 +29,9 @@ from basrelief.shaders.lighting import Shading
 from basrelief.shaders.shadow import Shadowing
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import Progress, page_of
+from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import camera_of, said_light, shown_scene, tiling_of
 from basrelief.viewer.state import (
-    MENUS,
     Sources,
     check_shown,
     plain_tiling,

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+import functools
 import random
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from basrelief.choices import RULES, Choices, bindings_of
+import basrelief
+from basrelief.choices import RULES, Choices
 from basrelief.engine.gpu import GpuEngine
-from basrelief.lang import ShaderError, TypeSlot, Vec2, shader, slot, struct
-from basrelief.lang.library import Library, library_of, linked
-from basrelief.lang.program import Program
+from basrelief.lang import (
+    Buffer,
+    HeightField,
+    ShaderError,
+    Texture,
+    TypeSlot,
+    Vec2,
+    shader,
+    slot,
+    struct,
+)
+from basrelief.lang.library import EDGE, library_of, linked
 from basrelief.lang.values import IVec2
-from basrelief.lang.wgsl import print_wgsl
-from basrelief.scene import SURFACES
-from basrelief.shaders import pixel
-from basrelief.shaders.surfaces.surface import SurfaceSettings
+from basrelief.programs import choices_of, program_of, values_of
+from basrelief.scene.objects import technique_named
+from basrelief.shaders.cast import CastView
 from basrelief.shaders.techniques import TECHNIQUES
-from basrelief.shaders.techniques.technique import Settings
 from basrelief.viewer.printed import Ask, answers, printed, tree_of
 
 
@@ -58,10 +70,10 @@ OPTIONS = {measure: [straight, along_u]}
 def test_a_slot_hands_on_what_its_shader_takes() -> None:
     made = library_of([measured], OPTIONS)
     assert set(made.slots["measure"]) == {"straight", "along_u"}
-    for name, call in (("straight", "straight(place, scale)"), ("along_u", "along_u(place)")):
-        text = linked(made, "measured", {"measure": name, "edge": "wrap"})
+    for name, call in (("straight", "straight(place_, scale)"), ("along_u", "along_u(place_)")):
+        text = linked(made, "measured", {"measure": name, EDGE: "wrap"})
         assert f"  return {call};" in text
-        assert text.count("fn measure(place: vec2f, scale: f32) -> f32 {") == 1
+        assert text.count("fn measure(place_: vec2f, scale: f32) -> f32 {") == 1
         assert ("fn along_u(" in text) == (name == "along_u")
         assert "fn main(" in text
 
@@ -107,6 +119,11 @@ def test_a_record_that_no_gpu_can_be_given_is_refused() -> None:
 # --- the library's own programs ------------------------------------------------------------------
 
 
+@functools.cache
+def _gpu() -> Any:
+    return GpuEngine().gpu
+
+
 def _some_choices(count: int, seed: int) -> list[Choices]:
     every = answers(TECHNIQUES)
     rng = random.Random(seed)
@@ -114,17 +131,6 @@ def _some_choices(count: int, seed: int) -> list[Choices]:
         Choices(**{name: rng.choice([*each.values()]) for name, each in every.items()})
         for _ in range(count)
     ]
-
-
-def _bound(library: Library, choices: Choices) -> dict[str, str]:
-    names = library.names
-    bound = {names[slot]: names[made] for slot, made in bindings_of(choices).items()}
-    return {
-        **bound,
-        "edge": choices.edge,
-        names[Settings]: names[choices.technique.settings],
-        names[SurfaceSettings]: names[SURFACES[choices.surface]],
-    }
 
 
 def test_a_tree_says_what_its_rule_says() -> None:
@@ -144,42 +150,100 @@ def test_a_tree_says_what_its_rule_says() -> None:
 
 
 def test_a_tree_asks_nothing_in_vain() -> None:
-    def check(tree: Any) -> None:
-        if isinstance(tree, Ask):
-            assert len({id(each) for each in tree.then.values()}) > 1
-            for each in tree.then.values():
-                check(each)
+    def check(tree: Any) -> int:
+        if not isinstance(tree, Ask):
+            return 0
+        first, *others = tree.then.values()
+        assert any(each != first for each in others)
+        return 1 + sum(check(each) for each in tree.then.values())
 
-    for rule in RULES.values():
-        check(tree_of(rule, answers(TECHNIQUES)))
+    assert sum(check(tree_of(rule, answers(TECHNIQUES))) for rule in RULES.values()) > 30
+    # what does not matter is not asked
+    assert tree_of(lambda c: c.fades and False, {"fades": {"true": True, "false": False}}) is False
 
 
 @pytest.mark.gpu
-def test_linked_programs_compile() -> None:
-    made = printed().library
-    engine = GpuEngine()
-    seen = set()
-    for choices in _some_choices(24, 2):
-        text = linked(made, "pixel", _bound(made, choices))
-        assert text.count("fn main(") == 1
-        engine.gpu.create_shader_module(code=text)
-        seen.add(text)
-    assert len(seen) == 24
+def test_every_option_of_every_slot_compiles() -> None:
+    made = printed()
+    gpu = _gpu()
+    left = {(name, each) for name, options in made.library.slots.items() for each in options} - {
+        ("is_asked", "in_sector"),
+        ("is_asked", "everywhere"),
+    }  # of a bake's step
+    for choices in _some_choices(400, 2):
+        bound = made.bound(choices)
+        new = left & set(bound.items())
+        if new:
+            text = linked(made.library, "pixel", bound)
+            gpu.create_shader_module(code=text)
+            left -= {(name, each) for name, each in new if f" {name}" in text}
+    # programs of boxes never ask for the surface between texels
+    assert left == {("surface_height", "top_at")}
 
 
-def test_a_linked_program_has_the_functions_of_the_whole_one() -> None:
-    made = printed().library
-    for choices in _some_choices(12, 3):
-        bound = _bound(made, choices)
-        whole = print_wgsl(
-            Program(pixel.pixel, bindings_of(choices), choices.edge).module, choices.edge
-        )
-        apart = linked(made, "pixel", bound)
-        # a constant that a shader returns, or a march's loop, stands in both
-        for line in ("fn main(", "@compute @workgroup_size(8, 8)"):
-            assert line in whole
-            assert line in apart
-        loops = [line.strip() for line in whole.splitlines() if line.strip().startswith("for (")]
-        assert loops
-        for line in loops:
-            assert line in apart
+OWN = """
+from basrelief.lang import HeightField, setting, shader, struct
+from basrelief.shaders.techniques import Hit, Ray, at, technique
+
+@struct
+class Settings:
+    share: float = setting(default=0.5, doc="a share", low=0.0, high=1.0)
+
+@shader
+def {helper}(x: float) -> float:
+    return x * 0.5
+
+@technique()
+def {name}(field: HeightField, ray: Ray, settings: Settings) -> Hit:
+    return Hit(at(ray, {helper}(settings.share)), 0.5, True, 1)
+"""
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("name", ["field", "ray", "settings", "baked", "displace", "pixel", "main"])
+@pytest.mark.parametrize("helper", ["edge", "constructor", "edge_of_map", "corners", "fn"])
+def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -> None:
+    (tmp_path / "own.py").write_text(OWN.replace("{name}", name).replace("{helper}", helper))
+    own = technique_named(f"{tmp_path / 'own.py'}:{name}")
+    made = printed({"own": own})
+    (choices,) = _some_choices(1, 4)
+    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)))
+    _gpu().create_shader_module(code=text)
+
+
+def test_a_slot_without_options_is_refused() -> None:
+    with pytest.raises(ShaderError, match="nothing can be bound to the slot measure"):
+        library_of([measured], {})
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("way", ["exact", "texel", "landscape", "smooth"])
+def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
+    material = basrelief.sample("bricks", 64)
+    options: dict[str, Any] = {
+        "exact": {"technique": "exact", "shape": "sphere"},
+        "texel": {"technique": "texel", "edge": "clamp"},
+        "landscape": {"surface": "landscape", "scale": 0.2},
+        "smooth": {"heights": "smooth", "tiling": (6.0, 6.0), "fade": (1.0, 3.0)},
+    }[way]
+    thing = basrelief.Object(material, **options)
+    scene = basrelief.Scene((thing,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog="linear")
+    engine, size = GpuEngine(), (64, 48)
+    program, values = program_of(thing, scene), values_of(thing, scene, size)
+    made = printed()
+    text = linked(made.library, "pixel", made.bound(choices_of(thing, scene)))
+    types = program.parameters
+    needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]
+    texel = np.zeros((1, 1, 4), np.uint16)
+    nothing = {b.name: Texture([texel], program.edge) for b in needed if b.type is Texture}
+    far = HeightField([np.ones((1, 1), np.float32)], program.edge)
+    nothing |= {"distances": far, "views": Buffer((), CastView)}
+    with (
+        engine.prepare(program, values, size) as whole,
+        engine.prepare_text(text, program, {**nothing, **values}, size, needed) as apart,
+    ):
+        for job in (whole, apart):
+            job.dispatch(0, size[1])
+        drawn = whole.read(size[1])
+        assert (drawn[7] != 0).mean() > 0.1
+        assert np.array_equal(drawn, apart.read(size[1]))

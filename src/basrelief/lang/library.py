@@ -11,17 +11,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 from basrelief.lang.frontend import analyse_apart, bound_types
 from basrelief.lang.layout import align_and_size
-from basrelief.lang.resources import buffer_record
+from basrelief.lang.resources import Edge
 from basrelief.lang.shader import Shader, taken_parameters
+from basrelief.lang.types import ShaderError
 from basrelief.lang.wgsl import HELPERS, Binding, ModulePrinter, bindings
 
-EDGE = "edge"
+EDGE = "edge_of_map"
 """The slot of what a map does at its edge; bound to an `Edge`."""
-_EDGES = ("wrap", "clamp")
 _NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
 """A name that is used: not a field, nor the name of a parameter."""
 
@@ -84,15 +84,24 @@ class _Printing:
         every = [*entries, *self.options, *(s for each in self.options.values() for s in each)]
         self.done = analyse_apart(every)
         tops = [self.done[entry] for entry in entries]
-        self.printer = ModulePrinter(list(self.done.values()), tops, EDGE)
+        self.check_slots()
+        self.printer = ModulePrinter(list(self.done.values()), tops, EDGE.removeprefix("edge_"))
         self.types = self.types_bound()
         for slot, records in self.types.items():
             self.printer.claim(slot, slot.__name__)
             for record in records:
                 self.printer.note_shared(record)
-        self.texts = {self.printer.scope[f]: self.text(s) for s, f in self.done.items()}
         self.library = Library(names=self.names())
         self.fill(entries)
+
+    def check_slots(self) -> None:
+        """Refuse a slot that nothing could be bound to."""
+        for shader in self.done:
+            if shader.is_slot and not self.options.get(shader):
+                raise ShaderError(
+                    f"{shader.location}: nothing can be bound to the slot {shader.name}; "
+                    "say what its options are"
+                )
 
     def types_bound(self) -> dict[type, list[type]]:
         """The records that each type slot may stand for."""
@@ -110,16 +119,13 @@ class _Printing:
         shaders = {shader: scope[function] for shader, function in self.done.items()}
         return {**scope, **shaders}
 
-    def text(self, shader: Shader[..., Any]) -> str:
-        return "" if shader.is_slot else self.printer.function_text(self.done[shader])
-
     def forwarding(self, slot: Shader[..., Any], shader: Shader[..., Any]) -> str:
         """The function of a slot that hands on to a shader."""
         m, taken = self.printer, taken_parameters(slot, shader) or ()
         function = self.done[slot]
-        plain = {n: t for n, t in function.parameters.items() if buffer_record(t) is None}
-        given = ", ".join(f"{name}: {m.type(t)}" for name, t in plain.items())
-        handed = ", ".join(name for name in taken if name in plain)
+        names = m.parameter_names(function)
+        given = ", ".join(f"{names[n]}: {m.type(function.parameters[n])}" for n in names)
+        handed = ", ".join(names[name] for name in taken if name in names)
         doc = "".join(f"// {line}".rstrip() + "\n" for line in function.doc.splitlines())
         return (
             f"{doc}fn {m.scope[function]}({given}) -> {m.type(function.result)} {{\n"
@@ -127,30 +133,18 @@ class _Printing:
         )
 
     def fill(self, entries: Sequence[Shader[..., Any]]) -> None:
-        m = self.printer
-        made = self.library
+        m, made = self.printer, self.library
         whole = {
             entry: m.bound_text(self.done[entry]) + "\n" + m.main_text(self.done[entry])
             for entry in entries
         }
-        slots = {
-            m.scope[self.done[slot]]: {
-                m.scope[self.done[shader]]: self.forwarding(slot, shader) for shader in shaders
-            }
-            for slot, shaders in self.options.items()
-        }
-        for asked, records in self.types.items():
-            slots[m.scope[asked]] = {
-                m.scope[record]: f"alias {m.scope[asked]} = {m.scope[record]};\n"
-                for record in records
-            }
-        slots[EDGE] = {
-            each: HELPERS[f"edge_{each}"].replace(f"edge_{each}", f"edge_{EDGE}") for each in _EDGES
-        }
-        texts = {name: text for name, text in self.texts.items() if name not in slots}
-        for text in self.shared_texts():
-            texts[_declared(text)] = text
-        known = {*texts, *slots, f"edge_{EDGE}"}
+        slots = self.slot_texts()
+        texts = {}
+        # helpers last: what is printed says which are needed; a slot has no text of its own
+        for text in (*m.record_texts(), *m.function_texts(), *m.helper_texts()):
+            if _declared(text) not in slots:
+                texts[_declared(text)] = text
+        known = {*texts, *slots}
 
         def piece(text: str, own: str) -> Piece:
             return Piece(text, tuple(sorted(_used(text, known) - {own})))
@@ -164,15 +158,22 @@ class _Printing:
             made.entries[entry.name] = piece(text, "")
             made.bindings[entry.name] = bindings(self.done[entry])
 
-    def shared_texts(self) -> Iterable[str]:
-        """Records, helpers, and our own functions in place of less exact ones."""
-        functions = set(self.texts)
-        yield from self.printer.record_texts()
-        # printed for their needs, which are known only then
-        for text in self.printer.function_texts():
-            if _declared(text) not in functions:
-                yield text
-        yield from self.printer.helper_texts()
+    def slot_texts(self) -> dict[str, dict[str, str]]:
+        """What each slot is, by the name of what is bound to it; type slots and the edge too."""
+        m = self.printer
+        slots = {
+            m.scope[self.done[slot]]: {
+                m.scope[self.done[shader]]: self.forwarding(slot, shader) for shader in shaders
+            }
+            for slot, shaders in self.options.items()
+        }
+        for asked, records in self.types.items():
+            name = m.scope[asked]
+            slots[name] = {m.scope[r]: f"alias {name} = {m.scope[r]};\n" for r in records}
+        slots[EDGE] = {
+            each: HELPERS[f"edge_{each}"].replace(f"edge_{each}", EDGE) for each in get_args(Edge)
+        }
+        return slots
 
 
 def _declared(text: str) -> str:
@@ -183,6 +184,5 @@ def _declared(text: str) -> str:
 
 
 def _used(text: str, known: set[str]) -> set[str]:
-    code = re.sub(r"//[^\n]*", "", text)
-    found = {name for name in _NAME.findall(code) if name in known}
-    return {EDGE if name == f"edge_{EDGE}" else name for name in found}
+    """The names of known things in a text, its comments left out."""
+    return known & set(_NAME.findall(re.sub(r"//[^\n]*", "", text)))

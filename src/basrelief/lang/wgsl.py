@@ -100,7 +100,7 @@ class ModulePrinter:
                 self.note_record(t)
         given = [each for entry in entries for each in list(entry.parameters.items())[1:]]
         bound = [_bound_name(each) for entry in entries for each in bindings(entry)]
-        self.taken = {*_RESERVED, *_PRINTED, *bound}
+        self.taken = {*_RESERVED, *_PRINTED, *bound, f"edge_{edge}"}
         self.scope: dict[Any, str] = {}
         """The names of functions and records, clear of one another and of all that is printed."""
         for named in [*functions, *approximations().values()]:
@@ -156,6 +156,13 @@ class ModulePrinter:
             for name in sorted(self.approximations - printed):
                 printed.add(name)
                 yield self.function_text(approximations()[name])
+
+    def parameter_names(self, function: tree.Function) -> dict[str, str]:
+        """What a function's parameters are called, those that are no lists: clear of all else."""
+        names = _FunctionPrinter(self, function).names
+        return {
+            name: names[name] for name, t in function.parameters.items() if buffer_record(t) is None
+        }
 
     def function_text(self, function: tree.Function) -> str:
         """One function."""

@@ -2,18 +2,19 @@
 
 The rules by which choices bind slots (`basrelief.choices`) are Python. Each is turned into a
 decision tree by asking it with every answer to whatever it asks, so that a page follows the very
-same rules and knows none of its own.
+same rules.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
-from basrelief.choices import RULES, Choices
-from basrelief.lang.library import Library, library_of
-from basrelief.lang.resources import buffer_record
+from basrelief.choices import RULES, Choices, bindings_of
+from basrelief.lang.library import EDGE, Library, library_of
+from basrelief.lang.resources import Edge, buffer_record
+from basrelief.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shaders import pixel
 from basrelief.shaders.bakes import cones
@@ -22,32 +23,35 @@ from basrelief.shaders.techniques import TECHNIQUES, Technique
 from basrelief.shaders.techniques.technique import Settings
 from basrelief.viewer.bakes import BAKES, is_asked
 
-CHOICES: dict[str, tuple[Any, ...]] = {
+MENUS: dict[str, tuple[str, ...]] = {
     "shape": SHAPES,
     "projection": ("full", "biased", "limited"),
     "heights": ("sharp", "smooth", "mip"),
-    "edge": ("wrap", "clamp"),
-    "clipped": (False, True),
-    "fades": (False, True),
+    "edge": ("wrap", "clamp", "clip"),
     "mapping": ("planar", "triplanar"),
-    "apart": (False, True),
     "alpha": ("blend", "mask", "opaque"),
     "surface": tuple(SURFACES),
-    "layer": (False, True),
-    "base_color": (True, False),
-    "normal": (True, False),
-    "response": (True, False),
-    "emission": (True, False),
-    "layer_color": (True, False),
-    "layer_normal": (True, False),
     "shadows": ("none", "hard", "soft"),
-    "shadows_on": ("relief",),
-    "casts": (False,),
     "shading_model": ("ggx", "phong"),
     "occlusion_kind": ("ambient", "directional"),
     "fog": ("none", "linear", "exponential", "exponential_squared"),
 }
-"""What a page may choose, beside the technique; one object casts no shadow on others."""
+"""What a page chooses by name, as `Object` and `Scene` have it."""
+_EITHER = (True, False)
+CHOICES: dict[str, tuple[Any, ...]] = {
+    **MENUS,
+    # a relief that is clipped wraps or clamps within
+    "edge": get_args(Edge),
+    "clipped": _EITHER,
+    "fades": _EITHER,
+    "apart": _EITHER,
+    "layer": _EITHER,
+    **dict.fromkeys(MAPPED, _EITHER),
+    # one object casts no shadow on others
+    "shadows_on": ("relief",),
+    "casts": (False,),
+}
+"""What the programs of a page differ in, beside the technique: the fields of `Choices`."""
 ENTRIES = (pixel.pixel, *BAKES)
 Techniques = Mapping[str, Technique[..., Any]]
 
@@ -82,6 +86,17 @@ class Printed:
                 for name, found in made.bindings.items()
             },
             "trees": self.trees,
+            "edge": EDGE,
+        }
+
+    def bound(self, choices: Choices) -> dict[str, str]:
+        """What the slots of a program are bound to, by name, as a page's trees have it."""
+        names = self.library.names
+        return {
+            **{names[slot]: names[made] for slot, made in bindings_of(choices).items()},
+            EDGE: choices.edge,
+            names[Settings]: names[choices.technique.settings],
+            names[SurfaceSettings]: names[SURFACES[choices.surface]],
         }
 
 
@@ -99,7 +114,7 @@ def printed(techniques: Techniques = TECHNIQUES) -> Printed:
     names = library.names
     named = {names[slot]: _named(tree, names) for slot, tree in trees.items()}
     named |= {
-        "edge": tree_of(lambda c: c.edge, asked),
+        EDGE: tree_of(lambda c: c.edge, asked),
         names[Settings]: tree_of(lambda c: names[c.technique.settings], asked),
         names[SurfaceSettings]: tree_of(lambda c: names[SURFACES[c.surface]], asked),
     }

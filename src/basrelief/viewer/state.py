@@ -29,24 +29,11 @@ from basrelief.shaders.techniques import TECHNIQUES, Technique
 from basrelief.viewer.bakes import bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
 from basrelief.viewer.names import names
+from basrelief.viewer.printed import MENUS
 
 SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
 _KINDS = ("directional", "point", "spot")
-MENUS: dict[str, tuple[str, ...]] = {
-    "shape": SHAPES,
-    "projection": ("full", "biased", "limited"),
-    "heights": ("sharp", "smooth", "mip"),
-    "edge": ("wrap", "clamp", "clip"),
-    "mapping": ("planar", "triplanar"),
-    "alpha": ("blend", "mask", "opaque"),
-    "surface": tuple(SURFACES),
-    "shadows": ("none", "hard", "soft"),
-    "shading_model": ("ggx", "phong"),
-    "occlusion_kind": ("ambient", "directional"),
-    "fog": ("none", "linear", "exponential", "exponential_squared"),
-}
-"""What is chosen by name, as `Object` and `Scene` have it."""
 
 
 @dataclass(frozen=True)

@@ -11,25 +11,33 @@ export function answered(tree, choices) {
 
 // An entry with its slots bound as choices say: its WGSL, what it binds, and a key that programs
 // of the same text share.
-export function linked({ pieces, slots, entries, bindings, trees }, entry, choices) {
+export function linked(programs, entry, choices) {
+  const { entries, bindings, trees, edge } = programs;
   const [first, uses] = entries[entry];
   const texts = new Map([["", first]]);
   // the sampler goes by the edge too, which no piece tells
-  const bound = { edge: answered(trees.edge, choices) };
+  const bound = new Map([[edge, answered(trees[edge], choices)]]);
   const left = [...uses];
   while (left.length) {
     const name = left.pop();
     if (texts.has(name)) continue;
-    if (slots[name]) bound[name] = answered(trees[name], choices);
-    const piece = slots[name] ? slots[name][bound[name]] : pieces[name];
-    if (!piece) throw new Error(`the page has no program for ${name} as ${bound[name]}`);
-    texts.set(name, piece[0]);
-    left.push(...piece[1]);
+    const [text, more] = pieceOf(programs, name, bound, choices);
+    texts.set(name, text);
+    left.push(...more);
   }
   return {
-    key: [entry, ...Object.entries(bound).map((each) => each.join(" ")).sort()].join("|"),
+    key: [entry, ...[...bound].map((each) => each.join(" ")).sort()].join("|"),
     code: [...texts.values()].join("\n"),
-    bindings: bindings[entry].map((each) => ({ ...each, type: bound[each.type] ?? each.type })),
-    edge: bound.edge,
+    bindings: bindings[entry].map((each) => ({ ...each, type: bound.get(each.type) ?? each.type })),
+    edge: bound.get(edge),
   };
+}
+
+// A piece by its name, which may be any: those of a user's own shaders too.
+function pieceOf({ pieces, slots, trees }, name, bound, choices) {
+  if (!Object.hasOwn(slots, name)) return pieces[name];
+  const wanted = bound.get(name) ?? answered(trees[name], choices);
+  bound.set(name, wanted);
+  if (!Object.hasOwn(slots[name], wanted)) throw new Error(`the page has no ${name} as ${wanted}`);
+  return slots[name][wanted];
 }
