@@ -181,6 +181,28 @@ def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> 
     assert share > 0.05
 
 
+@pytest.mark.parametrize("heights", ["smooth", "mip"])
+def test_missed_hits_are_against_the_finest_level(
+    fresh: Seen, material: Material, heights: Any
+) -> None:
+    changes = {"technique": "parallax_occlusion", "heights": heights, "show": "missed"}
+    fresh.state(**changes, tiling=[10, 10])
+    fresh.draw()
+    figures = fresh.page.evaluate("viewer.drawing.found")
+    thing = Object(
+        material,
+        scale=0.08,
+        technique="parallax_occlusion",
+        heights=heights,
+        tiling=(10.0, 10.0),
+    )
+    scene = Scene((thing,), camera=CAMERA)
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    wanted = errors(drawn, truth(scene, SIZE)).missed
+    assert wanted > 0.05
+    assert figures["missed"] / figures["hits"] == pytest.approx(wanted, abs=0.01)
+
+
 def test_cameras_are_pythons(seen: Seen) -> None:
     for camera in (
         Orbit(24.0, 32.0, 2.5, (0.1, -0.2, 0.3), 40.0),
@@ -424,6 +446,13 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.name") == "surface"
+    # what a button makes anew, or takes away, leaves the focus near by
+    for id, wanted_id in (("add-light", "add-light"), ("remove-light-3", ""), ("reset", "reset")):
+        page.locator(f"#{id}").focus()
+        page.keyboard.press("Enter")
+        at = page.evaluate("[document.activeElement.id, document.activeElement.tagName]")
+        assert at == ([wanted_id, "BUTTON"] if wanted_id else ["", "SUMMARY"])
+    page.locator("#section-surface select").first.focus()
     # a menu by its letters keeps the focus, though the panel is made anew
     page.keyboard.type("landscape")
     assert page.evaluate("[viewer.state.surface, document.activeElement.name]") == [
@@ -537,6 +566,51 @@ def test_a_link_that_is_nonsense_is_told(browser: Any, page_file: Path) -> None:
         seen.page.close()
 
 
+ODD: list[Any] = [
+    {"scale": None},
+    {"scale": 1e9, "level": -3, "settings": {"relief": {"max_steps": 1e7, "min_steps": 2.6}}},
+    {"lights": [{}]},
+    {"lights": [1, None, {"kind": "spot", "angle": 400, "color": [1]}]},
+    {"lights": [{"kind": "point(),));__import__('os').system('id')#", "intensity": 0}]},
+    {"lights": [{"kind": "$(id)", "azimuth": "left"}]},
+    {"tiling": [], "shift": [1], "tilings": {"normal": {"tiles": [0, 2]}}},
+    {"settings": {"relief": {"max_steps": None}, "warp": {}}},
+    {"camera": {"elevation": -60, "distance": "x", "target": 3, "field_of_view": 1e3}},
+    {"show": "xyz", "compare": "warp", "preset": "nothing", "surface": "sea", "fades": "yes"},
+    {"fades": True, "fade": [5, 4], "fog": "linear", "air": {"fog_start": 50, "fog_end": 1}},
+    {"constructor": 1, "__proto__": {"scale": 1}, "layer": True},
+    [1, 2],
+    None,
+]
+
+
+@pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
+def test_an_odd_link_is_held_to_what_can_be(
+    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch, odd: Any
+) -> None:
+    fresh.page.evaluate("odd => { location.hash = encodeURIComponent(JSON.stringify(odd)) }", odd)
+    fresh.page.wait_for_function("viewer.hashesRead > 0")
+    fresh.page.evaluate("viewer.hashesRead = 0")
+    state = fresh.page.evaluate("viewer.state")
+    # what Python would refuse, or not survive, is not in it
+    scene = shown_scene(state, Scene((Object(material),)))
+    assert scene.objects[0].relief_scale <= 10.0
+    assert -1.0 < scene.objects[0].settings.max_steps <= 4096
+    scene.shader_camera((16, 9))
+    line = fresh.page.evaluate("viewer.text('python')")
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    monkeypatch.setattr("os.system", lambda line: pytest.fail(line))
+    exec(line, {"basrelief": basrelief})
+    assert len(given["lights"]) == len(state["lights"]) if "lights" in given else True
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    assert "$(id)" not in " ".join(words)
+    _scene_of_command(material, words[3:])
+    assert fresh.page.locator("#panel select[name=technique]").count() == 1
+    assert fresh.said == []
+    fresh.page.evaluate("history.replaceState(null, '', location.pathname)")
+
+
 def test_the_buttons_copy(fresh: Seen) -> None:
     fresh.page.locator("#copy-python").click()
     fresh.page.wait_for_function("document.getElementById('copied').textContent !== ''")
@@ -619,6 +693,9 @@ def test_a_technique_of_ones_own_is_there(
     # beside the library's own of that name
     assert seen.page.locator("select[name=technique]").input_value() == "steep_"
     assert "--technique own.py:steep " in seen.page.evaluate("viewer.text('command')")
+    # a preset is named on such a page too
+    seen.page.get_by_label("Preset").select_option("gamedev")
+    assert seen.page.evaluate("viewer.state.preset") == "gamedev"
     seen.page.close()
 
 

@@ -32,6 +32,7 @@ from basrelief.viewer.page import Progress, page_of
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import camera_of, said_light, shown_scene, tiling_of
 from basrelief.viewer.state import (
+    SHOWS,
     Sources,
     check_shown,
     plain_tiling,
@@ -49,8 +50,6 @@ except ImportError:
 
 __all__ = ["Viewer"]
 
-SHOWS = ("color", "reads", "missed", "depth")
-"""What the page can draw."""
 _RECORDS = {
     "shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing, "air": Fog,
 }  # fmt: skip

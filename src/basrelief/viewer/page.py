@@ -46,8 +46,8 @@ _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 _LONG_BAKE = "relaxed_cone_map"
 """What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
-    "state", "camera", "records", "link", "maps", "png", "names", "dropped", "colors", "gpu",
-    "bakes", "drawing", "controls", "host", "main",
+    "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
+    "colors", "gpu", "bakes", "drawing", "controls", "host", "main",
 )  # fmt: skip
 
 
@@ -104,7 +104,7 @@ def page_of(
             break
         most = most // 2
     maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills))
-    scaled = shown_size(shown.material) if most < whole else None
+    scaled = shown_size(shown) if most < whole else None
     data = {
         "programs": programs.told(),
         "records": layouts(programs.library.names),
@@ -119,9 +119,9 @@ def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
     return sum(map(len, texts)) + _REST
 
 
-def shown_size(material: Material) -> tuple[int, int]:
-    """Width and height of a material's largest map."""
-    largest = max((one for _, one in material.maps()), key=lambda one: one.width * one.height)
+def shown_size(thing: Object) -> tuple[int, int]:
+    """Width and height of an object's largest map."""
+    largest = max(_all_maps(thing), key=lambda one: one.width * one.height)
     return largest.width, largest.height
 
 

@@ -17,13 +17,14 @@ from basrelief.material import Material, pyramids
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.presets import PRESETS, preset
 from basrelief.rendering import sample_places
-from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
+from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
+from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.scene import BACKGROUND
 from basrelief.scene.views import FILLED
 from basrelief.shaders.fog import Fog
 from basrelief.shaders.height import Smoothing
-from basrelief.shaders.lighting import Light, Shading
+from basrelief.shaders.lighting import SPOT, Light, Shading
 from basrelief.shaders.shadow import Shadowing
 from basrelief.shaders.techniques import TECHNIQUES, Technique
 from basrelief.viewer.bakes import bake_numbers
@@ -33,7 +34,32 @@ from basrelief.viewer.printed import MENUS
 
 SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
+SHOWS = ("color", "reads", "missed", "depth")
+"""What a page can draw."""
 _KINDS = ("directional", "point", "spot")
+LIMITS: dict[str, Any] = {
+    "numbers": {
+        "scale": (0.0, 10.0),
+        "level": (0.0, 1.0),
+        "bias": (0.0, 100.0),
+        "divider": (0.0, 1.0),
+        "shift": (-FAR, FAR),
+        "fade": (0.0, FAR / 2.0),
+        "background": (0.0, FAR),
+    },
+    "lights": {
+        "position": (-FAR, FAR),
+        "color": (0.0, FAR),
+        "intensity": (0.0, FAR),
+        "falloff": (0.0, 8.0),
+        "angle": (0.01, 179.99),
+        "softness": (0.0, 1.0),
+    },
+    "camera": {"distance": (1e-3, 1e3), "field_of_view": (0.1, 170.0)},
+    "least": NEAR,
+    "most": FAR,
+}
+"""Where the numbers end that are no settings of a record, as `Object` and `Scene` check them."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +105,10 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
             "short": [float(x) for x in SHORT],
             "passed": [float(x) for x in PASSED],
         },
-        "presets": _presets(material, thing),
+        "presets": _presets(material, thing, techniques),
+        "shows": SHOWS,
+        "lightKinds": _KINDS,
+        "limits": LIMITS,
         "names": names(),
     }
 
@@ -140,6 +169,7 @@ def _constants(thing: Object) -> dict[str, Any]:
     over = thing.layer and thing.layer.material
     return {
         "proportion": thing.material.proportion,
+        "layer": over is not None,
         "layerProportion": over.proportion if over else 1.0,
         "glow": glow[1] if glow else 1.0,
     }
@@ -198,12 +228,14 @@ def plain_tiling(tiling: Tiling) -> dict[str, Any]:
 
 def _defaults_of(material: Material) -> dict[str, Any]:
     """What the library takes where nothing is said."""
-    thing = Object(material, technique="flat")
+    scene = Scene((Object(material, technique="flat"),), background=BACKGROUND)
+    state = state_of(scene, scene.objects[0])
+    plainly = (*MENUS, "scale", "bias")
     return {
-        "scale": thing.relief_scale,
-        "bias": float(thing.bias),
-        "background": list(BACKGROUND),
-        "lights": [plain_light(each) for each in Scene(()).lights],
+        "plain": {name: state[name] for name in plainly},
+        "background": state["background"],
+        "lights": state["lights"],
+        "camera": state["camera"],
     }
 
 
@@ -239,7 +271,9 @@ def plain_light(light: Light) -> dict[str, Any]:
     said = plain(light)
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
-    outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
+    # a light of another kind has the cone that it would get as a spot
+    cone = light if int(light.kind) == SPOT else spot((0.0, 1.0, 0.0))
+    outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
         "kind": _KINDS[int(light.kind)],
         "position": said["position"],
@@ -253,7 +287,9 @@ def plain_light(light: Light) -> dict[str, Any]:
     }
 
 
-def _presets(material: Material, shown: Object) -> dict[str, Any]:
+def _presets(
+    material: Material, shown: Object, techniques: Mapping[str, Technique[..., Any]]
+) -> dict[str, Any]:
     """The presets as states; those that a page's programs cannot draw say why not."""
     found: dict[str, Any] = {}
     for name in PRESETS:
@@ -269,7 +305,7 @@ def _presets(material: Material, shown: Object) -> dict[str, Any]:
             why = f"it lays {_layer_of(thing)} over; make a page with --preset {name}"
             found[name] = {"about": about, "why": why}
             continue
-        found[name] = {"about": about, "state": state_of(scene, thing)}
+        found[name] = {"about": about, "state": state_of(scene, thing, techniques)}
     return found
 
 

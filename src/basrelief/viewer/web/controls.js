@@ -1,5 +1,7 @@
 // The panel: native controls for everything in the state, made from what the page knows of it.
 
+import { decoded, encoded } from "view/srgb.js";
+
 let count = 0;
 
 function element(name, attributes = {}, ...children) {
@@ -146,10 +148,6 @@ export function color(view, path, label, doc = "") {
   return element("div", { class: "menu", title: doc }, element("label", { for: id }, label), field);
 }
 
-// sRGB, as `picture.srgb_encode` has it.
-const encoded = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
-const decoded = (x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
-
 export function button(text, act, attributes = {}) {
   const made = element("button", { type: "button", ...attributes }, text);
   made.addEventListener("click", act);
@@ -185,7 +183,9 @@ function rows(view, path, settings) {
 // The whole panel, made anew where a choice changes what can be set.
 export function build(view, panel) {
   const opened = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
-  const focused = document.activeElement?.name;
+  const active = document.activeElement;
+  const focused = panel.contains(active) && (active.name || active.id);
+  const within = active.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
     ...[technique, relief, light, surface, air, maps, picture, share].map((make) => make(view)),
@@ -193,7 +193,10 @@ export function build(view, panel) {
   for (const made of panel.querySelectorAll("details")) {
     if (opened.has(made.id)) made.open = opened.get(made.id);
   }
-  if (focused) panel.elements.namedItem(focused)?.focus?.();
+  if (!focused) return;
+  // what is gone leaves the focus to its section
+  const again = panel.elements.namedItem(focused) ?? panel.querySelector(`#${within} summary`);
+  again.focus();
 }
 
 function techniques(view) {
@@ -314,7 +317,7 @@ function lamp(view, k) {
       view,
       [...path, "kind"],
       `Light ${k + 1}`,
-      ["directional", "point", "spot"].map((each) => [each, each]),
+      view.data.lightKinds.map((each) => [each, each]),
     ),
   ];
   if (kind !== "point") {
@@ -338,7 +341,7 @@ function lamp(view, k) {
   made.push(
     number(view, [...path, "intensity"], { label: `${name} strength`, low: 0, high: 10, step: 0.1 }),
     color(view, [...path, "color"], `${name} color`),
-    element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k))),
+    element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` })),
   );
   return made;
 }

@@ -24,7 +24,6 @@ const MISSING = {
   ...Object.fromEntries(NAMES.map((name) => [name, NOTHING])),
 };
 const HEIGHTS = ["field", "distances"];
-const KINDS = { directional: 0, point: 1, spot: 2 };
 
 export class Drawing {
   constructor(gpu, data, canvas, heard) {
@@ -153,7 +152,7 @@ export class Drawing {
     const clipped = state.edge === "clip";
     const wraps = state.edge === "wrap" || (clipped && tilings.some(repeats));
     const has = (name) => Boolean(pictures[name]);
-    const layer = state.layer && (has("layer_color") || has("layer_normal"));
+    const layer = state.layer && data.constants.layer;
     return {
       ...state,
       technique,
@@ -192,7 +191,9 @@ export class Drawing {
       shading: state.shading,
       shadowing: state.shadowing,
       fog: state.air,
-      lights: state.lights.filter((light) => light.intensity > 0).map(lightRecord),
+      lights: state.lights
+        .filter((light) => light.intensity > 0)
+        .map((light) => lightRecord(light, data.lightKinds)),
       views: [],
       ...textures,
       baked: this.baked(state) ?? textures.unbaked,
@@ -238,7 +239,8 @@ export class Drawing {
     }
     // the truth fills the same space, along straight rays
     if (state.show === "missed") {
-      found.truth = { ...state, technique: "exact", projection: "full", shadows: "none" };
+      const exactly = { technique: "exact", projection: "full", heights: "sharp" };
+      found.truth = { ...state, ...exactly, shadows: "none" };
     }
     return found;
   }
@@ -510,11 +512,11 @@ export class Drawing {
 }
 
 // A light as `scene.lights` makes it.
-function lightRecord(light) {
+function lightRecord(light, kinds) {
   const half = ((light.angle / 2) * Math.PI) / 180;
   const spot = light.kind === "spot";
   return {
-    kind: KINDS[light.kind],
+    kind: kinds.indexOf(light.kind),
     position: light.position,
     direction: light.kind === "point" ? [0, -1, 0] : travelling(light.azimuth, light.elevation),
     color: light.color.map((c) => c * light.intensity),

@@ -2,6 +2,7 @@
 
 import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
+import { decoded as inLight } from "view/srgb.js";
 
 const PLACES = { occlusion: 0, roughness: 1, metallic: 2 };
 const PLAIN = {
@@ -99,8 +100,7 @@ function channelOf(picture, channel, over) {
 
 // Colours as fractions of light.
 function withLight(picture) {
-  const linear = (share) => (share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4);
-  const table = Uint16Array.from({ length: 65536 }, (_, k) => roundEven(linear(k / 65535) * 65535));
+  const table = Uint16Array.from({ length: 65536 }, (_, k) => roundEven(inLight(k / 65535) * 65535));
   return { ...picture, texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])) };
 }
 

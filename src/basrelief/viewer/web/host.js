@@ -3,7 +3,7 @@
 // The page says {basrelief: "ready", state} once it listens, and {basrelief: "state", state} after
 // changes; it hears {basrelief: "state", state}, which may be a part of one.
 
-import { copyOf } from "view/state.js";
+import { copyOf } from "view/checks.js";
 
 const APART = 60; // milliseconds between what is told, for sliders on the move
 

@@ -1,6 +1,7 @@
 // The page: reads what it was made with, and puts the panel, the picture and a person together.
 
 import { across } from "view/camera.js";
+import { copyOf, held, merged } from "view/checks.js";
 import { SLOTS, build } from "view/controls.js";
 import { Drawing, firstLine } from "view/drawing.js";
 import { pictureOf, replaced } from "view/dropped.js";
@@ -8,7 +9,7 @@ import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
-import { copyOf, difference, fromHash, laidOver, merged, toCommand, toHash, toPython } from "view/state.js";
+import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
@@ -26,6 +27,7 @@ class View {
     this.shows = [];
     this.drop = { slot: "", channel: "luminance", polarity: "height", green: "gl" };
     this.mapSaid = "";
+    this.hashesRead = 0;
     this.canvas = byId("canvas");
     this.heldSize = null;
     this.host = Host.around(this);
@@ -107,6 +109,7 @@ class View {
   readHash() {
     try {
       this.state = fromHash(location.hash, this.start, this.data);
+      this.hold();
     } catch {
       this.say("The link's settings cannot be read; the page starts with its own.");
     }
@@ -114,6 +117,7 @@ class View {
 
   // `choice`: what can be set is another now, so the panel is made anew.
   changed(choice = false) {
+    held(this.state, this.start, this.data);
     this.unname();
     if (choice) this.rebuild();
     else for (const show of this.shows) show();
@@ -128,7 +132,7 @@ class View {
     if (this.host) return;
     clearTimeout(this.linking);
     this.linking = setTimeout(() => {
-      history.replaceState(null, "", toHash(this.state, this.start) || location.pathname);
+      history.replaceState(null, "", toHash(this.state, this.start) || location.pathname + location.search);
     }, 300);
   }
 
@@ -162,14 +166,14 @@ class View {
   }
 
   get hasLayer() {
-    return Boolean(this.drawing.pictures.layer_color || this.drawing.pictures.layer_normal);
+    return this.data.constants.layer;
   }
 
   preset(name) {
     const found = this.data.presets[name]?.state;
     if (!found) return;
     const { camera, shape } = this.state;
-    this.state = { ...merged(this.start, found), preset: name, camera, shape };
+    this.state = { ...merged(this.start, found, this.data), preset: name, camera, shape };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
 
@@ -304,6 +308,7 @@ class View {
     addEventListener("hashchange", () => {
       this.readHash();
       this.changed(true);
+      this.hashesRead += 1;
     });
     new ResizeObserver(() => this.fit()).observe(byId("picture"));
   }

@@ -1,8 +1,7 @@
 // What a person can change, as one plain object; as a link, a line of Python, a command line.
 
 import { travelling } from "view/camera.js";
-
-export const copyOf = (value) => structuredClone(value);
+import { copyOf, held, merged } from "view/checks.js";
 
 // Only what differs from another state, so that links stay short.
 export function difference(now, then) {
@@ -18,27 +17,6 @@ export function difference(now, then) {
   return Object.keys(found).length ? found : undefined;
 }
 
-// `other` laid over `base`, where it has the same kind of values; what it does not know is left.
-export function merged(base, other) {
-  const made = copyOf(base);
-  for (const [name, value] of Object.entries(other ?? {})) {
-    if (!(name in made)) continue;
-    const mine = made[name];
-    if (mine !== null && typeof mine === "object" && !Array.isArray(mine)) {
-      if (value !== null && typeof value === "object") made[name] = merged(mine, value);
-    } else if (Array.isArray(mine) ? Array.isArray(value) : fits(mine, value)) {
-      made[name] = copyOf(value);
-    }
-  }
-  return made;
-}
-
-function fits(mine, value) {
-  if (mine === null || value === null) return typeof value !== "object" || value === null;
-  if (typeof value === "number") return typeof mine === "number" && Number.isFinite(value);
-  return typeof mine === typeof value;
-}
-
 export function toHash(state, start) {
   const left = difference(state, start);
   return left ? `#${encodeURIComponent(JSON.stringify(left))}` : "";
@@ -49,15 +27,8 @@ export function fromHash(hash, start, data) {
   return laidOver(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
 }
 
-// `other` laid over a state as far as there are such choices, whoever says so.
-export function laidOver(state, other, data) {
-  const made = merged(state, other);
-  for (const [name, known] of Object.entries(data.menus)) {
-    if (!known.includes(made[name])) made[name] = state[name];
-  }
-  if (made.compare !== "" && !data.menus.technique.includes(made.compare)) made.compare = "";
-  return made;
-}
+// `other` laid over a state as far as it makes sense, whoever says so.
+export const laidOver = (state, other, data) => held(merged(state, other, data), state, data);
 
 // --- as text ------------------------------------------------------------------------------------
 
@@ -81,21 +52,7 @@ function told(state, data) {
     air: state.fog === "none" ? {} : changed(state.air, settings.air),
   };
   const plain = { technique: made.called };
-  const usual = {
-    shape: "plane",
-    surface: "standard",
-    scale: defaults.scale,
-    level: made.level,
-    projection: made.projection,
-    heights: "sharp",
-    edge: "wrap",
-    mapping: "planar",
-    alpha: "blend",
-    shadows: "none",
-    shading_model: "ggx",
-    occlusion_kind: "ambient",
-    fog: "none",
-  };
+  const usual = { ...defaults.plain, level: made.level, projection: made.projection };
   for (const [name, value] of Object.entries(usual)) {
     if (state[name] !== value) plain[name] = state[name];
   }
@@ -113,17 +70,16 @@ function told(state, data) {
     fade: state.fades ? state.fade : null,
     background: other(state.background, defaults.background),
     lights: other(state.lights, defaults.lights),
-    bias: other(state.bias, defaults.bias),
-    camera: cameraOf(state.camera),
+    camera: cameraOf(state.camera, defaults.camera),
   };
 }
 
-function cameraOf(camera) {
+function cameraOf(camera, usual) {
   const made = { azimuth: camera.azimuth, elevation: camera.elevation };
   if (camera.distance !== null) made.distance = camera.distance;
   if (!same(camera.target, [0, 0, 0])) made.target = camera.target;
   if (camera.orthographic_height !== null) made.orthographic_height = camera.orthographic_height;
-  else if (camera.field_of_view !== 30) made.field_of_view = camera.field_of_view;
+  else if (camera.field_of_view !== usual.field_of_view) made.field_of_view = camera.field_of_view;
   return made;
 }
 
@@ -141,9 +97,9 @@ export function toCommand(state, data) {
   const said = told(state, data);
   const values = (each, sign) =>
     Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
-  const quoted = (text) => (/^[\w./:=,-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
-  const parts = ["basrelief", "render", quoted(data.source)];
-  const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, quoted(String(x)));
+  const quoted = (text) => (/^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+  const parts = ["basrelief", "render", data.source];
+  const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, String(x));
   const tiles = (pair) => pair.map(short).join("x");
   // what begins with a minus would be taken for an option
   const joined = (name, pair) => parts.push(`--${name}=${pair.map(short).join(",")}`);
@@ -151,11 +107,14 @@ export function toCommand(state, data) {
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
     else option(name, typeof x === "number" ? short(x) : x);
   }
-  for (const [name, x] of Object.entries(said.plain)) option(name, typeof x === "number" ? short(x) : x);
+  for (const [name, x] of Object.entries(said.plain)) {
+    // the one number of an object that is no option of its own
+    if (name === "bias") parts.push("--set", `bias=${short(x)}`);
+    else option(name, typeof x === "number" ? short(x) : x);
+  }
   for (const each of Object.values(said.numbers)) {
     for (const text of values(each, "/")) parts.push("--set", text);
   }
-  if (said.bias !== null) parts.push("--set", `bias=${short(said.bias)}`);
   if (said.tiling) parts.push("--tiling", tiles(said.tiling));
   if (said.shift) joined("shift", said.shift);
   for (const [name, each] of Object.entries(said.tilings ?? {})) {
@@ -163,7 +122,7 @@ export function toCommand(state, data) {
     parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
   }
   if (said.layer) {
-    parts.push("--layer", quoted(data.layerSource), "--layer-tiling", tiles(said.layer.tiles));
+    parts.push("--layer", data.layerSource, "--layer-tiling", tiles(said.layer.tiles));
     joined("layer-shift", said.layer.shift);
   }
   if (said.fade) joined("fade", said.fade);
@@ -172,7 +131,7 @@ export function toCommand(state, data) {
   for (const light of said.lights ?? []) {
     parts.push("--light", [light.kind, ...values(lightOf(light), "/")].join(","));
   }
-  return parts.join(" ");
+  return parts.map(quoted).join(" ");
 }
 
 export function toPython(state, data) {
@@ -190,7 +149,7 @@ export function toPython(state, data) {
   for (const [name, each] of Object.entries(said.numbers)) {
     if (Object.keys(each).length) given.push(`${name}=${value(each)}`);
   }
-  for (const name of ["bias", "tiling", "shift", "fade", "background"]) {
+  for (const name of ["tiling", "shift", "fade", "background"]) {
     if (said[name] !== null) given.push(`${name}=${value(said[name])}`);
   }
   if (said.tilings) {
