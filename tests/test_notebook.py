@@ -207,6 +207,34 @@ def test_a_light_that_is_put_out_keeps_its_colour(viewer: Viewer) -> None:
     assert [*viewer.scene().lights[0].color] == [0.0, 0.0, 0.0]
 
 
+def test_what_is_read_is_a_copy(viewer: Viewer) -> None:
+    viewer.settings["max_steps"] = 99
+    viewer.lights[0]["azimuth"] = 77.0
+    viewer.finish["roughness"] = 0.1
+    assert viewer.settings["max_steps"] == 32
+    assert viewer.lights[0]["azimuth"] == -50.0
+    assert viewer.finish["roughness"] == 1.0
+
+
+def test_what_the_page_says_wrong_is_told_back_and_the_rest_is_taken(
+    viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[Any] = []
+    monkeypatch.setattr(viewer, "send_state", lambda names: told.append(names))
+    with pytest.raises(InputError, match="fade 5 to 1"):
+        viewer.set_state({"fades": True, "fade": [5, 1], "scale": 0.03})
+    assert (viewer.fades, viewer.fade, viewer.scale) == (True, (2.0, 4.0), 0.03)
+    assert told[-1] == ["fade"]
+
+
+def test_nothing_behind_stays_nothing(material: Material) -> None:
+    scene = Scene((Object(material),), background=None)
+    viewer = Viewer(scene, texels=TEXELS, engine="cpu")
+    assert viewer.scene().background is None
+    viewer.background = (0.2, 0.0, 0.0)
+    assert viewer.scene().background == (0.2, 0.0, 0.0)
+
+
 def test_changes_are_observed(viewer: Viewer) -> None:
     seen: list[tuple[str, Any]] = []
     viewer.observe(lambda change: seen.append((change.name, change.new)), ["scale", "settings"])
@@ -250,6 +278,7 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("tilings", {"normal": 3}, r"a tiling is 3: give a Tiling"),
         ("layer", True, r"there is none; make the viewer of a scene with a layer"),
         ("background", "red", r"background is 'red': give three numbers"),
+        ("air", {"fog_start": 9, "fog_end": 2}, r"fog from 9 to 2: give a fog_end no nearer"),
         ("air", {"fog_density": -1}, r"fog_density is -1: give a number from 0"),
         ("finish", {"water_level": 0.3}, r"the standard surface has no setting 'water_level'"),
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),

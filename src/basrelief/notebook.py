@@ -11,6 +11,7 @@ In Jupyter and in marimo, by anywidget (the extra `notebook`).
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from importlib.resources import files
@@ -51,7 +52,7 @@ except ImportError:
 __all__ = ["Viewer"]
 
 _RECORDS = {
-    "shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing, "air": Fog,
+    "shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing,
 }  # fmt: skip
 
 
@@ -67,6 +68,10 @@ class _Setting(traitlets.TraitType):
 
     def validate(self, viewer: Any, value: Any) -> Any:
         return self.check(viewer, str(self.name), value)
+
+    def get(self, viewer: Any, cls: Any = None) -> Any:
+        """A copy: what is changed in place would change nothing."""
+        return copy.deepcopy(super().get(viewer, cls))
 
 
 # --- checks: the library's own -------------------------------------------------------------------
@@ -118,6 +123,16 @@ def _two_numbers(name: str, value: Any) -> Any:
 
 def _record(viewer: Viewer, name: str, value: Any) -> Any:
     return plain(record_of(_RECORDS[name], value, f"the {name}"))
+
+
+def _air(viewer: Viewer, name: str, value: Any) -> Any:
+    air = record_of(Fog, value, "the fog")
+    if air.fog_start > air.fog_end:
+        raise InputError(
+            f"fog from {air.fog_start:g} to {air.fog_end:g}: "
+            "give a fog_end no nearer than fog_start"
+        )
+    return plain(air)
 
 
 def _settings(viewer: Viewer, name: str, value: Any) -> Any:
@@ -256,7 +271,7 @@ class Viewer(anywidget.AnyWidget):
     smoothing = _shared(_record)
     shading = _shared(_record)
     shadowing = _shared(_record)
-    air = _shared(_record)
+    air = _shared(_air)
     fades = _shared(_flag)
     fade = _shared(_fade)
     apart = _shared(_flag)
@@ -326,12 +341,20 @@ class Viewer(anywidget.AnyWidget):
         return plain(record_of(self._techniques[technique].settings, value, technique))
 
     def set_state(self, sync_data: Mapping[str, Any]) -> None:
-        """Take what the page says."""
+        """Take what the page says; what cannot be is told back to it as it is here."""
         self._heard = frozenset(sync_data)
+        refused: dict[str, InputError] = {}
         try:
-            super().set_state(sync_data)
+            for name, value in sync_data.items():
+                try:
+                    super().set_state({name: value})
+                except InputError as error:
+                    refused[name] = error
         finally:
             self._heard = frozenset()
+        if refused:
+            self.send_state([*refused])
+            raise next(iter(refused.values()))
 
     def _follow(self) -> None:
         """Let settings follow one another; what the page says itself it has made follow."""

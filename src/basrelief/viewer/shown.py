@@ -18,7 +18,6 @@ OF_OBJECT = (
 )  # fmt: skip
 OF_SCENE = (
     "shadows", "shading_model", "shading", "shadowing", "occlusion_kind", "fog", "air",
-    "background",
 )  # fmt: skip
 """The settings that objects and scenes have by the same names."""
 _LIGHTS: dict[str, Callable[[], Light]] = {
@@ -53,11 +52,15 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
         # a transform is that of the shape that it was made for
         transform=thing.transform if state["shape"] == thing.shape else None,
     )
+    # black is what a page shows where there is nothing behind
+    behind = tuple(state["background"])
+    none = scene.background is None and not any(behind)
     return replace(
         scene,
         objects=(shown,),
         camera=camera_of(state["camera"]),
         lights=tuple(light_of(each) for each in state["lights"]),
+        background=None if none else behind,
         **{name: state[name] for name in OF_SCENE},
     )
 
