@@ -207,6 +207,11 @@ def test_a_light_that_is_put_out_keeps_its_colour(viewer: Viewer) -> None:
     assert [*viewer.scene().lights[0].color] == [0.0, 0.0, 0.0]
 
 
+def test_one_light_will_do(viewer: Viewer) -> None:
+    viewer.lights = basrelief.directional(20.0, 50.0)
+    assert [each["azimuth"] for each in viewer.lights] == [20.0]
+
+
 def test_what_is_read_is_a_copy(viewer: Viewer) -> None:
     viewer.settings["max_steps"] = 99
     viewer.lights[0]["azimuth"] = 77.0
@@ -281,6 +286,8 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("air", {"fog_start": 9, "fog_end": 2}, r"fog from 9 to 2: give a fog_end no nearer"),
         ("air", {"fog_density": -1}, r"fog_density is -1: give a number from 0"),
         ("finish", {"water_level": 0.3}, r"the standard surface has no setting 'water_level'"),
+        ("nosuch", 3, r"a viewer has no setting 'nosuch'; it has air, alpha,"),
+        ("preset", "gamedev", r"a viewer has no setting 'preset'"),
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),
     ],
 )

@@ -68,6 +68,8 @@ def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
     ("given", "line"),
     [
         (["--texels", "0"], "--texels 0: give at least 1"),
+        (["--light", "none", "--light", "point,position=1/1/1"], "or none, alone"),
+        (["-o", "page.png"], "--output page.png: name a page, as page.html"),
         (["--add", "sphere"], "No such option"),
         (["--technique", "warp"], "warp"),
         (["--camera", "distance=0"], "distance"),
@@ -79,21 +81,36 @@ def test_what_cannot_be_is_one_line(tmp_path: Path, given: list[str], line: str)
     assert not page.exists()
 
 
+def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = run(
+        "view", "sample:noise", "-o", page, "--preset", "habrador", "--texels", "64", "--light",
+        "none", "--engine", "cpu",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    data = told(page)
+    assert (data["source"], data["layerSource"]) == ("sample:noise", "sample:stone")
+    assert data["state"]["lights"] == []
+
+
+@pytest.mark.parametrize("opens", [True, False])
 def test_without_a_file_the_page_is_opened(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], opens: bool
 ) -> None:
     import webbrowser
 
     from basrelief import cli
 
     opened: list[str] = []
-    monkeypatch.setattr(webbrowser, "open", opened.append)
+    monkeypatch.setattr(webbrowser, "open", lambda url: opened.append(url) or opens)
     monkeypatch.setattr(
         "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--engine", "cpu"]
     )
     with pytest.raises(SystemExit) as ended:
         cli.main()
     assert not ended.value.code
-    said = Path(capsys.readouterr().out.strip())
+    heard = capsys.readouterr()
+    said = Path(heard.out.strip())
     assert said.is_file()
+    assert ("no browser could be opened" in heard.err) != opens
     assert opened == [said.resolve().as_uri()]

@@ -155,7 +155,7 @@ def light_from(text: str) -> Light:
     kind, *parts = text.split(",")
     made = _LIGHTS.get(kind.strip())
     if made is None:
-        raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}")
+        raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}; or none, alone")
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
 
 
@@ -219,7 +219,7 @@ _READERS: dict[str, Callable[[Any], Any]] = {
     "shift": lambda text: pair(text, "--shift"),
     "fade": lambda text: pair(text, "--fade"),
     "camera": camera_from,
-    "lights": lambda texts: tuple(map(light_from, texts)),
+    "lights": lambda texts: () if [*texts] == ["none"] else tuple(map(light_from, texts)),
     "background": lambda text: color(text, "--background"),
 }
 """What makes a value of an option's text; other options are taken as they are."""

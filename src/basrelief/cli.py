@@ -584,12 +584,14 @@ def view(
 
         if texels < 1:
             raise InputError(f"--texels {texels}: give at least 1")
+        if output is not None and output.suffix.lower() not in (".html", ".htm"):
+            raise InputError(f"--output {output}: name a page, as page.html")
         maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
         arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
         chosen = arguments.preset_from(given.pop("preset"))
         reading = {**chosen.maps, **_said(maps)}
         material = _loaded(path, **reading)
-        sources = Sources(path, _plain(reading), given["layer"] or "LAYER")
+        sources = Sources(path, _plain(reading), given["layer"])
         scene = arguments.scene(
             material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
         )
@@ -602,8 +604,8 @@ def view(
         width, height = made.scaled_to
         print(f"note: the page's maps are scaled to {width} × {height}", file=sys.stderr)
     print(target)
-    if output is None:
-        webbrowser.open(target.resolve().as_uri())
+    if output is None and not webbrowser.open(target.resolve().as_uri()):
+        print("note: no browser could be opened; open the page yourself", file=sys.stderr)
 
 
 @app.command()

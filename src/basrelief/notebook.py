@@ -26,7 +26,7 @@ from basrelief.scene import SURFACES, Object, Orbit, Scene
 from basrelief.scene.checks import one_of, record_of, within
 from basrelief.shaders.fog import Fog
 from basrelief.shaders.height import Smoothing
-from basrelief.shaders.lighting import Shading
+from basrelief.shaders.lighting import Light, Shading
 from basrelief.shaders.shadow import Shadowing
 from basrelief.viewer.layouts import plain
 from basrelief.viewer.page import Progress, page_of
@@ -84,7 +84,7 @@ def _choice(viewer: Viewer, name: str, value: Any) -> Any:
 
 def _technique(viewer: Viewer, name: str, value: Any) -> Any:
     one_of(name, value, tuple(viewer._techniques))
-    Object(viewer.material, technique=viewer._techniques[value])
+    Object(viewer._material, technique=viewer._techniques[value])
     return value
 
 
@@ -100,7 +100,7 @@ def _show(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _number(viewer: Viewer, name: str, value: Any) -> float:
-    thing = Object(viewer.material, **{name: value})
+    thing = Object(viewer._material, **{name: value})
     return float(getattr(thing, name))
 
 
@@ -110,7 +110,7 @@ def _share(viewer: Viewer, name: str, value: Any) -> float:
 
 
 def _pair(viewer: Viewer, name: str, value: Any) -> Any:
-    return getattr(Object(viewer.material, **{name: _two_numbers(name, value)}), name)
+    return getattr(Object(viewer._material, **{name: _two_numbers(name, value)}), name)
 
 
 def _two_numbers(name: str, value: Any) -> Any:
@@ -179,7 +179,7 @@ def _layer(viewer: Viewer, name: str, value: Any) -> bool:
 
 def _fade(viewer: Viewer, name: str, value: Any) -> Any:
     pair = _two_numbers(name, value)
-    return Object(viewer.material, fade=pair).fade
+    return Object(viewer._material, fade=pair).fade
 
 
 def _background(viewer: Viewer, name: str, value: Any) -> Any:
@@ -199,6 +199,8 @@ def _tilings(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
 
 
 def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
+    if isinstance(value, Light):
+        value = (value,)
     if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
         raise InputError(f"lights is {value!r}: give several, as (basrelief.directional(),)")
     return [said_light(each) for each in value]
@@ -302,7 +304,7 @@ class Viewer(anywidget.AnyWidget):
         within("texels", texels, 1, None)
         within("height", height, 100, 10_000)
         thing = scene.objects[0]
-        self.material = thing.material
+        self._material = thing.material
         self._began = scene
         self._techniques = techniques_of(thing)
         self._heard: frozenset[str] = frozenset()
@@ -310,7 +312,7 @@ class Viewer(anywidget.AnyWidget):
         self._all_settings = state.pop("settings")
         self._all_finishes = state.pop("finish")
         self._all_tilings = state["tilings"]
-        sources = Sources(str(what)) if isinstance(what, str | Path) else Sources()
+        sources = Sources(str(what) if isinstance(what, str | Path) else None)
         made = page_of(scene, texels, sources, engine, progress or (lambda what, share: None))
         super().__init__(
             _page=made.html.encode(),
@@ -325,6 +327,12 @@ class Viewer(anywidget.AnyWidget):
         self.settings = self.settings_of[self.technique]
         self.finish = self.finish_of[self.surface]
         self._follow()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            names = sorted(n for n, t in self.traits(sync=True).items() if isinstance(t, _Setting))
+            raise InputError(f"a viewer has no setting {name!r}; it has {', '.join(names)}")
+        super().__setattr__(name, value)
 
     def scene(self) -> Scene:
         """What is shown, as a scene: `basrelief.render(viewer.scene())` draws it.
@@ -375,7 +383,7 @@ class Viewer(anywidget.AnyWidget):
 
     def _follow_shape(self, change: Any) -> None:
         if "shape" not in self._heard:
-            self.tiling = Object(self.material, shape=self.shape, technique="flat").tiles
+            self.tiling = Object(self._material, shape=self.shape, technique="flat").tiles
             self.camera = replace(self.camera, distance=None, target=(0.0, 0.0, 0.0))
 
     def _follow_settings(self, change: Any) -> None:

@@ -82,7 +82,7 @@ class Light:
         Texts,
         _option(
             "directional, azimuth=-50, elevation=35 · point, position=1/1/1, falloff=1 · spot, "
-            "position=1/2/1, angle=30; each also color=1/1/1, intensity=2; repeat.",
+            "position=1/2/1, angle=30; each also color=1/1/1, intensity=2; repeat; or none.",
             "KIND,NAME=VALUE…",
             "--light",
         ),

@@ -72,8 +72,10 @@ def is_ours(file: Path, generator: str) -> bool:
 
 def check_ours(file: Path, generator: str, what: str) -> None:
     """Raise InputError where there is a file that is not ours; `what` says what ours would be."""
+    if file.is_dir():
+        raise InputError(f"{file}: is a folder; name a file in it, as {file / 'page.html'}")
     if file.exists() and not is_ours(file, generator):
-        raise InputError(f"{file}: is there, and not {what}; choose a folder")
+        raise InputError(f"{file}: is there, and not {what}; choose another name or folder")
 
 
 def write_page(file: Path, text: str) -> None:

@@ -223,5 +223,6 @@ def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
     names = set(Object.__dataclass_fields__) - {"material"}
     for name in of_object:
         if name not in names:
-            raise InputError(f"no option {name!r}; there are {', '.join(sorted(names))}")
+            known = names | set(Scene.__dataclass_fields__) - {"objects"}
+            raise InputError(f"no option {name!r}; there are {', '.join(sorted(known))}")
     return Scene((Object(material, **of_object),), **of_scene)

@@ -64,24 +64,38 @@ LIMITS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Sources:
-    """What lines of Python and commands call the material and its layer, and how it is read."""
+    """What lines of Python and commands call the material and its layer, and how it is read.
 
-    material: str = "FOLDER"
+    What is not said is the name of a sample, or else a word to be replaced.
+    """
+
+    material: str | None = None
     reading: Mapping[str, Any] = field(default_factory=dict)
-    layer: str = "LAYER"
+    layer: str | None = None
+
+
+def _named(material: Material | None, otherwise: str) -> str:
+    """What a command line would call a material: a sample by its name."""
+    if material is None:
+        return otherwise
+    sources = [one.source for _, one in material.maps()]
+    whole = all(each.startswith(f"sample {material.name},") for each in sources)
+    return f"sample:{material.name}" if whole and sources else otherwise
 
 
 def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
     """What the page knows beside programs and maps."""
     thing = scene.objects[0]
     material = thing.material
+    over = None if thing.layer is None else thing.layer.material
     techniques = techniques_of(thing)
     return {
         "name": material.name,
         "version": __version__,
-        "source": sources.material,
+        "source": sources.material or _named(material, "FOLDER"),
         "reading": dict(sources.reading),
-        "layerSource": sources.layer,
+        "layerSource": sources.layer
+        or _named(over, "LAYER"),
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
         "bakes": bake_numbers(),
