@@ -14,7 +14,7 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
 from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
-from basrelief.programs import edges_of
+from basrelief.shaders.edge import edges_of
 from basrelief.shaders.height import heights_of
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import cone, displace, relaxed_cone

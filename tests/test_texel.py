@@ -18,9 +18,10 @@ from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material
 from basrelief.measure.boxes import first_box_hits
-from basrelief.programs import edges_of, program_of, values_of
+from basrelief.programs import program_of, values_of
 from basrelief.scene import LookAt, Object, Scene, directional
 from basrelief.shaders.boxes import INSET, side_at
+from basrelief.shaders.edge import edges_of
 from basrelief.shaders.lighting import Shading
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import TECHNIQUES, Nothing, texel
