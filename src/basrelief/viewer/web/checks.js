@@ -45,6 +45,7 @@ export function held(state, start, data) {
   if (!["", ...data.menus.technique].includes(state.compare)) state.compare = "";
   if (!data.shows.includes(state.show)) state.show = start.show;
   if (!Object.hasOwn(data.presets, state.preset)) state.preset = "";
+  if (!data.techniques[state.technique].heights.includes(state.heights)) state.heights = "sharp";
   state.layer &&= data.constants.layer;
   holdSettings(state, data);
   holdNumbers(state, data.limits);

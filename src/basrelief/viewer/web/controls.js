@@ -22,11 +22,14 @@ function set(state, path, value) {
   at(state, path.slice(0, -1))[path.at(-1)] = value;
 }
 
-// A slider and a number for one value. Wide ranges of numbers above 0 go by powers.
-export function number(view, path, { label, doc = "", low, high, whole = false, step = null }) {
+// A slider and a number for one value. Wide ranges of numbers above 0 go by powers. Where `soft` the
+// range is that of the slider alone, and grows to hold what the value is.
+export function number(view, path, { label, doc = "", low, high, whole = false, step = null, soft = false }) {
   const id = `control-${(count += 1)}`;
   const start = at(view.state, path);
-  const [least, most] = [low ?? Math.min(0, 2 * start), high ?? Math.max(4 * Math.abs(start), 2)];
+  const ends = [low ?? Math.min(0, 2 * start), high ?? Math.max(4 * Math.abs(start), 2)];
+  const [least, most] = soft ? [Math.min(ends[0], start), Math.max(ends[1], start)] : ends;
+  const [lowest, highest] = soft ? [null, null] : [low, high];
   const wide = most > 128 && least >= 0;
   const offset = least > 0 ? least : 1;
   const span = Math.log((most - least + offset) / offset);
@@ -46,8 +49,8 @@ export function number(view, path, { label, doc = "", low, high, whole = false, 
     id,
     name: path.join("."),
     step: whole ? "1" : "any",
-    ...(low != null && { min: String(low) }),
-    ...(high != null && { max: String(high) }),
+    ...(lowest != null && { min: String(lowest) }),
+    ...(highest != null && { max: String(highest) }),
   });
   const rounded = (x) => {
     if (whole) return Math.round(x);
@@ -55,13 +58,15 @@ export function number(view, path, { label, doc = "", low, high, whole = false, 
   };
   const show = () => {
     const value = at(view.state, path);
+    if (!wide && value > Number(slider.max)) slider.max = String(value);
+    if (!wide && value < Number(slider.min)) slider.min = String(value);
     slider.value = String(toSlider(value));
     slider.setAttribute("aria-valuetext", String(value));
-    if (document.activeElement !== field) field.value = String(Number(value.toPrecision(5)));
+    if (document.activeElement !== field) field.value = String(Number(value.toPrecision(4)));
   };
   const take = (value) => {
     if (!Number.isFinite(value)) return;
-    let held = Math.max(low ?? -Infinity, Math.min(high ?? Infinity, value));
+    let held = Math.max(lowest ?? -Infinity, Math.min(highest ?? Infinity, value));
     if (whole) held = Math.round(held);
     set(view.state, path, held);
     view.changed();
@@ -256,8 +261,8 @@ const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
 const tiling = (view, path, label) => [
-  ...pair(view, [...path, "tiles"], `${label} tiling`, { low: 0.1, high: 32, step: 0.1 }),
-  ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01 }),
+  ...pair(view, [...path, "tiles"], `${label} tiling`, { low: 0.1, high: 32, step: 0.1, soft: true }),
+  ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01, soft: true }),
 ];
 
 function relief(view) {
@@ -277,6 +282,7 @@ function relief(view) {
       low: 0,
       high: 0.5,
       step: 0.001,
+      soft: true,
       doc: "the whole height range as a fraction of a tile's width",
     }),
     number(view, ["level"], {
@@ -294,12 +300,12 @@ function relief(view) {
     ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
     named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
     named(view, "edge", "Edge"),
-    ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1 }),
-    ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01 }),
+    ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1, soft: true }),
+    ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01, soft: true }),
     check(view, ["fades"], "Fade with the distance"),
     ...(state.fades
       ? ["fade from", "gone at"].map((label, k) =>
-          number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05 }),
+          number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05, soft: true }),
         )
       : []),
   );
@@ -325,7 +331,7 @@ function lamp(view, k) {
   }
   if (kind !== "directional") {
     for (const c of [0, 1, 2]) {
-      const range = { label: `${name} ${"xyz"[c]}`, low: -4, high: 4, step: 0.05 };
+      const range = { label: `${name} ${"xyz"[c]}`, low: -4, high: 4, step: 0.05, soft: true };
       made.push(number(view, [...path, "position", c], range));
     }
     made.push(
@@ -339,7 +345,13 @@ function lamp(view, k) {
     );
   }
   made.push(
-    number(view, [...path, "intensity"], { label: `${name} strength`, low: 0, high: 10, step: 0.1 }),
+    number(view, [...path, "intensity"], {
+      label: `${name} strength`,
+      low: 0,
+      high: 10,
+      step: 0.1,
+      soft: true,
+    }),
     color(view, [...path, "color"], `${name} color`),
     element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` })),
   );
@@ -389,9 +401,17 @@ function air(view) {
   );
 }
 
+// The numbers of a surface that have nothing to act on are left away.
+const ACTS = {
+  cutoff: ({ state }) => state.alpha === "mask",
+  layer_color: ({ state }) => state.layer,
+  layer_normal: ({ state }) => state.layer,
+  emission: ({ pictures }) => Boolean(pictures.emission),
+};
+
 function surface(view) {
   const { data, state } = view;
-  const finish = data.settings.finish[state.surface];
+  const finish = data.settings.finish[state.surface].filter(({ name }) => ACTS[name]?.(view) ?? true);
   return section(
     "Surface",
     false,

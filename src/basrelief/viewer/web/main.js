@@ -14,6 +14,7 @@ import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "vie
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
 const ZOOM = 1.12;
+const READ = 8000; // milliseconds for which a message that is only told stays
 
 export async function start() {
   const view = new View();
@@ -173,7 +174,9 @@ class View {
     const found = this.data.presets[name]?.state;
     if (!found) return;
     const { camera, shape } = this.state;
-    this.state = { ...merged(this.start, found, this.data), preset: name, camera, shape };
+    const { compare, divider, show } = this.state;
+    const kept = { camera, shape, compare, divider, show };
+    this.state = { ...merged(this.start, found, this.data), preset: name, ...kept };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
 
@@ -345,6 +348,7 @@ class View {
     this.state.divider = Math.max(0, Math.min(1, share));
     if (this.drawing.state) this.drawing.state.divider = this.state.divider;
     this.updateDivider();
+    this.link();
     this.host?.tell();
     this.drawing.present();
   }
@@ -402,8 +406,16 @@ class View {
     }
     this.drawing.setMaps(pictures);
     this.pictures = pictures;
-    this.hasHeights ||= slot === "height";
+    if (slot === "height" && !this.hasHeights) {
+      this.hasHeights = true;
+      if (this.state.technique === "flat") this.useRelief();
+    }
     return this.tellMap(file.name, slot, picture, how);
+  }
+
+  useRelief() {
+    const { level, projection } = this.data.techniques.relief;
+    Object.assign(this.state, { technique: "relief", level, projection });
   }
 
   // What a file is to be used as by its name.
@@ -433,6 +445,9 @@ class View {
 
   tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
+    if (slot === "height" && this.pictures.normal) {
+      this.say("The normals are still those of the normal map; “Make normals of the heights” makes others.", true);
+    }
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
     if (width * height > 1 && apart > 0.02) {
@@ -490,11 +505,13 @@ class View {
 
   async copy(kind) {
     const text = this.text(kind);
+    const without = this.pictures === this.began ? "" : " The maps that were dropped are not in it.";
+    byId("copied").textContent = text + (without && `\n${without.trim()}`);
     try {
       await navigator.clipboard.writeText(text);
-      byId("copied").textContent = `Copied: ${text}`;
+      this.say(`Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`, true);
     } catch {
-      byId("copied").textContent = text;
+      this.say(`The browser does not let the page copy: take it from the panel.${without}`, true);
     }
   }
 
@@ -518,7 +535,7 @@ class View {
       }
     }
     if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);
-    byId("figures").textContent = parts.join(" · ");
+    byId("figures").textContent = byId("figures").title = parts.join(" · ");
   }
 
   say(message, quiet = false) {
@@ -534,5 +551,7 @@ class View {
     const box = byId("messages");
     while (box.children.length > 2) box.firstChild.remove();
     box.append(line);
+    // what is only told goes by itself; what went wrong stays until it is read
+    if (quiet) setTimeout(() => line.remove(), READ);
   }
 }

@@ -119,7 +119,9 @@ export function toCommand(state, data) {
   if (said.shift) joined("shift", said.shift);
   for (const [name, each] of Object.entries(said.tilings ?? {})) {
     parts.push("--map-tiling", `${name}=${tiles(each.tiles)}`);
-    parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
+    if (!same(each.shift, state.shift)) {
+      parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
+    }
   }
   if (said.layer) {
     parts.push("--layer", data.layerSource, "--layer-tiling", tiles(said.layer.tiles));
@@ -128,6 +130,7 @@ export function toCommand(state, data) {
   if (said.fade) joined("fade", said.fade);
   if (said.background) joined("background", said.background);
   parts.push("--camera", values(said.camera, "/").join(","));
+  if (said.lights?.length === 0) parts.push("--light", "none");
   for (const light of said.lights ?? []) {
     parts.push("--light", [light.kind, ...values(lightOf(light), "/")].join(","));
   }
@@ -170,5 +173,5 @@ export function toPython(state, data) {
   const source = JSON.stringify(data.source);
   const reading = listed(data.reading);
   const what = reading.length ? `basrelief.load(${[source, ...reading].join(", ")})` : source;
-  return `basrelief.render(${[what, ...given].join(", ")})`;
+  return `import basrelief; basrelief.render(${[what, ...given].join(", ")})`;
 }
