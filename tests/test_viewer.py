@@ -549,6 +549,41 @@ def _parts(word: str) -> list[str]:
     return word.split("=", 1) if word.startswith("--") and "=" in word else [word]
 
 
+def test_without_lights_it_is_dark_in_a_command_too(fresh: Seen, material: Material) -> None:
+    for _ in range(2):
+        fresh.page.get_by_role("button", name="Remove light 1").click()
+    fresh.page.locator("#add-light").wait_for()
+    assert fresh.page.evaluate("viewer.state.lights") == []
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    scene = _scene_of_command(material, words[3:])
+    assert scene.lights == ()
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
+
+
+def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
+    fresh.state(scale=2.0, tiling=[50.0, -1.0])
+    fresh.page.evaluate("viewer.changed(true)")
+    slider = fresh.page.get_by_label("scale, slider", exact=True)
+    assert (slider.get_attribute("max"), slider.input_value()) == ("2", "2")
+    slider.focus()
+    fresh.page.keyboard.press("ArrowLeft")
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(2.0, abs=0.05)
+    # a number may go beyond the slider, as far as the library goes
+    fresh.page.get_by_label("scale", exact=True).fill("3.5")
+    assert fresh.page.evaluate("viewer.state.scale") == 3.5
+    fresh.page.get_by_label("scale", exact=True).fill("30")
+    assert fresh.page.evaluate("viewer.state.scale") == 10.0
+    assert fresh.page.evaluate("viewer.state.tiling") == [50, -1]
+
+
+def test_the_divider_is_in_the_link(fresh: Seen) -> None:
+    fresh.state(compare="offset")
+    fresh.page.evaluate("viewer.changed(true)")
+    fresh.page.get_by_label("Divider").fill("0.25")
+    fresh.page.wait_for_function("decodeURIComponent(location.hash).includes('divider')")
+    assert '"divider":0.25' in fresh.page.evaluate("decodeURIComponent(location.hash)")
+
+
 def test_a_link_opens_as_it_was(fresh: Seen, browser: Any, page_file: Path) -> None:
     _changed(fresh)
     link = fresh.page.evaluate("viewer.text('link')")
@@ -762,9 +797,25 @@ def test_pictures_dropped_together_are_what_their_names_say(
         roughness=map_of(255 - noise[:, ::-1, 1:2]),
     )
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    # what is copied cannot have them, and says so
+    fresh.page.get_by_role("button", name="Copy as command").click()
+    assert "The maps that were dropped are not in it." in fresh.text("#copied")
     # and all of it is taken back
     fresh.page.get_by_role("button", name="As at the start").click()
     assert_agree(expected(material), fresh.frame(), TEXELS)
+
+
+def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path: Path) -> None:
+    plain = Material("plain", base_color=sample("bricks", 32).base_color)
+    write_view(Scene((Object(plain),)), tmp_path / "page.html", engine="cpu")
+    seen = Seen(browser, tmp_path / "page.html")
+    assert seen.page.evaluate("viewer.state.technique") == "flat"
+    ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
+    _drop(seen, write_data(_place("plain_height.png"), ramp))
+    seen.page.wait_for_function("viewer.mapSaid !== ''")
+    assert seen.page.evaluate("viewer.state.technique") == "relief"
+    assert seen.frame().reads.max() > 8
+    seen.page.close()
 
 
 NAMES = [

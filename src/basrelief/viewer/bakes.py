@@ -1,7 +1,6 @@
 """What a page needs to bake as the library does: the programs, and the numbers of their steps.
 
 The steps themselves are those of `bake.bounds` and `bake.cones`; `web/bakes.js` goes through them.
-A page's maps repeat, and only their finest level is baked.
 """
 
 from __future__ import annotations
