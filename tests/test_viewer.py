@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -652,6 +653,31 @@ def test_the_buttons_copy(fresh: Seen) -> None:
     assert "basrelief.render(" in fresh.text("#copied")
 
 
+def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
+    fresh.page.evaluate("() => { viewer.canvas.toBlob = (then) => then(null) }")
+    fresh.page.locator("#save").click()
+    fresh.page.get_by_text("The browser makes no picture of the canvas").wait_for()
+    fresh.page.evaluate("() => { delete viewer.canvas.toBlob }")
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
+def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
+    fresh.state(technique="offset", show="missed")
+    fresh.draw()
+    assert " missed " in fresh.text("#figures")
+    # the truth's program fails, and colours are shown
+    fresh.page.evaluate(
+        "() => { const { drawing } = viewer; const side = drawing.side.bind(drawing);"
+        " drawing.side = async (name, state) => {"
+        " if (name === 'truth') throw new Error('none'); return side(name, state); } }"
+    )
+    fresh.draw()
+    assert "exact: none" in fresh.text("#messages")
+    assert "missed" not in fresh.text("#figures")
+    fresh.page.evaluate("() => { delete viewer.drawing.side }")
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
 def test_the_picture_is_saved(fresh: Seen) -> None:
     fresh.draw()
     with fresh.page.expect_download() as waiting:
@@ -869,7 +895,30 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     seen.page.get_by_label("Technique", exact=True).select_option("steep")
     seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
     assert "steep:" in seen.text("#messages")
+    seen.draw()
+    assert "relief is still shown" in seen.text("#figures")
+    # it is neither compiled nor told again
+    compiled = seen.page.evaluate("viewer.gpu.compiled")
+    seen.state(scale=0.05)
+    seen.draw()
+    seen.state(scale=0.08)
+    seen.draw()
+    assert seen.page.evaluate("viewer.gpu.compiled") == compiled
+    assert seen.page.locator("#messages p").count() == 1
     seen.page.get_by_label("Technique", exact=True).select_option("relief")
+    assert np.array_equal(seen.frame().color, before)
+    assert "still shown" not in seen.text("#figures")
+    # beside the divider there is nothing, and no divider
+    seen.page.get_by_label("Beside it").select_option("offset")
+    seen.draw()
+    assert seen.page.locator("#line").is_visible()
+    assert " | " in seen.text("#figures")
+    seen.page.get_by_label("Beside it").select_option("steep")
+    seen.draw()
+    assert seen.page.locator("#messages p").count() == 2
+    assert not seen.page.locator("#line").is_visible()
+    assert " | " not in seen.text("#figures")
+    seen.page.get_by_label("Beside it").select_option("")
     assert np.array_equal(seen.frame().color, before)
     seen.page.close()
 
@@ -877,12 +926,26 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
 def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
     seen = Seen(browser, page_file)
     before = seen.frame().color
-    seen.page.evaluate("viewer.gpu.device.destroy()")
-    seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
-    assert "device was lost" in seen.text("#messages")
-    seen.page.wait_for_function("viewer.drawing.state !== null")
+    seen.page.evaluate("(window.lost = viewer.gpu).device.destroy()")
+    seen.page.get_by_text("device was lost").wait_for()
+    seen.page.wait_for_function("viewer.gpu !== lost && viewer.drawing.gpu === viewer.gpu")
     assert np.array_equal(seen.frame().color, before)
     seen.page.close()
+    # before there is a drawing too
+    page = browser.new_page(viewport={"width": 760, "height": 400})
+    page.add_init_script(
+        """const ask = GPUAdapter.prototype.requestDevice;
+        GPUAdapter.prototype.requestDevice = async function (given) {
+          const device = await ask.call(this, given);
+          if (!window.lost) (window.lost = device).destroy();
+          return device;
+        };"""
+    )
+    seen = Seen(SimpleNamespace(new_page=lambda **_: page), page_file)
+    assert "device was lost" in seen.text("#messages")
+    assert np.array_equal(seen.frame().color, before)
+    assert seen.page.evaluate("viewer.gpu.device !== lost")
+    page.close()
 
 
 def test_without_webgpu_there_are_pictures_and_a_message(browser: Any, page_file: Path) -> None:

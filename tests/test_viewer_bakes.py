@@ -16,7 +16,7 @@ import pytest
 
 from agreement import assert_agree
 from basrelief import bake
-from basrelief.material import Map, Material, sample
+from basrelief.material import Map, Material, pyramids, sample
 from basrelief.measure.errors import errors
 from basrelief.measure.truth import truth
 from basrelief.picture import encode_png, read_picture
@@ -66,7 +66,7 @@ def seen(opened: Seen) -> Seen:
           const { gpu, data } = viewer;
           gpu.limits = gpu.device.limits;
           viewer.drop = { slot: "height", channel: "luminance", polarity: "height", green: "gl" };
-          viewer.reset();
+          await viewer.reset();
           // some tests give the drawing maps that the page knows nothing of
           await viewer.drawing.setMaps(viewer.began);
           document.getElementById("messages").replaceChildren();
@@ -97,7 +97,7 @@ READ = """async ([codes, height, width, name, edge]) => {
   const { drawing, gpu } = viewer;
   const texels = Uint16Array.from(codes);
   const { [name]: held, ...pictures } = viewer.pictures;
-  drawing.setMaps({ ...pictures, field: { width, height, texels } });
+  await drawing.setMaps({ ...pictures, field: { width, height, texels } });
   const table = await drawing.bakesFor(edge).table(name);
   return [table.width, table.height, [...(await gpu.readTexture(table))]];
 }"""
@@ -123,14 +123,14 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
     assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
     assert seen.said == []
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 def test_normals_are_pythons(seen: Seen) -> None:
     codes = noise((50, 37))
     script = """async ([codes, height, width, rise]) => {
       const texels = Uint16Array.from(codes);
-      viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
+      await viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
       return [...(await viewer.drawing.bakesFor("wrap").normals(rise))];
     }"""
     found = seen.page.evaluate(script, [codes.ravel().tolist(), *codes.shape, 0.08 * 37])
@@ -160,7 +160,7 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
         seen.state(technique=technique, level=made.level, projection=made.projection)
         assert_agree(expected(swapped, technique=technique), seen.frame(), TEXELS)
     assert seen.said == []
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_bakes_go_by_edge_and_levels(
         material, technique=technique, **changes, **{k: tuple(v) for k, v in far.items()}
     )
     assert_agree(wanted, seen.frame(), TEXELS)
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 def test_only_what_takes_long_comes_baked(seen: Seen) -> None:
@@ -203,7 +203,32 @@ def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(swapped, technique="exact"), seen.frame(), TEXELS)
     assert_agree(expected(swapped, technique="cone"), seen.frame("right"), TEXELS)
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
+
+
+def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material) -> None:
+    # heights are dropped in the middle of their own bake, where its programs are made already
+    script = """async ([first, second]) => {
+      const file = (text) =>
+        new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], "heights.png");
+      viewer.drop.slot = "height";
+      viewer.state.technique = "exact";
+      await viewer.takeMaps([file(first)]);
+      const { bakes } = viewer.drawing;
+      while (!(bakes.get("wrap")?.jobs.size > 1)) await new Promise((next) => setTimeout(next));
+      await viewer.takeMaps([file(second)]);
+      await viewer.drawing.settled();
+    }"""
+    codes = noise((TEXELS, TEXELS), 2)
+    pictures = [noise((256, 256)), codes]
+    files = [base64.b64encode(_png(each[:, :, None], 0, 16)).decode() for each in pictures]
+    seen.page.evaluate(script, files)
+    made = TECHNIQUES["exact"]
+    seen.state(level=made.level, projection=made.projection)
+    swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
+    assert_agree(expected(swapped, technique="exact"), seen.frame(), TEXELS)
+    assert seen.said == []
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material) -> None:
@@ -247,7 +272,7 @@ def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
     seen.draw()
     assert seen.page.evaluate(MADE) == []
     assert seen.text("#busy") == ""
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 def test_a_bake_that_fails_is_told(seen: Seen) -> None:
@@ -273,7 +298,15 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
     seen.draw()
     seen.state(technique="cone")
     assert seen.frame().hit.any()
-    seen.page.evaluate("() => { viewer.data.programs.entries.far_record = far_record }")
+    seen.page.evaluate(
+        """() => {
+          viewer.data.programs.entries.far_record = far_record;
+          for (const key of viewer.gpu.pipelines.keys()) {
+            if (key.startsWith("far_record")) viewer.gpu.pipelines.delete(key);
+          }
+          for (const each of viewer.drawing.bakes.values()) each.failures.clear();
+        }"""
+    )
 
 
 # --- dropped pictures of every kind --------------------------------------------------------------
@@ -318,6 +351,14 @@ def test_palettes_and_clear_colours_are_read(seen: Seen) -> None:
     assert found.tolist() == [[[300, 300, 300, 0], [40000, 40000, 40000, 65535]]]
 
 
+def test_a_clear_colour_beside_alpha_is_nothing(seen: Seen) -> None:
+    grey = np.array([[[300, 7], [40000, 9]]], np.uint16)
+    found = _decoded(seen, _png(grey, 4, 16, {b"tRNS": struct.pack(">H", 300)}))
+    assert found.tolist() == [[[300, 300, 300, 7], [40000, 40000, 40000, 9]]]
+    with pytest.raises(Exception, match="this PNG is damaged: its clear colour is cut off"):
+        _decoded(seen, _png(np.ones((1, 2, 3), np.uint8), 2, 8, {b"tRNS": b"\0\1\0\1"}))
+
+
 def test_what_of_a_png_cannot_be_read_is_told(seen: Seen) -> None:
     whole = _png(noise((8, 8))[:, :, None], 0, 16)
     before = seen.frame().color
@@ -349,6 +390,35 @@ def test_a_map_too_large_for_the_gpu_is_told(seen: Seen) -> None:
     assert "exact: a map of 38 × 64 is larger than this GPU takes (50)" in seen.text("#messages")
     seen.state(technique="relief")
     assert seen.frame().hit.any()
+
+
+def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
+    before = seen.frame().color
+    seen.page.evaluate("viewer.gpu.limits = { maxTextureDimension2D: 1e9 }")
+    _drop(seen, "long.png", _png(np.zeros((1, 40000, 1), np.uint8), 0, 8), taken=False)
+    assert np.array_equal(seen.frame().color, before)
+    assert seen.text("#messages").count("long.png:") == 1
+    assert seen.page.locator("#messages p").count() == 1
+    # one of two: the other is given back
+    script = """async () => {
+      const { drawing, gpu } = viewer;
+      const made = [];
+      const texture = gpu.texture.bind(gpu);
+      gpu.texture = (...given) => {
+        if (made.length) throw new Error("no room");
+        made.push(texture(...given));
+        made[0].destroy = () => { made[0].gone = true; };
+        return made[0];
+      };
+      const one = { width: 1, height: 1, texels: new Uint16Array(4) };
+      const told = await drawing.setMaps({ ...viewer.pictures, normal: one, response: { ...one } })
+        .catch((error) => error.message);
+      delete gpu.texture;
+      return [told, made[0].gone];
+    }"""
+    assert seen.page.evaluate(script) == ["no room", True]
+    assert np.array_equal(seen.frame().color, before)
+    assert seen.said == []
 
 
 # --- dropped maps --------------------------------------------------------------------------------
@@ -383,7 +453,7 @@ def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material
     }
     swapped = replace(material, **maps)  # type: ignore[arg-type]
     assert_agree(expected(swapped, alpha="blend"), seen.frame(), TEXELS)
-    assert seen.text("#messages") == ""
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
 def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Material) -> None:
@@ -395,6 +465,60 @@ def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Materi
     assert_agree(expected(replace(swapped, normal=None)), seen.frame(), TEXELS)
     assert seen.page.locator("#leave-normals").count() == 0
     assert seen.page.text_content("#map-said") == "Normals are made of the heights."
+
+
+def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> None:
+    seen.page.evaluate(
+        "(async () => { await viewer.leaveNormals(); await viewer.draw(160, 90, 1); })()"
+    )
+    seen.page.evaluate(
+        """() => {
+          const { drawing, gpu } = viewer;
+          const read = gpu.readTexture.bind(gpu);
+          const held = new Promise((open) => { window.openReading = open; });
+          gpu.readTexture = (texture) => held.then(() => read(texture));
+          window.framesBefore = drawing.frames;
+          viewer.state.scale = 0.04;
+          viewer.changed();
+        }"""
+    )
+    seen.page.wait_for_function("viewer.drawing.frames > framesBefore", timeout=20000)
+    assert seen.page.evaluate("viewer.drawing.state.scale") == 0.04
+    seen.page.evaluate("() => { openReading(); delete viewer.gpu.readTexture; }")
+    # once it rests they are those of the new scale
+    plain = replace(material, normal=None)
+    assert_agree(expected(plain, scale=0.04), seen.frame(), TEXELS)
+    # turned and turned back, and turned to where none are used
+    seen.page.evaluate("for (const n of [0.1, 0.04]) { viewer.state.scale = n; viewer.changed(); }")
+    assert_agree(expected(plain, scale=0.04), seen.frame(), TEXELS)
+    seen.state(scale=0)
+    seen.draw()
+    assert seen.page.evaluate("viewer.drawing.bakedFor") == "0.04 wrap"
+    assert seen.page.locator("#messages p:not(.quiet)").count() == 0
+
+
+def test_smaller_levels_of_channels_are_pythons(seen: Seen) -> None:
+    rng = np.random.default_rng(9)
+    script = """async ([texels, height, width]) => {
+      const maps = await import("view/maps.js");
+      const levels = maps.channelLevels({ width, height, texels: Uint16Array.from(texels) });
+      return levels.map((level) => [...level.texels]);
+    }"""
+    for shape in ((12, 24, 4), (6, 7, 4)):
+        level = rng.integers(0, 65536, shape).astype(np.uint16)
+        for texels in seen.page.evaluate(script, [level.ravel().tolist(), *shape[:2]]):
+            assert np.array_equal(np.array(texels).reshape(level.shape), level)
+            level = np.rint(pyramids.halved(level.astype(np.float32))).astype(np.uint16)
+
+
+def test_values_of_few_programs_are_kept(seen: Seen) -> None:
+    for shadows in ("none", "hard"):
+        for technique in ("flat", "offset", "steep", "relief", "parallax_occlusion"):
+            seen.state(technique=technique, compare="offset", shadows=shadows)
+            seen.draw()
+    # two are shown
+    assert seen.page.evaluate("viewer.drawing.jobs.size") == 10
+    assert seen.said == []
 
 
 def test_other_proportions_are_told(seen: Seen) -> None:

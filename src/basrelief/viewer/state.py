@@ -94,8 +94,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "version": __version__,
         "source": sources.material or _named(material, "FOLDER"),
         "reading": dict(sources.reading),
-        "layerSource": sources.layer
-        or _named(over, "LAYER"),
+        "layerSource": sources.layer or _named(over, "LAYER"),
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
         "bakes": bake_numbers(),

@@ -84,13 +84,14 @@ export class Bakes {
   }
 
   // Normals of a relief that rises so much a texel, four 16-bit channels a texel.
-  normals(per_texel) {
-    return this.making(async () => {
+  normals(per_texel, wanted) {
+    const steps = async () => {
       const made = this.texture(this.size, false);
       const values = { field: this.field, relief: { per_texel } };
       await this.run("normals", "normals", values, this.size, made);
       return this.gpu.readTexture(made);
-    });
+    };
+    return this.making(steps, undefined, wanted);
   }
 
   // Go through a bake's steps; of its textures only the one that it returns is kept.
@@ -278,7 +279,7 @@ export class Bakes {
   }
 
   texture(size, heights) {
-    const { value, failed } = this.checked(() => this.gpu.emptyTexture(size, heights));
+    const { value, failed } = this.gpu.checked(() => this.gpu.emptyTexture(size, heights));
     this.refused.push(failed);
     this.scratch.add(value);
     return value;
@@ -296,12 +297,14 @@ export class Bakes {
     if (!this.packers.has(kind) && KINDS[kind].texel) this.packers.set(kind, await this.packer(kind));
     const wide = Math.ceil(width / ROW) * ROW;
     const most = Math.max(1, Math.floor(ROOM / (4 * KINDS[kind].planes * wide)));
+    // others' heights may have come meanwhile, and the job's buffers be gone
+    this.stay();
     job.put(values);
     for (let first = 0; first < height; ) {
       this.stay();
       const rows = Math.min(height - first, most, Math.max(1, Math.floor(this.room(key) / wide)));
       const began = performance.now();
-      const { failed } = this.checked(() => {
+      const { failed } = this.gpu.checked(() => {
         this.submit(job, kind, wide, first, first + rows, {
           texture,
           origin: [0, below + first],
@@ -392,26 +395,6 @@ export class Bakes {
     pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }));
     pass.dispatchWorkgroups(Math.ceil(wide / 8), Math.ceil(rows / 8));
     pass.end();
-  }
-
-  // Do something with the GPU; `failed` rejects where the GPU refuses it.
-  checked(act) {
-    const { device } = this.gpu;
-    const filters = ["out-of-memory", "validation"];
-    for (const filter of filters) device.pushErrorScope(filter);
-    let found;
-    let value;
-    try {
-      value = act();
-    } finally {
-      found = Promise.all(filters.map(() => device.popErrorScope()));
-    }
-    const failed = found.then((errors) => {
-      const error = errors.find(Boolean);
-      if (error) throw new Error(error.message || "the GPU has no room for it");
-    });
-    failed.catch(() => {});
-    return { value, failed };
   }
 }
 

@@ -14,6 +14,7 @@ const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
+const JOBS = 8; // programs whose values are kept, beside those that are shown
 const words = (name) => name.replaceAll("_", " ");
 const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
 const NOTHING = single([0, 0, 0, 65535]);
@@ -27,11 +28,19 @@ const HEIGHTS = ["field", "distances"];
 
 export class Drawing {
   constructor(gpu, data, canvas, heard) {
-    Object.assign(this, { gpu, data, canvas, heard });
+    Object.assign(this, { gpu, data, canvas });
+    // what a lost device brings about is no news
+    this.heard = (news) => this.held || heard(news);
+    this.held = false;
     this.colors = new Colors(gpu, canvas, data.colors);
     this.pictures = {};
     this.taken = {}; // and what stands for those that are missing
-    this.bakes = new Map(); // by edge
+    this.bakes = new Map(); // by edge, those of normals apart
+    this.bakedFor = null; // the numbers that the normals are made for
+    this.awaited = null; // and those that they are to be made for
+    this.resting = null;
+    this.renewing = 0;
+    this.making = Promise.resolve();
     this.textures = {};
     this.jobs = new Map();
     this.sides = {};
@@ -43,26 +52,28 @@ export class Drawing {
     this.row = 0;
     this.speed = 1e-5; // milliseconds a pixel, as last seen
     this.failed = null;
+    this.told = new Set(); // what could not be shown, and is said already
   }
 
   // --- maps
 
   // `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
-  // missing, but is given a texel in its place. All or none of what changed is taken.
-  setMaps(pictures) {
+  // missing, but is given a texel in its place. All or none of what changed is taken: rejects where
+  // the GPU refuses one.
+  async setMaps(pictures) {
     const shown = { ...MISSING, ...pictures };
     const held = this.taken;
     const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
     const levels = Object.fromEntries(
       changed.map((name) => [name, this.levels(name, shown[name])]),
     );
-    const made = changed.map((name) => [name, this.gpu.texture(levels[name], HEIGHTS.includes(name))]);
+    const made = await this.texturesOf(levels);
     for (const name of Object.keys(held)) {
       if (shown[name] === held[name]) continue;
       this.textures[name].destroy();
       delete this.textures[name];
     }
-    for (const [name, texture] of made) this.textures[name] = texture;
+    Object.assign(this.textures, made);
     this.taken = shown;
     this.pictures = pictures;
     if (levels.field) this.newHeights(levels.field[0]);
@@ -70,6 +81,22 @@ export class Drawing {
       this.bakedFor = null;
       // nothing can be drawn until what it needs is baked
       this.shown = null;
+    }
+  }
+
+  async texturesOf(levels) {
+    const made = {};
+    try {
+      const { failed } = this.gpu.checked(() => {
+        for (const [name, each] of Object.entries(levels)) {
+          made[name] = this.gpu.texture(each, HEIGHTS.includes(name));
+        }
+      });
+      await failed;
+      return made;
+    } catch (error) {
+      for (const each of Object.values(made)) each.destroy();
+      throw error;
     }
   }
 
@@ -106,27 +133,80 @@ export class Drawing {
     this.bakes.clear();
   }
 
-  bakesFor(edge) {
-    if (!this.bakes.has(edge)) {
+  bakesFor(edge, use = "") {
+    const name = use + edge;
+    if (!this.bakes.has(name)) {
       const { gpu, data, textures, highest } = this;
-      this.bakes.set(edge, new Bakes(gpu, data, textures.field, highest, edge));
+      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge));
     }
-    return this.bakes.get(edge);
+    return this.bakes.get(name);
   }
 
-  // Where there is no normal map, normals are made of the heights, by the library's own program.
-  async ensureNormals(state) {
-    const { edge } = this.choices(state);
-    const wanted = `${state.scale} ${edge}`;
+  // Where there is no normal map, normals are made of the heights, by the library's own program: for
+  // what numbers, null where none are needed.
+  normalsFor(state) {
     const { normal, field } = this.pictures;
-    if (normal || !field || this.bakedFor === wanted) return;
-    const { width, height } = field;
-    const texels = await this.bakesFor(edge).normals(state.scale * width);
-    // another map may have been dropped
-    if (this.pictures.normal) return;
-    this.textures.normal.destroy();
-    this.textures.normal = this.gpu.texture(channelLevels({ width, height, texels }), false);
-    this.bakedFor = wanted;
+    if (normal || !field || !this.choices(state).normal) return null;
+    return `${state.scale} ${this.choices(state).edge}`;
+  }
+
+  // The first normals are waited for; others are made once the numbers rest, and until then those
+  // that there are do.
+  async ensureNormals(state) {
+    const wanted = this.normalsFor(state);
+    if (wanted !== null && this.bakedFor === null) await this.makeNormals(state, () => true);
+    const settled = wanted === null || wanted === this.bakedFor;
+    if (!settled && wanted === this.awaited) return;
+    clearTimeout(this.resting);
+    this.awaited = settled ? null : wanted;
+    this.resting = settled ? null : setTimeout(() => this.renewNormals(), REST);
+  }
+
+  async renewNormals() {
+    const state = this.latest;
+    const wanted = this.normalsFor(state);
+    this.resting = null;
+    if (wanted === null) return;
+    this.renewing += 1;
+    try {
+      await this.makeNormals(state, () => this.normalsFor(this.latest) === wanted);
+      if (this.awaited === wanted) this.awaited = null;
+      if (this.shown) this.touched();
+    } catch (error) {
+      if (!(error instanceof Left)) this.heard({ error: `normals: ${firstLine(error)}` });
+      else if (this.awaited === wanted && this.bakedFor !== null) {
+        // turned away and back
+        this.awaited = null;
+        await this.ensureNormals(this.latest);
+      }
+    } finally {
+      this.renewing -= 1;
+    }
+  }
+
+  // One after another, each unless it is made or not `needed` any more by then.
+  makeNormals(state, needed) {
+    const made = this.making.then(async () => {
+      const wanted = this.normalsFor(state);
+      if (wanted === null || wanted === this.bakedFor) return;
+      const { field } = this.pictures;
+      const { width, height } = field;
+      const bakes = this.bakesFor(this.choices(state).edge, "normals ");
+      // another map may be dropped
+      const still = () =>
+        this.pictures.field === field && this.normalsFor(state) === wanted && needed();
+      const texels = await bakes.normals(state.scale * width, still);
+      const { normal } = await this.texturesOf({ normal: channelLevels({ width, height, texels }) });
+      if (!still()) {
+        normal.destroy();
+        throw new Left();
+      }
+      this.textures.normal.destroy();
+      this.textures.normal = normal;
+      this.bakedFor = wanted;
+    });
+    this.making = made.catch(() => {});
+    return made;
   }
 
   // --- values
@@ -261,6 +341,12 @@ export class Drawing {
     let state = null;
     while (state !== this.latest) {
       state = this.latest;
+      const failures = new Set();
+      const failing = (side, { technique }, error) => {
+        const message = `${technique}: ${firstLine(error)}`;
+        failures.add(`${side} ${message}`);
+        if (!this.told.has(`${side} ${message}`)) this.heard({ error: message });
+      };
       try {
         await this.ensureNormals(state);
         const { left, ...others } = this.wanted(state);
@@ -273,7 +359,7 @@ export class Drawing {
             if (error instanceof Left) throw error;
             // the rest is drawn all the same
             Object.assign(lost, side === "right" ? { compare: "" } : { show: "color" });
-            this.heard({ error: `${each.technique}: ${firstLine(error)}` });
+            failing(side, each, error);
           }
         }
         this.shown = shown;
@@ -286,12 +372,21 @@ export class Drawing {
           continue;
         }
         this.failed = error;
-        this.heard({ error: `${state.technique}: ${firstLine(error)}` });
+        failing("left", state, error);
       } finally {
         this.heard({ busy: "" });
       }
+      // what could be shown meanwhile is told anew when it cannot again
+      this.told = failures;
     }
-    if (this.shown) this.touched();
+    if (!this.shown) return;
+    this.leaveJobs();
+    // where something failed it is not what is wanted
+    const { technique, compare, show } = this.state;
+    const measured = [technique, compare, show].join();
+    this.heard({ drawn: { technique, compare }, ...(measured !== this.measured && { figures: null }) });
+    this.measured = measured;
+    this.touched();
   }
 
   // What one picture needs: its bake and its program.
@@ -302,11 +397,22 @@ export class Drawing {
     if (!known) this.heard({ busy: `compiling ${words(state.technique)} …` });
     const pipeline = await this.gpu.pipeline(program);
     const name = `${side}:${program.key}`;
-    if (!this.jobs.has(name)) {
-      this.jobs.set(name, new Job(this.gpu, pipeline, this.data));
-      this.fresh = true;
+    const job = this.jobs.get(name) ?? new Job(this.gpu, pipeline, this.data);
+    this.fresh ||= !this.jobs.has(name);
+    // the one that was used last is at the end
+    this.jobs.delete(name);
+    this.jobs.set(name, job);
+    return { state, job };
+  }
+
+  // Of the programs that are not shown only the last keep their values.
+  leaveJobs() {
+    const shown = Object.values(this.shown).map(({ job }) => job);
+    const others = [...this.jobs].filter(([, job]) => !shown.includes(job));
+    for (const [name, job] of others.slice(0, Math.max(0, others.length - JOBS))) {
+      this.jobs.delete(name);
+      job.destroy();
     }
-    return { state, job: this.jobs.get(name) };
   }
 
   async bakeFor(state) {
@@ -466,22 +572,21 @@ export class Drawing {
 
   // Put what is drawn on the canvas, with the divider where it is now.
   present() {
-    if (!this.shown || !this.drawnSize) return;
+    if (!this.shown || !this.drawnSize || this.held) return;
     const { left, right, truth } = this.sides;
     this.colors.present(left, right, truth, this.view());
   }
 
+  // What is measured on the picture; what another is drawn instead of by then is not told.
   async figures() {
+    const { measured } = this;
     const view = { ...this.view(), size: this.drawnSize };
-    const { right } = this.shown;
-    const found = await this.colors.figures(this.sides.left, this.sides.truth, view);
-    this.found = found;
-    const told = { figures: found };
-    if (right) {
-      told.right = await this.colors.figures(this.sides.right, this.sides.truth, view);
-      this.found = { ...found, most: Math.max(found.most, told.right.most) };
-    }
-    this.heard(told);
+    const { sides, shown } = this;
+    const left = await this.colors.figures(sides.left, sides.truth, view);
+    const right = shown.right && (await this.colors.figures(sides.right, sides.truth, view));
+    if (!this.shown || this.measured !== measured) return;
+    this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
+    this.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
     if (this.state.show !== "color" && !this.dirty) this.present();
   }
 
@@ -497,7 +602,8 @@ export class Drawing {
 
   // Resolves when nothing is left to be drawn.
   async settled() {
-    while (this.compiling || this.running || this.dirty || this.done < this.limit) {
+    const normals = () => this.resting !== null || this.renewing;
+    while (this.compiling || this.running || this.dirty || this.done < this.limit || normals()) {
       if (this.failed && !this.shown) throw this.failed;
       await new Promise((resolve) => setTimeout(resolve, 10));
     }

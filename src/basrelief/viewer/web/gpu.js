@@ -43,13 +43,14 @@ export class Gpu {
     };
   }
 
-  // The pipeline of a linked program, made once; rejects with what the compiler says.
+  // The pipeline of a linked program, made once; rejects with what the compiler says, and is not
+  // compiled again.
   pipeline(program) {
     const { key } = program;
     if (!this.pipelines.has(key)) {
       const made = this.build(program);
       this.pipelines.set(key, made);
-      made.catch(() => this.pipelines.delete(key));
+      made.catch(() => {});
     }
     return this.pipelines.get(key);
   }
@@ -57,7 +58,10 @@ export class Gpu {
   async build(program) {
     const { device } = this;
     this.compiled += 1;
-    const module = device.createShaderModule({ code: program.code, label: program.key });
+    const { value: module, failed } = this.checked(() =>
+      device.createShaderModule({ code: program.code, label: program.key }),
+    );
+    await failed;
     const layout = device.createBindGroupLayout({ entries: program.bindings.map(layoutEntry) });
     const pipeline = await device.createComputePipelineAsync({
       layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
@@ -101,6 +105,26 @@ export class Gpu {
       mipLevelCount,
       usage: usage.TEXTURE_BINDING | usage.COPY_DST | usage.COPY_SRC,
     });
+  }
+
+  // Do something with the GPU; `failed` rejects where the GPU refuses it.
+  checked(act) {
+    const { device } = this;
+    const filters = ["out-of-memory", "validation"];
+    for (const filter of filters) device.pushErrorScope(filter);
+    let found;
+    let value;
+    try {
+      value = act();
+    } finally {
+      found = Promise.all(filters.map(() => device.popErrorScope()));
+    }
+    const failed = found.then((errors) => {
+      const error = errors.find(Boolean);
+      if (error) throw new Error(error.message || "the GPU has no room for it");
+    });
+    failed.catch(() => {});
+    return { value, failed };
   }
 
   // Where a program writes: so many planes of a picture.

@@ -31,6 +31,8 @@ class View {
     this.hashesRead = 0;
     this.canvas = byId("canvas");
     this.heldSize = null;
+    this.mapping = Promise.resolve(); // maps are changed one after another
+    this.drawn = null; // what is on the canvas, where that is known
     this.host = Host.around(this);
   }
 
@@ -72,11 +74,32 @@ class View {
     await this.drawing.show(copyOf(this.state));
   }
 
+  // A drawing of the maps that there are, on the device that there is by then.
   async loadMaps() {
     this.began ??= await this.packedMaps();
     this.pictures ??= this.began;
-    this.drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
-    this.drawing.setMaps(this.pictures);
+    let made;
+    do {
+      await this.reopening;
+      made = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
+      try {
+        await made.setMaps(this.pictures);
+      } catch (error) {
+        if (!made.gpu.lost) throw error;
+      }
+    } while (made.gpu.lost);
+    this.drawing = made;
+  }
+
+  // Other maps, made of those that there are then; rejects where they cannot be taken.
+  changeMaps(change) {
+    const changed = this.mapping.then(async () => {
+      const pictures = change(this.pictures);
+      await this.drawing.setMaps(pictures);
+      this.pictures = pictures;
+    });
+    this.mapping = changed.catch(() => {});
+    return changed;
   }
 
   async packedMaps() {
@@ -92,17 +115,27 @@ class View {
     gpu.device.addEventListener("uncapturederror", ({ error }) => this.say(firstLine(error)));
     gpu.device.lost.then(async ({ reason, message }) => {
       if (this.gpu !== gpu) return;
+      gpu.lost = true;
+      this.reopening = this.reopen();
       this.say(`The graphics device was lost (${firstLine(message || reason)}); starting it again.`);
-      this.drawing.held = true;
+      const { drawing } = this;
+      // a page that still opens waits for the device itself
+      if (!drawing) return;
+      drawing.held = true;
       try {
-        this.gpu = await Gpu.open();
-        this.watch(this.gpu);
-        await this.loadMaps();
+        await this.reopening;
+        this.mapping = this.mapping.then(() => this.loadMaps());
+        await this.mapping;
         await this.drawing.show(copyOf(this.state));
       } catch (error) {
         this.say(`It cannot be started again: ${firstLine(error)}. Load the page anew.`);
       }
     });
+  }
+
+  async reopen() {
+    this.gpu = await Gpu.open();
+    this.watch(this.gpu);
   }
 
   // --- the state
@@ -123,6 +156,7 @@ class View {
     if (choice) this.rebuild();
     else for (const show of this.shows) show();
     this.link();
+    this.drawn = null;
     this.updateDivider();
     this.host?.tell();
     this.drawing.show(copyOf(this.state));
@@ -200,15 +234,22 @@ class View {
   }
 
   // Settings and maps as the page began with.
-  reset() {
+  async reset() {
     this.state = copyOf(this.start);
-    if (this.pictures !== this.began) {
-      this.pictures = this.began;
+    this.changed(true);
+    let others = false;
+    try {
+      await this.changeMaps((held) => {
+        others = held !== this.began;
+        return this.began;
+      });
+      if (!others) return;
       this.hasHeights = this.data.hasHeights;
       this.mapSaid = "";
-      this.drawing.setMaps(this.pictures);
+      this.changed(true);
+    } catch (error) {
+      this.say(firstLine(error));
     }
-    this.changed(true);
   }
 
   // --- the camera
@@ -354,7 +395,8 @@ class View {
   }
 
   updateDivider() {
-    const { compare, divider, technique } = this.state;
+    const { divider } = this.state;
+    const { technique, compare } = this.drawn ?? this.state;
     byId("line").hidden = !compare;
     byId("divider-row").hidden = !compare;
     byId("divider").value = String(divider);
@@ -399,13 +441,14 @@ class View {
   async takeMap(file) {
     const { slot, ...how } = this.drop.slot ? this.drop : this.asNamed(file);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    const pictures = replaced(this.pictures, slot, picture, how);
-    // what the page has baked is of its own heights
-    if (slot === "height") {
-      for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
-    }
-    this.drawing.setMaps(pictures);
-    this.pictures = pictures;
+    await this.changeMaps((held) => {
+      const pictures = replaced(held, slot, picture, how);
+      // what the page has baked is of its own heights
+      if (slot === "height") {
+        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
+      }
+      return pictures;
+    });
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useRelief();
@@ -435,10 +478,13 @@ class View {
   }
 
   // Leave the normal map away: normals are made of the heights.
-  leaveNormals() {
-    const { normal, ...pictures } = this.pictures;
-    this.drawing.setMaps(pictures);
-    this.pictures = pictures;
+  async leaveNormals() {
+    try {
+      await this.changeMaps(({ normal, ...others }) => others);
+    } catch (error) {
+      this.say(firstLine(error));
+      return;
+    }
     this.mapSaid = "Normals are made of the heights.";
     this.changed(true);
   }
@@ -480,6 +526,7 @@ class View {
 
   // Draw at a size and so many samples, whatever the page's: for pictures that are compared.
   async draw(width, height, samples) {
+    await this.mapping;
     this.heldSize = [width, height];
     this.drawing.limit = samples;
     this.resize(width, height);
@@ -490,6 +537,10 @@ class View {
   async save() {
     this.drawing.present();
     const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
+    if (!blob) {
+      this.say("The browser makes no picture of the canvas; make the window smaller and try again.");
+      return;
+    }
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
     link.download = `${this.data.name}-${this.state.technique}.png`;
@@ -521,17 +572,25 @@ class View {
     if (news.error) this.say(news.error);
     if (news.busy !== undefined) byId("busy").textContent = news.busy;
     this.news = { ...this.news, ...news };
-    const { milliseconds, gpuMilliseconds, timedAt, size, samples, figures, right } = this.news;
+    if (news.drawn) {
+      this.drawn = news.drawn;
+      this.updateDivider();
+    }
+    const { milliseconds, gpuMilliseconds, timedAt, size, samples, figures } = this.news;
     const reads = (f) => (f.hits ? (f.reads / f.hits).toFixed(1) : "0");
     const parts = [];
+    // what has failed is not what is seen and measured
+    const other = this.drawn && this.drawn.technique !== this.state.technique;
+    if (other) parts.push(`${this.drawn.technique.replaceAll("_", " ")} is still shown`);
     if (milliseconds !== undefined) {
       const clock = gpuMilliseconds == null ? "" : ` (${gpuMilliseconds.toFixed(1)} ms of it the program)`;
       parts.push(`${milliseconds.toFixed(1)} ms a frame of ${timedAt.join(" × ")}${clock}`);
     }
     if (figures) {
-      parts.push(`${reads(figures)} reads a pixel${right && this.state.compare ? ` | ${reads(right)}` : ""}`);
-      if (this.state.show === "missed" && figures.hits) {
-        parts.push(`missed ${((100 * figures.missed) / figures.hits).toFixed(2)} %`);
+      const { left, right, missed } = figures;
+      parts.push(`${reads(left)} reads a pixel${right ? ` | ${reads(right)}` : ""}`);
+      if (missed && left.hits) {
+        parts.push(`missed ${((100 * left.missed) / left.hits).toFixed(2)} %`);
       }
     }
     if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);

@@ -4,7 +4,8 @@ import { inflated } from "view/maps.js";
 
 const SIGNATURE = [137, 80, 78, 71, 13, 10, 26, 10];
 const CHANNELS = { 0: 1, 2: 3, 3: 1, 4: 2, 6: 4 }; // by colour type: grey, RGB, palette, with alpha
-const [PALETTE, RGB] = [3, 2];
+const PALETTE = 3;
+const CLEAR = { 0: 1, 2: 3 }; // samples of the colour that stands for what is see-through
 
 // { width, height, bits, type, interlaced }, null for what is no PNG.
 export function headerOf(bytes) {
@@ -84,7 +85,7 @@ function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
   const row = (width * count * bits) / 8 + 1;
   const texels = new Uint16Array(4 * width * height);
   // one colour may stand for what is see-through
-  const clear = tRNS && type !== PALETTE ? samples(tRNS, type === RGB ? 3 : 1) : null;
+  const clear = tRNS && CLEAR[type] ? samples(tRNS, CLEAR[type]) : null;
   const found = [0, 0, 0, 0];
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < width; x++) {
@@ -111,5 +112,7 @@ function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
   return texels;
 }
 
-const samples = (bytes, count) =>
-  Array.from({ length: count }, (_, c) => (bytes[2 * c] << 8) | bytes[2 * c + 1]);
+function samples(bytes, count) {
+  if (bytes.length < 2 * count) throw new Error("this PNG is damaged: its clear colour is cut off");
+  return Array.from({ length: count }, (_, c) => (bytes[2 * c] << 8) | bytes[2 * c + 1]);
+}
