@@ -582,17 +582,18 @@ class View {
     // what has failed is not what is seen and measured
     const other = this.drawn && this.drawn.technique !== this.state.technique;
     if (other) parts.push(`${this.drawn.technique.replaceAll("_", " ")} is still shown`);
-    if (milliseconds !== undefined) {
-      const clock = gpuMilliseconds == null ? "" : ` (${gpuMilliseconds.toFixed(1)} ms of it the program)`;
-      parts.push(`${milliseconds.toFixed(1)} ms a frame of ${timedAt.join(" × ")}${clock}`);
-    }
     if (figures) {
       const { left, right, missed } = figures;
-      parts.push(`${reads(left)} reads a pixel${right ? ` | ${reads(right)}` : ""}`);
+      parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads a pixel`);
       if (missed && left.hits) {
         parts.push(`missed ${((100 * left.missed) / left.hits).toFixed(2)} %`);
       }
     }
+    if (milliseconds !== undefined) {
+      const clock = gpuMilliseconds == null ? "" : ` (the program ${gpuMilliseconds.toFixed(1)})`;
+      parts.push(`${milliseconds.toFixed(1)} ms a frame${clock}`, timedAt.join(" × "));
+    }
+    // the end is cut off where there is no room
     if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);
     byId("figures").textContent = byId("figures").title = parts.join(" · ");
   }
