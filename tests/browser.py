@@ -23,6 +23,8 @@ SOFTWARE = (
     "--use-vulkan=swiftshader",
     "--use-angle=swiftshader",
 )
+PATIENCE = 120_000
+"""Milliseconds that a page is waited for: machines that test are slow, and do much at once."""
 WITHOUT = ("--disable-gpu", "--disable-features=WebGPU", "--disable-blink-features=WebGPU")
 
 

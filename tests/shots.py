@@ -12,7 +12,7 @@ from typing import Any
 from basrelief.material import sample
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.viewer import Sources, write_view
-from browser import SOFTWARE, chromium
+from browser import PATIENCE, SOFTWARE, chromium
 from served import marimo
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -41,6 +41,7 @@ def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
     """A picture of the page as PNG, and where in it the canvas is: x, y, width, height."""
     (width, height), scheme, changes = SHOTS[name]
     page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    page.set_default_timeout(PATIENCE)
     page.goto(file.as_uri())
     page.wait_for_function("window.viewer && window.viewer.ready")
     page.evaluate("viewer.ready")
@@ -76,6 +77,7 @@ def notebook(browser: Any) -> None:
     """The example in marimo, after a slider was moved."""
     with marimo(EXAMPLE, Path(tempfile.mkdtemp())) as address:
         page = browser.new_page(viewport={"width": 1200, "height": 1060})
+        page.set_default_timeout(PATIENCE)
         page.goto(address)
         page.wait_for_selector("iframe")
         frame = next(each for each in page.frames if each.url.startswith("blob:"))

@@ -22,7 +22,7 @@ from basrelief.rendering import Frame, render
 from basrelief.scene import Layer, Object, Orbit, Scene, Tiling, placed
 from basrelief.shaders.surfaces.landscape import Landscape
 from basrelief.viewer.state import state_of
-from browser import SOFTWARE, chromium, planes
+from browser import PATIENCE, SOFTWARE, chromium, planes
 from served import marimo
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -332,6 +332,7 @@ class Shown:
         self.viewer = viewer
         options = {"viewport": {"width": 760, "height": 400}, "color_scheme": "no-override"}
         self.page = browser.new_page(**options)
+        self.page.set_default_timeout(PATIENCE)
         self.said: list[str] = []
         self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
@@ -500,6 +501,7 @@ def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
 def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
     with marimo(EXAMPLES / "viewer.py", tmp_path) as address:
         page = browser.new_page(viewport={"width": 800, "height": 600})
+        page.set_default_timeout(PATIENCE)
         page.goto(address)
         page.wait_for_selector("iframe[title='basrelief viewer']")
         frame = next(each for each in page.frames if each.url.startswith("blob:"))

@@ -35,7 +35,7 @@ from basrelief.viewer.names import place_of
 from basrelief.viewer.page import LARGEST
 from basrelief.viewer.shown import shown_scene
 from basrelief.viewer.state import state_of
-from browser import SOFTWARE, chromium, planes
+from browser import PATIENCE, SOFTWARE, chromium, planes
 
 SIZE = (160, 90)
 TEXELS = 64
@@ -67,6 +67,7 @@ class Seen:
     def __init__(self, browser: Any, file: Path, hash: str = "", **options: Any) -> None:
         options.setdefault("viewport", {"width": 760, "height": 400})
         self.page = browser.new_page(**options)
+        self.page.set_default_timeout(PATIENCE)
         self.said: list[str] = []
         self.asked: list[str] = []
         self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
@@ -933,6 +934,7 @@ def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
     seen.page.close()
     # before there is a drawing too
     page = browser.new_page(viewport={"width": 760, "height": 400})
+    page.set_default_timeout(PATIENCE)
     page.add_init_script(
         """const ask = GPUAdapter.prototype.requestDevice;
         GPUAdapter.prototype.requestDevice = async function (given) {
@@ -952,6 +954,7 @@ def test_without_webgpu_there_are_pictures_and_a_message(browser: Any, page_file
     context = browser.new_context()
     context.add_init_script("delete Navigator.prototype.gpu")
     page = context.new_page()
+    page.set_default_timeout(PATIENCE)
     page.goto(page_file.as_uri())
     page.wait_for_function("document.body.classList.contains('without')")
     assert "draws with WebGPU, which this browser does not have" in page.inner_text("#without")
