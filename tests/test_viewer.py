@@ -455,6 +455,14 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
         at = page.evaluate("[document.activeElement.id, document.activeElement.tagName]")
         assert at == ([wanted_id, "BUTTON"] if wanted_id else ["", "SUMMARY"])
     page.locator("#section-surface select").first.focus()
+    # a name is written whole, whatever its letters choose on the way, and what it needs follows
+    page.locator("select[name=technique]").focus()
+    page.keyboard.type("offset limited")
+    assert page.evaluate("viewer.state.technique") == "offset_limited"
+    page.keyboard.press("Tab")
+    after = page.evaluate("document.activeElement.getAttribute('aria-label')")
+    assert after == "max offset, slider"
+    page.locator("#section-surface select").first.focus()
     # a menu by its letters keeps the focus, though the panel is made anew
     page.keyboard.type("landscape")
     assert page.evaluate("[viewer.state.surface, document.activeElement.name]") == [

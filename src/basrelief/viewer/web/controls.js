@@ -2,6 +2,7 @@
 
 import { decoded, encoded } from "view/srgb.js";
 
+const WRITING = 800; // milliseconds between the letters of a name
 let count = 0;
 
 function element(name, attributes = {}, ...children) {
@@ -109,11 +110,22 @@ export function menu(view, path, label, options, after = () => {}) {
   const show = () => {
     select.value = at(view.state, path);
   };
+  // who writes a name is in the middle of it: another menu in this one's place would not know
+  let wrote = -Infinity;
+  select.addEventListener("keydown", (event) => {
+    if (event.key.length === 1) wrote = performance.now();
+    if (event.key !== "Tab" || !view.rebuilding) return;
+    // the next control is one of the new ones
+    event.preventDefault();
+    view.rebuildNow();
+    beside(document.activeElement, event.shiftKey ? -1 : 1)?.focus();
+  });
   select.addEventListener("change", () => {
     set(view.state, path, select.value);
     after(select.value);
-    view.changed(true);
+    view.changed(performance.now() - wrote > WRITING ? true : "soon");
   });
+  select.addEventListener("blur", () => setTimeout(() => view.rebuildNow()));
   view.shows.push(show);
   show();
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);
@@ -151,6 +163,13 @@ export function color(view, path, label, doc = "") {
   view.shows.push(show);
   show();
   return element("div", { class: "menu", title: doc }, element("label", { for: id }, label), field);
+}
+
+// The control before or after one in the panel.
+function beside(control, way) {
+  const all = [...document.querySelectorAll("#panel :is(summary, input, select, button)")];
+  const seen = all.filter((each) => each.offsetParent !== null && !each.disabled);
+  return seen[seen.indexOf(control) + way];
 }
 
 export function button(text, act, attributes = {}) {

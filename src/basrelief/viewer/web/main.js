@@ -149,12 +149,17 @@ class View {
     }
   }
 
-  // `choice`: what can be set is another now, so the panel is made anew.
+  // `choice`: what can be set is another now, so the panel is made anew; "soon" when nobody writes
+  // in it any more.
   changed(choice = false) {
     held(this.state, this.start, this.data);
     this.unname();
-    if (choice) this.rebuild();
+    if (choice === true) this.rebuild();
     else for (const show of this.shows) show();
+    if (choice === "soon") {
+      clearTimeout(this.rebuilding);
+      this.rebuilding = setTimeout(() => this.rebuild(), 800);
+    }
     this.link();
     this.drawn = null;
     this.updateDivider();
@@ -186,8 +191,15 @@ class View {
   }
 
   rebuild() {
+    clearTimeout(this.rebuilding);
+    this.rebuilding = null;
     build(this, byId("panel"));
     this.updateDivider();
+  }
+
+  // What was to be soon.
+  rebuildNow() {
+    if (this.rebuilding) this.rebuild();
   }
 
   addLight() {
