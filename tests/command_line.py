@@ -8,6 +8,7 @@ import functools
 import io
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,11 @@ def run(*arguments: str | Path) -> Outcome:
         main()
     assert isinstance(end.value.code, int)
     return Outcome(end.value.code, out.getvalue(), err.getvalue())
+
+
+def interruptible() -> None:
+    """Let Ctrl-C stop a command of its own, even where tests run in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def done(*arguments: str | Path) -> str:

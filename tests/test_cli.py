@@ -27,6 +27,7 @@ from command_line import (
     FILE_NAMES,
     done,
     environment,
+    interruptible,
     refused,
     run,
     run_apart,
@@ -630,6 +631,7 @@ def test_ctrl_c_at_a_terminal(bumps: Path, here: Path) -> None:
         stderr=its,
         env={**os.environ, **environment(), "TERM": "xterm", "COLUMNS": "100"},
         start_new_session=True,
+        preexec_fn=interruptible,
     ) as process:
         os.close(its)
         shown = read_until(ours, b"drawing bumps")

@@ -24,7 +24,7 @@ from basrelief.motion import Lighting, Orbiting, Scrolling
 from basrelief.picture import encode_light, read_picture, srgb_decode
 from basrelief.rendering import Frame
 from basrelief.scene import BACKGROUND, Object, Orbit, Scene
-from command_line import COMMAND, done, environment, refused, run, write_heights
+from command_line import COMMAND, done, environment, interruptible, refused, run, write_heights
 
 SIZE = (48, 30)
 COUNT = 7
@@ -527,6 +527,7 @@ def test_ctrl_c(bumps: Path, here: Path) -> None:
         stderr=subprocess.PIPE,
         env={**os.environ, **environment()},
         start_new_session=True,
+        preexec_fn=interruptible,
     ) as process:
         while not os.listdir() and process.poll() is None:
             pass

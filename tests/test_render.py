@@ -127,7 +127,10 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(BRICKS, (32769, 1)), "a picture of 32769 × 1"),
         (lambda: drawn(BRICKS, samples=0), "0 samples a pixel: give 1 to 1024"),
         (lambda: drawn(BRICKS, samples=1025), "1025 samples a pixel"),
-        (lambda: drawn(BRICKS, tecnique="relief"), "no option 'tecnique'; there are alpha, bias"),
+        (
+            lambda: drawn(BRICKS, tecnique="relief"),
+            "no option 'tecnique'; there are air, alpha, background, bias",
+        ),
         (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already said by the"),
         (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already said by the"),
         (lambda: drawn(42), "cannot draw a int: give a folder, material or scene"),
