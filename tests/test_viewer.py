@@ -22,7 +22,7 @@ from basrelief.material import Map, Material, pyramids, sample
 from basrelief.material.conventions import read_name
 from basrelief.measure.errors import errors
 from basrelief.measure.truth import truth
-from basrelief.picture import encode_png, read_picture, write_data
+from basrelief.picture import encode_png, read_picture, srgb_encode, write_data
 from basrelief.presets import preset
 from basrelief.rendering import Frame, render
 from basrelief.scene import SHAPES, Layer, Object, Orbit, Scene, Tiling, placed, point, spot, turned
@@ -92,6 +92,12 @@ class Seen:
         )
         return planes(words, SIZE, self.page.evaluate("viewer.state.background"))
 
+    def open(self, section: str) -> None:
+        """Unfold a section of the panel, whichever test had it open before."""
+        self.page.evaluate(
+            "id => { document.getElementById(id).open = true }", f"section-{section}"
+        )
+
     def text(self, selector: str) -> str:
         return str(self.page.inner_text(selector))
 
@@ -105,8 +111,14 @@ def seen(browser: Any, page_file: Path) -> Iterator[Seen]:
 
 @pytest.fixture
 def fresh(seen: Seen) -> Seen:
-    """The page as at its start."""
-    seen.page.evaluate("viewer.reset()")
+    """The page as at its start, its panel folded as it was then."""
+    seen.page.evaluate(
+        """() => {
+          document.getElementById("panel").replaceChildren();
+          viewer.drop = { channel: "luminance", polarity: "", green: "" };
+          return viewer.reset();
+        }"""
+    )
     seen.said.clear()
     return seen
 
@@ -394,6 +406,50 @@ def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
     fresh.page.wait_for_function("viewer.state.camera.distance !== null")
 
 
+def test_with_alt_the_mouse_turns_the_light(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = fresh.page.evaluate("structuredClone(viewer.state)")
+    fresh.page.mouse.move(x, y)
+    fresh.page.keyboard.down("Alt")
+    fresh.page.mouse.down()
+    fresh.page.mouse.move(x + 50, y - 25)
+    fresh.page.mouse.up()
+    fresh.page.keyboard.up("Alt")
+    state = fresh.page.evaluate("viewer.state")
+    assert state["camera"] == before["camera"]
+    light, usual = state["lights"][0], before["lights"][0]
+    assert light["azimuth"] == pytest.approx(usual["azimuth"] + 20.0)
+    assert light["elevation"] == pytest.approx(usual["elevation"] + 10.0)
+    assert state["lights"][1:] == before["lights"][1:]
+
+
+def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
+    page = fresh.page
+    fresh.draw()
+    fresh.open("camera")
+    distance = page.get_by_label("distance", exact=True)
+    framed = CAMERA.framing(Object(material).outline(), SIZE).distance
+    assert float(distance.input_value()) == pytest.approx(framed, rel=1e-3)
+    page.get_by_label("camera azimuth", exact=True).fill("-40")
+    page.get_by_label("field of view").last.fill("50")
+    distance.fill("1.5")
+    wanted = Orbit(-40.0, 32.0, 1.5, field_of_view=50.0)
+    assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
+    # it goes on with the height that was seen
+    page.get_by_label("Orthographic").check()
+    seen_height = float(page.get_by_label("height seen", exact=True).input_value())
+    assert seen_height == pytest.approx(3.0 * np.tan(np.radians(25.0)), rel=1e-3)
+    page.get_by_label("height seen", exact=True).fill("0.75")
+    wanted = replace(wanted, orthographic_height=0.75)
+    assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
+    # a plane is not seen from behind
+    page.get_by_label("camera elevation", exact=True).fill("-30")
+    assert page.evaluate("viewer.state.camera.elevation") == 2
+    page.get_by_label("Orthographic").uncheck()
+    assert page.evaluate("viewer.state.camera.orthographic_height") is None
+
+
 def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -> None:
     box = fresh.page.locator("#canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -475,7 +531,7 @@ def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: 
     page = fresh.page
     page.get_by_role("button", name="Add a light").click()
     page.get_by_label("Light 3", exact=True).select_option("spot")
-    for label, value in (("x", "0.4"), ("y", "0.9"), ("cone", "50"), ("strength", "4")):
+    for label, value in (("x", "0.4"), ("y", "0.9"), ("cone", "50"), ("intensity", "4")):
         page.get_by_label(f"light 3 {label}", exact=True).fill(value)
     page.get_by_label("light 3 color").fill("#ff8000")
     page.get_by_role("button", name="Remove light 1").click()
@@ -621,6 +677,7 @@ ODD: list[Any] = [
     {"tiling": [], "shift": [1], "tilings": {"normal": {"tiles": [0, 2]}}},
     {"settings": {"relief": {"max_steps": None}, "warp": {}}},
     {"camera": {"elevation": -60, "distance": "x", "target": 3, "field_of_view": 1e3}},
+    {"camera": {"azimuth": 1e30, "target": [1e30, -1e30, 0], "orthographic_height": -1}},
     {"show": "xyz", "compare": "warp", "preset": "nothing", "surface": "sea", "fades": "yes"},
     {"fades": True, "fade": [5, 4], "fog": "linear", "air": {"fog_start": 50, "fog_end": 1}},
     {"constructor": 1, "__proto__": {"scale": 1}, "layer": True},
@@ -779,7 +836,7 @@ def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: 
     codes = np.kron(coarse, np.ones((8, 8), np.uint8))
     pixels = np.stack([codes, codes[::-1], codes], -1)
     file = write_data(_place("other_heights.png"), pixels)
-    seen.page.locator("#section-maps summary").click()
+    seen.open("maps")
     seen.page.get_by_label("Channel").select_option("g")
     seen.page.get_by_label("White is").select_option("depth")
     _drop(seen, file)
@@ -798,12 +855,70 @@ def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
     file.write_text("no picture")
     _drop(fresh, file)
     fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
-    assert "notes.txt: its name says no map; choose under “Maps”" in fresh.text("#messages")
-    fresh.page.evaluate("viewer.drop.slot = 'roughness'")
-    _drop(fresh, file)
+    assert "notes.txt: its name says no map; under “Maps”, drop it on" in fresh.text("#messages")
+    _drop(fresh, file, on="roughness")
     fresh.page.get_by_text("notes.txt: this is no picture").wait_for()
     assert np.array_equal(fresh.frame().color, before)
-    fresh.page.evaluate("viewer.drop.slot = ''")
+
+
+def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Material) -> None:
+    rng = np.random.default_rng(8)
+    codes = np.kron(rng.integers(20, 235, (8, 8, 1)), np.ones((8, 8, 1), int)).astype(np.uint8)
+    # its name says that it is turned over where it is roughness, and nothing where it is not
+    file = write_data(_place("wall_gloss.png"), codes)
+    row = fresh.page.locator(".map[data-slot=roughness]")
+    _drop(fresh, file, on="roughness", event="dragover")
+    assert row.get_attribute("class") == "map over"
+    _drop(fresh, file, on="roughness")
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness, turned over')")
+    assert fresh.page.locator(".map.over, .dropping").count() == 0
+    assert "64 × 64 · wall_gloss.png" in row.text_content()
+    swapped = replace(material, roughness=Map(255 - codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    _drop(fresh, file, on="height")
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as heights')")
+    swapped = replace(swapped, height=Map(codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    # the panel comes before the name
+    fresh.open("maps")
+    fresh.page.get_by_label("White is").select_option("height")
+    with fresh.page.expect_file_chooser() as waiting:
+        fresh.page.get_by_role("button", name="Choose a picture for roughness").click()
+    waiting.value.set_files(file)
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness')")
+    swapped = replace(swapped, roughness=Map(codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+
+
+def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) -> None:
+    seen, material = rich
+    seen.page.evaluate("viewer.reset()")
+    script = """slot => {
+      const row = document.querySelector(`.map[data-slot=${slot}]`);
+      const canvas = row.querySelector("canvas");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return [canvas.width, canvas.height, [...data], row.querySelector(".doc").textContent];
+    }"""
+    for slot, name in (
+        ("base_color", "base_color"), ("height", "height"), ("opacity", "opacity"),
+        ("roughness", "roughness"), ("metallic", "metallic"), ("emission", "emission"),
+    ):  # fmt: skip
+        map = getattr(material, name)
+        width, height, codes, told = seen.page.evaluate(script, slot)
+        found = np.array(codes).reshape(height, width, 4)[:, :, :3]
+        assert (width, height) == (88, 88)
+        assert told == f"{map.width} × {map.height} · {map.source}"
+        light = np.minimum(map.linear(), 1.0) if slot != "emission" else map.linear() / 3.0
+        wanted = srgb_encode(light) if slot in ("base_color", "emission") else light
+        # each pixel of the picture is one texel of the map
+        at = (2 * np.arange(88) + 1) * TEXELS // 176
+        apart = np.abs(found - 255.0 * wanted[at][:, at])
+        assert apart.max() <= 1.0, slot
+    assert seen.page.locator(".map[data-slot=normal]").text_content().startswith("normals")
+    # a material without these
+    told = "slot => document.querySelector(`.map[data-slot=${slot}]`).textContent"
+    assert "none" in fresh.page.evaluate(told, "emission")
+    assert fresh.page.locator(".map[data-slot=emission] canvas").count() == 0
 
 
 def test_pictures_dropped_together_are_what_their_names_say(
@@ -816,7 +931,7 @@ def test_pictures_dropped_together_are_what_their_names_say(
     for name, pixels in zip(names, (noise, noise[::-1, :, :1], noise[:, ::-1, 1:2]), strict=False):
         write_data(folder / name, np.ascontiguousarray(pixels))
     (folder / "notes.txt").write_text("no picture")
-    fresh.page.locator("#section-maps summary").click()
+    fresh.open("maps")
     fresh.page.get_by_label("Pictures").set_input_files([folder / name for name in names])
     fresh.page.get_by_text("notes.txt: its name says no map").wait_for()
     fresh.page.wait_for_function("viewer.mapSaid.includes('gloss')")
@@ -880,16 +995,19 @@ def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
         assert found == wanted, name
 
 
-def _drop(seen: Seen, file: Path) -> None:
-    """Drop a file on the page."""
-    content = base64.b64encode(file.read_bytes()).decode()
-    script = """([name, content]) => {
-      const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
-      const dropped = new DataTransfer();
-      dropped.items.add(new File([bytes], name));
-      document.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true }));
+def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
+    """Drop files on the page, or on a map of its panel; or only hold them over it."""
+    contents = [[each.name, base64.b64encode(each.read_bytes()).decode()] for each in files]
+    script = """([contents, on, event]) => {
+      const dataTransfer = new DataTransfer();
+      for (const [name, content] of contents) {
+        const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+        dataTransfer.items.add(new File([bytes], name));
+      }
+      const target = on ? document.querySelector(`.map[data-slot=${on}]`) : document.body;
+      target.dispatchEvent(new DragEvent(event, { dataTransfer, bubbles: true, cancelable: true }));
     }"""
-    seen.page.evaluate(script, [file.name, content])
+    seen.page.evaluate(script, [contents, on, event])
 
 
 # --- what goes wrong -----------------------------------------------------------------------------

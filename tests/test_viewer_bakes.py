@@ -69,7 +69,7 @@ def seen(opened: Seen) -> Seen:
         """async () => {
           const { gpu } = viewer;
           gpu.limits = gpu.device.limits;
-          viewer.drop = { slot: "height", channel: "luminance", polarity: "height", green: "gl" };
+          viewer.drop = { channel: "luminance", polarity: "", green: "" };
           await viewer.reset();
           // some tests give the drawing maps that the page knows nothing of, and other heights, be
           // they the same, leave nothing baked
@@ -218,12 +218,11 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
     script = """async ([first, second]) => {
       const file = (text) =>
         new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], "heights.png");
-      viewer.drop.slot = "height";
       viewer.state.technique = "exact";
-      await viewer.takeMaps([file(first)]);
+      await viewer.takeMaps([file(first)], "height");
       const { bakes } = viewer.drawing;
       while (!(bakes.get("wrap")?.jobs.size > 1)) await new Promise((next) => setTimeout(next));
-      await viewer.takeMaps([file(second)]);
+      await viewer.takeMaps([file(second)], "height");
       await viewer.drawing.settled();
     }"""
     codes = noise((TEXELS, TEXELS), 2)
@@ -466,7 +465,7 @@ def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material
 def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
-    seen.page.evaluate("document.getElementById('section-maps').open = true")
+    seen.open("maps")
     seen.page.locator("#leave-normals").click()
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(replace(swapped, normal=None)), seen.frame(), TEXELS)
@@ -540,11 +539,10 @@ def test_other_proportions_are_told(seen: Seen) -> None:
 def _drop(
     seen: Seen, name: str, content: bytes, *, slot: str = "height", taken: bool = True
 ) -> None:
-    """Drop a file on the page, and wait until it is taken or refused."""
+    """Drop a file on a map of the page, and wait until it is taken or refused."""
     script = """async ([name, content, slot]) => {
-      viewer.drop.slot = slot;
       const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
-      await viewer.takeMaps([new File([bytes], name)]);
+      await viewer.takeMaps([new File([bytes], name)], slot);
       await viewer.drawing.settled();
       return viewer.mapSaid;
     }"""

@@ -55,7 +55,13 @@ LIMITS: dict[str, Any] = {
         "angle": (0.01, 179.99),
         "softness": (0.0, 1.0),
     },
-    "camera": {"distance": (1e-3, 1e3), "field_of_view": (0.1, 170.0)},
+    "camera": {
+        "azimuth": (-FAR, FAR),
+        "distance": (1e-3, 1e3),
+        "target": (-FAR, FAR),
+        "field_of_view": (0.1, 170.0),
+        "orthographic_height": (1e-3, 1e3),
+    },
     "least": NEAR,
     "most": FAR,
 }
@@ -97,6 +103,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "layerSource": sources.layer or _named(over, "LAYER"),
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
+        "mapSources": {kind: one.source for kind, one in material.maps()},
         "bakes": bake_numbers(),
         "menus": {"technique": tuple(techniques), **MENUS},
         "techniques": {name: _technique(made) for name, made in techniques.items()},

@@ -8,7 +8,7 @@ import { framing, orbit, travelling } from "view/camera.js";
 import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
 import { linked } from "view/link.js";
-import { channelLevels, heightLevels, single } from "view/maps.js";
+import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
 
 const SLOW = 33; // milliseconds a frame may take while something moves
 const COARSEST = 8; // times smaller that each side is at most while something moves
@@ -630,11 +630,6 @@ function lightRecord(light, kinds) {
     cos_inner: spot ? Math.cos(half * (1 - light.softness)) : 1,
     cos_outer: spot ? Math.cos(half) : 0,
   };
-}
-
-function hasHoles({ texels }) {
-  for (let k = 3; k < texels.length; k += 4) if (texels[k] !== 65535) return true;
-  return false;
 }
 
 export const firstLine = (error) => String(error?.message ?? error).split("\n")[0];

@@ -1,6 +1,6 @@
 // A dropped picture: its texels, with all the bits that can be had, and what map it becomes.
 
-import { roundEven, single } from "view/maps.js";
+import { hasHoles, roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
 import { decoded as inLight } from "view/srgb.js";
 
@@ -57,7 +57,7 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
     case "base_color": {
       const color = withLight(picture);
       // what has no opacity of its own leaves that of the map
-      const alpha = picture.texels.some((code, k) => k % 4 === 3 && code !== 65535);
+      const alpha = hasHoles(picture);
       const places = { ...threeOf(color), ...(alpha && { 3: channelAt(picture, 3) }) };
       return { ...pictures, base_color: merged(old, picture, places) };
     }

@@ -2,18 +2,19 @@
 
 import { across } from "view/camera.js";
 import { copyOf, held, merged } from "view/checks.js";
-import { SLOTS, build } from "view/controls.js";
 import { Drawing, firstLine } from "view/drawing.js";
 import { pictureOf, replaced } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
-import { bytesOf, inflated, unpacked } from "view/maps.js";
+import { listen } from "view/input.js";
+import { PACKED, SLOTS } from "view/mappanel.js";
+import { bytesOf, hasHoles, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
+import { build } from "view/panel.js";
 import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
-const ZOOM = 1.12;
 const READ = 8000; // milliseconds for which a message that is only told stays
 
 export async function start() {
@@ -26,7 +27,7 @@ export async function start() {
 class View {
   constructor() {
     this.shows = [];
-    this.drop = { slot: "", channel: "luminance", polarity: "height", green: "gl" };
+    this.drop = { channel: "luminance", polarity: "", green: "" }; // how dropped pictures are read
     this.mapSaid = "";
     this.hashesRead = 0;
     this.canvas = byId("canvas");
@@ -43,6 +44,7 @@ class View {
       this.start = { ...this.data.state, compare: "", divider: 0.5, show: "color", preset: "" };
       this.state = copyOf(this.start);
       this.hasHeights = this.data.hasHeights;
+      this.sources = { ...this.data.mapSources }; // the files of maps, by slot
     } catch (error) {
       this.say(`This page cannot be read: ${firstLine(error)}`);
       return;
@@ -68,7 +70,7 @@ class View {
       return;
     }
     this.rebuild();
-    this.listen();
+    listen(this);
     this.fit();
     this.host?.open();
     await this.drawing.show(copyOf(this.state));
@@ -153,6 +155,7 @@ class View {
   // in it any more.
   changed(choice = false) {
     held(this.state, this.start, this.data);
+    this.hold();
     this.unname();
     if (choice === true) this.rebuild();
     else for (const show of this.shows) show();
@@ -237,7 +240,6 @@ class View {
     this.state.tiling = copyOf(this.data.shapes[shape].tiling);
     this.state.camera.distance = null;
     this.state.camera.target = [0, 0, 0];
-    this.hold();
   }
 
   frame() {
@@ -257,6 +259,7 @@ class View {
       });
       if (!others) return;
       this.hasHeights = this.data.hasHeights;
+      this.sources = { ...this.data.mapSources };
       this.mapSaid = "";
       this.changed(true);
     } catch (error) {
@@ -270,34 +273,48 @@ class View {
     return [this.canvas.width, this.canvas.height];
   }
 
+  // With the distance that it frames from, where none is said.
+  wholeCamera() {
+    return this.drawing.camera(this.state, this.size());
+  }
+
+  // The height of the picture, where the target is.
+  heightSeen() {
+    const { orthographic_height, field_of_view, distance } = this.wholeCamera();
+    return orthographic_height ?? 2 * Math.tan((field_of_view * Math.PI) / 360) * distance;
+  }
+
   turn(azimuth, elevation) {
     const { camera } = this.state;
     camera.azimuth = ((camera.azimuth + azimuth + 540) % 360) - 180;
     camera.elevation += elevation;
-    this.hold();
+    this.changed();
+  }
+
+  // Turn the first light that comes from a direction.
+  turnLight(azimuth, elevation) {
+    const light = this.state.lights.find(({ kind }) => kind === "directional");
+    if (!light) return;
+    light.azimuth = ((light.azimuth + azimuth + 540) % 360) - 180;
+    light.elevation = Math.max(-90, Math.min(90, light.elevation + elevation));
     this.changed();
   }
 
   zoom(factor) {
     const { camera } = this.state;
-    const { distance } = this.drawing.camera(this.state, this.size());
-    camera.distance = Math.min(20, distance * factor);
+    camera.distance = Math.min(20, this.wholeCamera().distance * factor);
     if (camera.orthographic_height !== null) camera.orthographic_height *= factor;
-    this.hold();
     this.changed();
   }
 
   // Move the target by pixels of the picture as it is shown.
   pan(x, y) {
     const { camera } = this.state;
-    const height = this.canvas.clientHeight;
-    const whole = this.drawing.camera(this.state, this.size());
-    const deep = 2 * Math.tan((camera.field_of_view * Math.PI) / 360) * whole.distance;
-    const pixel = (camera.orthographic_height ?? deep) / height;
+    const whole = this.wholeCamera();
+    const pixel = this.heightSeen() / this.canvas.clientHeight;
     const { right, up } = across(whole, this.size());
     camera.distance = whole.distance;
     camera.target = camera.target.map((t, k) => t + (up[k] * y - right[k] * x) * pixel);
-    this.hold();
     this.changed();
   }
 
@@ -315,87 +332,95 @@ class View {
     }
   }
 
-  // --- a person
+  // --- maps
 
-  listen() {
-    const { canvas } = this;
-    const pointers = new Map();
-    let apart = 0;
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, [event.clientX, event.clientY]);
-      apart = 0;
-      canvas.focus({ preventScroll: true });
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const last = pointers.get(event.pointerId);
-      if (!last) return;
-      const move = [event.clientX - last[0], event.clientY - last[1]];
-      pointers.set(event.pointerId, [event.clientX, event.clientY]);
-      if (pointers.size === 2) {
-        const [[ax, ay], [bx, by]] = [...pointers.values()];
-        const now = Math.hypot(ax - bx, ay - by);
-        if (apart) this.zoom(apart / Math.max(now, 1));
-        apart = now;
-        this.pan(move[0] / 2, move[1] / 2);
-      } else if (event.shiftKey || event.buttons & 6) {
-        this.pan(...move);
-      } else {
-        this.turn(-move[0] * 0.4, move[1] * 0.4);
+  // Pictures as the map of a slot, or each as what its name says: those dropped together are a
+  // material's. What is wrong with one is told, and the others are taken.
+  async takeMaps(files, slot = "") {
+    const said = [];
+    for (const file of files) {
+      try {
+        said.push(await this.takeMap(file, slot));
+      } catch (error) {
+        this.say(`${file.name}: ${firstLine(error)}`);
       }
-    });
-    for (const name of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
     }
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        if (this.host && !this.host.focused(canvas)) return;
-        event.preventDefault();
-        this.zoom(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.0015));
-      },
-      { passive: false },
-    );
-    canvas.addEventListener("keydown", (event) => this.key(event));
-    byId("divider").addEventListener("input", (event) => this.divide(Number(event.target.value)));
-    this.listenToLine();
-    this.listenToDrops();
-    addEventListener("hashchange", () => {
-      this.readHash();
-      this.changed(true);
-      this.hashesRead += 1;
-    });
-    new ResizeObserver(() => this.fit()).observe(byId("picture"));
+    if (!said.length) return;
+    this.mapSaid = said.join("; ");
+    this.changed(true);
   }
 
-  key(event) {
-    const arrows = {
-      ArrowLeft: [-1, 0],
-      ArrowRight: [1, 0],
-      ArrowUp: [0, 1],
-      ArrowDown: [0, -1],
+  async takeMap(file, wanted) {
+    const { slot, ...how } = this.meant(file, wanted);
+    const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
+    await this.changeMaps((held) => {
+      const pictures = replaced(held, slot, picture, how);
+      // what the page has baked is of its own heights
+      if (slot === "height") {
+        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
+      }
+      return pictures;
+    });
+    for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
+    // what has opacity of its own brings that too
+    if (slot === "base_color" && hasHoles(picture)) this.sources.opacity = file.name;
+    if (slot === "height" && !this.hasHeights) {
+      this.hasHeights = true;
+      if (this.state.technique === "flat") this.useRelief();
+    }
+    return this.tellMap(file.name, slot, picture, how);
+  }
+
+  useRelief() {
+    const { level, projection } = this.data.techniques.relief;
+    Object.assign(this.state, { technique: "relief", level, projection });
+  }
+
+  // What a file is to be used as, and how: by the panel, or else by its name.
+  meant({ name }, wanted) {
+    const found = meaningOf(name, this.data.names);
+    if (!wanted && !found) {
+      throw new Error("its name says no map; under “Maps”, drop it on the one that it is to replace");
+    }
+    // a name of another map says nothing of this one
+    const said = !wanted || found?.slot === wanted ? found : { polarity: "height", green: "gl" };
+    const { channel, polarity, green } = this.drop;
+    return {
+      slot: wanted || found.slot,
+      channel,
+      polarity: polarity || said.polarity,
+      green: green || said.green,
     };
-    const arrow = arrows[event.key];
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (arrow && event.shiftKey) this.pan(-arrow[0] * 20, arrow[1] * 20);
-    else if (arrow) this.turn(arrow[0] * 4, arrow[1] * 4);
-    else if (event.key === "+" || event.key === "=") this.zoom(1 / ZOOM);
-    else if (event.key === "-") this.zoom(ZOOM);
-    else if (event.key === "0") this.frame();
-    else return;
-    event.preventDefault();
   }
 
-  listenToLine() {
-    const line = byId("line");
-    line.addEventListener("pointerdown", (event) => line.setPointerCapture(event.pointerId));
-    line.addEventListener("pointermove", (event) => {
-      if (!line.hasPointerCapture(event.pointerId)) return;
-      const { left, width } = this.canvas.getBoundingClientRect();
-      this.divide((event.clientX - left) / width);
-    });
+  // Leave the normal map away: normals are made of the heights.
+  async leaveNormals() {
+    try {
+      await this.changeMaps(({ normal, ...others }) => others);
+    } catch (error) {
+      this.say(firstLine(error));
+      return;
+    }
+    delete this.sources.normal;
+    this.mapSaid = "Normals are made of the heights.";
+    this.changed(true);
   }
+
+  tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
+    if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
+    if (slot === "height" && this.pictures.normal) {
+      this.say("The normals are still those of the normal map; “Make normals of the heights” makes others.", true);
+    }
+    const { proportion } = this.data.constants;
+    const apart = Math.abs(width / height / proportion - 1);
+    if (width * height > 1 && apart > 0.02) {
+      this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
+    }
+    const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", turned over" : "";
+    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot].name}${over}`;
+  }
+
+  // --- the picture
 
   divide(share) {
     this.state.divider = Math.max(0, Math.min(1, share));
@@ -417,106 +442,6 @@ class View {
     byId("line-right").textContent = compare.replaceAll("_", " ");
   }
 
-  listenToDrops() {
-    for (const name of ["dragenter", "dragover"]) {
-      document.addEventListener(name, (event) => {
-        event.preventDefault();
-        document.body.classList.add("dropping");
-      });
-    }
-    document.addEventListener("dragleave", () => document.body.classList.remove("dropping"));
-    document.addEventListener("drop", (event) => {
-      event.preventDefault();
-      document.body.classList.remove("dropping");
-      this.takeMaps([...event.dataTransfer.files]);
-    });
-  }
-
-  // --- maps
-
-  // Pictures dropped together are a material's: each is what its name says, or all are what the panel
-  // says. What is wrong with one is told, and the others are taken.
-  async takeMaps(files) {
-    const said = [];
-    for (const file of files) {
-      try {
-        said.push(await this.takeMap(file));
-      } catch (error) {
-        this.say(`${file.name}: ${firstLine(error)}`);
-      }
-    }
-    if (!said.length) return;
-    this.mapSaid = said.join("; ");
-    this.changed(true);
-  }
-
-  async takeMap(file) {
-    const { slot, ...how } = this.drop.slot ? this.drop : this.asNamed(file);
-    const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) => {
-      const pictures = replaced(held, slot, picture, how);
-      // what the page has baked is of its own heights
-      if (slot === "height") {
-        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
-      }
-      return pictures;
-    });
-    if (slot === "height" && !this.hasHeights) {
-      this.hasHeights = true;
-      if (this.state.technique === "flat") this.useRelief();
-    }
-    return this.tellMap(file.name, slot, picture, how);
-  }
-
-  useRelief() {
-    const { level, projection } = this.data.techniques.relief;
-    Object.assign(this.state, { technique: "relief", level, projection });
-  }
-
-  // What a file is to be used as by its name.
-  asNamed({ name }) {
-    const found = meaningOf(name, this.data.names);
-    if (!found) {
-      throw new Error("its name says no map; choose under “Maps” what to use it as, and drop it again");
-    }
-    // what the panel says of depth and of green holds all the same
-    const { polarity, green } = this.drop;
-    return {
-      ...this.drop,
-      slot: found.slot,
-      polarity: polarity === "depth" ? polarity : found.polarity,
-      green: green === "dx" ? green : found.green,
-    };
-  }
-
-  // Leave the normal map away: normals are made of the heights.
-  async leaveNormals() {
-    try {
-      await this.changeMaps(({ normal, ...others }) => others);
-    } catch (error) {
-      this.say(firstLine(error));
-      return;
-    }
-    this.mapSaid = "Normals are made of the heights.";
-    this.changed(true);
-  }
-
-  tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
-    if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
-    if (slot === "height" && this.pictures.normal) {
-      this.say("The normals are still those of the normal map; “Make normals of the heights” makes others.", true);
-    }
-    const { proportion } = this.data.constants;
-    const apart = Math.abs(width / height / proportion - 1);
-    if (width * height > 1 && apart > 0.02) {
-      this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
-    }
-    const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", turned over" : "";
-    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot]}${over}`;
-  }
-
-  // --- the picture
-
   // The canvas gets as many pixels as it is shown with.
   fit() {
     if (this.heldSize) return;
@@ -532,6 +457,8 @@ class View {
     if (this.canvas.width === width && this.canvas.height === height) return;
     this.canvas.width = width;
     this.canvas.height = height;
+    // a distance that frames is another now
+    for (const show of this.shows) show();
     this.drawing.coarse = 1;
     this.drawing.touched();
   }

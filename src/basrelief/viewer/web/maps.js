@@ -44,6 +44,12 @@ export const single = (values) => ({
   texels: Uint16Array.from(values),
 });
 
+// Whether something can be seen through a map of four channels.
+export function hasHoles({ texels }) {
+  for (let k = 3; k < texels.length; k += 4) if (texels[k] !== 65535) return true;
+  return false;
+}
+
 // Heights as levels of float32, each half of the one before.
 export function heightLevels({ width, height, texels }) {
   const first = new Float32Array(texels.length);

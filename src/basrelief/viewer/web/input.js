@@ -1,0 +1,129 @@
+// What a person does beside the panel: mouse, touch, keys on the picture, files that are dropped.
+
+const ZOOM = 1.12; // times nearer by a key
+const TURN = 0.4; // degrees a pixel
+const byId = (id) => document.getElementById(id);
+
+export function listen(view) {
+  listenToPointers(view);
+  listenToWheel(view);
+  view.canvas.addEventListener("keydown", (event) => key(view, event));
+  listenToDivider(view);
+  listenToDrops(view);
+  addEventListener("hashchange", () => {
+    view.readHash();
+    view.changed(true);
+    view.hashesRead += 1;
+  });
+  new ResizeObserver(() => view.fit()).observe(byId("picture"));
+}
+
+// One finger or button turns; with Shift, or by the other buttons, it moves, with Alt or Ctrl it turns
+// the light; two fingers move and zoom.
+function listenToPointers(view) {
+  const { canvas } = view;
+  const pointers = new Map();
+  let apart = 0;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    apart = 0;
+    canvas.focus({ preventScroll: true });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const last = pointers.get(event.pointerId);
+    if (!last) return;
+    const move = [event.clientX - last[0], event.clientY - last[1]];
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    if (pointers.size === 2) {
+      const [[ax, ay], [bx, by]] = [...pointers.values()];
+      const now = Math.hypot(ax - bx, ay - by);
+      if (apart) view.zoom(apart / Math.max(now, 1));
+      apart = now;
+      view.pan(move[0] / 2, move[1] / 2);
+    } else if (event.altKey || event.ctrlKey) {
+      view.turnLight(move[0] * TURN, -move[1] * TURN);
+    } else if (event.shiftKey || event.buttons & 6) {
+      view.pan(...move);
+    } else {
+      view.turn(-move[0] * TURN, move[1] * TURN);
+    }
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  }
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+}
+
+function listenToWheel(view) {
+  view.canvas.addEventListener(
+    "wheel",
+    (event) => {
+      // a page around is scrolled, until the picture is clicked
+      if (view.host && !view.host.focused(view.canvas)) return;
+      event.preventDefault();
+      view.zoom(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.0015));
+    },
+    { passive: false },
+  );
+}
+
+function key(view, event) {
+  const arrows = {
+    ArrowLeft: [-1, 0],
+    ArrowRight: [1, 0],
+    ArrowUp: [0, 1],
+    ArrowDown: [0, -1],
+  };
+  const arrow = arrows[event.key];
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (arrow && event.shiftKey) view.pan(-arrow[0] * 20, arrow[1] * 20);
+  else if (arrow) view.turn(arrow[0] * 4, arrow[1] * 4);
+  else if (event.key === "+" || event.key === "=") view.zoom(1 / ZOOM);
+  else if (event.key === "-") view.zoom(ZOOM);
+  else if (event.key === "0") view.frame();
+  else return;
+  event.preventDefault();
+}
+
+function listenToDivider(view) {
+  byId("divider").addEventListener("input", ({ target }) => view.divide(Number(target.value)));
+  const line = byId("line");
+  line.addEventListener("pointerdown", (event) => line.setPointerCapture(event.pointerId));
+  line.addEventListener("pointermove", (event) => {
+    if (!line.hasPointerCapture(event.pointerId)) return;
+    const { left, width } = view.canvas.getBoundingClientRect();
+    view.divide((event.clientX - left) / width);
+  });
+}
+
+// A file over a map of the panel replaces that one; elsewhere its name says what it is.
+function listenToDrops(view) {
+  const under = ({ target }) => target.closest?.("#panel .map") ?? null;
+  const mark = (row) => {
+    for (const each of document.querySelectorAll("#panel .map.over")) each.classList.remove("over");
+    row?.classList.add("over");
+  };
+  const done = () => {
+    document.body.classList.remove("dropping");
+    mark(null);
+  };
+  for (const name of ["dragenter", "dragover"]) {
+    document.addEventListener(name, (event) => {
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      document.body.classList.add("dropping");
+      mark(under(event));
+    });
+  }
+  document.addEventListener("dragleave", (event) => {
+    // into something else of the page is not out of it
+    if (!event.relatedTarget) done();
+  });
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    done();
+    const files = [...event.dataTransfer.files];
+    view.takeMaps(files, files.length === 1 ? under(event)?.dataset.slot : "");
+  });
+}

@@ -1,0 +1,102 @@
+// The panel's part on maps: each as a small picture on which another is dropped.
+
+import { button, element, section } from "view/controls.js";
+import { thumbnail } from "view/thumbs.js";
+
+// What a picture can be used as: its name, and where in the page's pictures it lies.
+export const SLOTS = {
+  base_color: { name: "colour", held: "base_color", channels: [0, 1, 2], light: true },
+  opacity: { name: "opacity", held: "base_color", channels: [3] },
+  height: { name: "heights", held: "field", channels: [0] },
+  normal: { name: "normals", held: "normal", channels: [0, 1, 2] },
+  occlusion: { name: "occlusion", held: "response", channels: [0] },
+  roughness: { name: "roughness", held: "response", channels: [1] },
+  metallic: { name: "metal", held: "response", channels: [2] },
+  packed: { name: "packed (ORM)", held: "response", channels: [0, 1, 2] },
+  emission: { name: "emission", held: "emission", channels: [0, 1, 2], light: true },
+};
+export const PACKED = ["occlusion", "roughness", "metallic"];
+
+// How a dropped picture is read; what is left to its name is what that says, if anything.
+const HOW = {
+  channel: ["Channel", [["luminance", "luminance"], ...[..."rgba"].map((c) => [c, c])]],
+  polarity: [
+    "White is",
+    [["", "as its name says"], ["height", "high, or as it is"], ["depth", "deep: turn it over"]],
+  ],
+  green: ["Green is", [["", "as its name says"], ["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]],
+};
+
+export function maps(view) {
+  const file = element("input", { type: "file", accept: "image/*", id: "map-file", multiple: true });
+  file.addEventListener("change", () => {
+    view.takeMaps([...file.files]);
+    file.value = "";
+  });
+  return section(
+    "Maps",
+    false,
+    element(
+      "p",
+      { class: "doc" },
+      "Drop a picture on the map that it replaces; or drop several on the page, and each is what its name says.",
+    ),
+    ...Object.keys(SLOTS).map((slot) => row(view, slot)),
+    element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
+    element("p", { class: "doc" }, "How pictures are read that are dropped next:"),
+    ...Object.entries(HOW).map(([name, [label, options]]) => choice(view, name, label, options)),
+    element("p", { class: "doc", id: "map-said" }, view.mapSaid),
+    ...(view.hasHeights && view.pictures.normal
+      ? [button("Make normals of the heights", () => view.leaveNormals(), { id: "leave-normals" })]
+      : []),
+  );
+}
+
+function row(view, slot) {
+  const { name, held, channels, light } = SLOTS[slot];
+  const picture = view.pictures[held];
+  const source = view.sources[slot];
+  // a map that nobody gave is what its place in another one is filled with
+  const shown = picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
+  const frame = element("span", { class: "thumb" });
+  if (shown) frame.append(thumbnail(picture, channels, light));
+  const size = shown ? `${picture.width} × ${picture.height}` : instead(view, slot);
+  const info = [size, source].filter(Boolean).join(" · ");
+  return element(
+    "div",
+    { class: "map", "data-slot": slot },
+    frame,
+    element(
+      "span",
+      { class: "told" },
+      element("span", {}, name),
+      element("span", { class: "doc", title: info }, info),
+    ),
+    button("Choose …", () => choose(view, slot), {
+      id: `choose-${slot}`,
+      "aria-label": `Choose a picture for ${name}`,
+    }),
+  );
+}
+
+function instead(view, slot) {
+  if (slot === "normal" && view.hasHeights) return "made of the heights";
+  return slot === "packed" ? "occlusion, roughness, metal in r, g, b" : "none";
+}
+
+function choose(view, slot) {
+  const file = element("input", { type: "file", accept: "image/*" });
+  file.addEventListener("change", () => view.takeMaps([...file.files], slot));
+  file.click();
+}
+
+function choice(view, name, label, options) {
+  const id = `map-${name}`;
+  const select = element("select", { id, name: id });
+  for (const [value, text] of options) select.append(element("option", { value }, text));
+  select.value = view.drop[name];
+  select.addEventListener("change", () => {
+    view.drop[name] = select.value;
+  });
+  return element("div", { class: "menu" }, element("label", { for: id }, label), select);
+}

@@ -1,0 +1,49 @@
+// Small pictures of maps, as a person would see them in a folder.
+
+import { encoded } from "view/srgb.js";
+
+const SIDE = 88; // pixels of the longer side
+const READS = 4; // texels a side that are averaged for a pixel, at most
+const made = new WeakMap(); // canvases by picture and channels
+
+// The canvas of a map's channels: one as grey, three as colour, which `light` says to encode.
+export function thumbnail(picture, channels, light = false) {
+  const known = made.get(picture) ?? made.set(picture, {}).get(picture);
+  known[channels] ??= drawn(picture, channels, light);
+  return known[channels];
+}
+
+function drawn({ width, height, count = 4, texels }, channels, light) {
+  const share = SIDE / Math.max(width, height);
+  const size = [width, height].map((n) => Math.max(1, Math.round(n * share)));
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = size;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(...size);
+  const code = (mean) => 255 * (light ? encoded(mean / 65535) : mean / 65535);
+  for (let y = 0, to = 0; y < size[1]; y++) {
+    const rows = places(y, size[1], height);
+    for (let x = 0; x < size[0]; x++, to += 4) {
+      const columns = places(x, size[0], width);
+      for (let c = 0; c < 3; c++) {
+        const channel = channels[c] ?? channels[0];
+        let sum = 0;
+        for (const row of rows) {
+          for (const column of columns) sum += texels[(row * width + column) * count + channel];
+        }
+        image.data[to + c] = Math.round(code(sum / rows.length / columns.length));
+      }
+      image.data[to + 3] = 255;
+    }
+  }
+  context.putImageData(image, 0, 0);
+  return canvas;
+}
+
+// Which of `have` texels a pixel of `want` is the mean of.
+function places(pixel, want, have) {
+  const each = Math.max(1, Math.min(READS, Math.floor(have / want)));
+  return Array.from({ length: each }, (_, k) =>
+    Math.min(have - 1, Math.floor(((pixel + (k + 0.5) / each) * have) / want)),
+  );
+}
