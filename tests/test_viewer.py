@@ -64,7 +64,10 @@ def browser() -> Iterator[Any]:
 class Seen:
     """A page that is open, and what it said and asked for."""
 
-    def __init__(self, browser: Any, file: Path, hash: str = "", **options: Any) -> None:
+    def __init__(
+        self, browser: Any, file: Path, hash: str = "", *, before: str = "", **options: Any
+    ) -> None:
+        """Open `file`; `before` is run before anything of the page."""
         options.setdefault("viewport", {"width": 760, "height": 400})
         self.page = browser.new_page(**options)
         self.page.set_default_timeout(PATIENCE)
@@ -73,6 +76,8 @@ class Seen:
         self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))
+        if before:
+            self.page.add_init_script(before)
         self.page.goto(file.as_uri() + hash)
         self.page.wait_for_function("window.viewer && window.viewer.ready")
         self.page.evaluate("viewer.ready")
@@ -1047,6 +1052,34 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     assert " | " not in seen.text("#figures")
     seen.page.get_by_label("Beside it").select_option("")
     assert np.array_equal(seen.frame().color, before)
+    seen.page.close()
+
+
+REFUSING = """
+const { requestAdapter } = GPU.prototype;
+window.asked = 0;
+GPU.prototype.requestAdapter = function (...given) {
+  window.asked += 1;
+  if (window.asked <= TIMES) return Promise.reject(new DOMException("starting", "AbortError"));
+  return requestAdapter.apply(this, given);
+};
+"""
+
+
+def test_a_device_that_comes_late_is_waited_for(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "2"))
+    assert seen.page.evaluate("asked") == 3
+    assert seen.frame().hit.any()
+    assert seen.text("#messages") == ""
+    seen.page.close()
+
+
+def test_without_an_adapter_there_are_the_stills(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "1e9"))
+    assert "does not have, or not switched on" in seen.text("#without")
+    assert "(starting)" in seen.text("#without")
+    assert seen.page.locator("#stills img").first.is_visible()
+    assert seen.page.locator("#panel").is_hidden()
     seen.page.close()
 
 

@@ -3,10 +3,24 @@
 import { pack, packList } from "view/records.js";
 
 const GROUP = 8;
+const TRIES = 4; // times that a device is asked for
+const APART = 300; // milliseconds between them
 
 export class Gpu {
+  // A browser whose graphics process has just begun, or begun anew, may have a device a moment later.
   static async open() {
     if (!navigator.gpu) throw new Error("this browser has no WebGPU");
+    for (let left = TRIES - 1; ; left--) {
+      try {
+        return await Gpu.onceOpened();
+      } catch (error) {
+        if (!left) throw error;
+      }
+      await new Promise((next) => setTimeout(next, APART));
+    }
+  }
+
+  static async onceOpened() {
     const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
     if (!adapter) throw new Error("WebGPU finds no graphics adapter here");
     const wanted = [
