@@ -1015,6 +1015,93 @@ def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
     seen.page.evaluate(script, [contents, on, event])
 
 
+# --- how much is drawn at once --------------------------------------------------------------------
+
+PACE = """async () => {
+  const { Pace } = await import("view/pace.js");
+  const pace = new Pace();
+  const found = { at_once: [], sizes: [], rows: [] };
+  const look = () => {
+    let most = 0;
+    for (pace.flying = 0; pace.free; pace.flying += 1) most += 1;
+    pace.flying = 0;
+    found.at_once.push(most);
+    found.sizes.push(pace.moving([1000, 500]));
+    found.rows.push(pace.rows(1000, 4));
+  };
+  look();
+  // one that is slow, one that is slower than can be helped, one that is quick
+  for (const milliseconds of [132, 33000, 1]) {
+    pace.note(milliseconds, 500000);
+    look();
+  }
+  const answers = [0, 100, 100];
+  const wait = () => new Promise((next) => setTimeout(next, answers.shift()));
+  await pace.listen({ submit() {}, onSubmittedWorkDone: wait });
+  found.latency = pace.latency;
+  look();
+  pace.note(50, 500000);
+  look();
+  pace.latency = 100;
+  found.work = [pace.work(140), pace.work(60)];
+  return found;
+}"""
+
+
+def test_slow_frames_are_smaller_and_slow_answers_do_not_count(fresh: Seen) -> None:
+    found = fresh.page.evaluate(PACE)
+    whole, half = [1000, 500], [500, 250]
+    assert found["sizes"] == [whole, half, [125, 63], whole, whole, [812, 406]]
+    # what is drawn in 33 ms, in fours, and no less than four
+    assert found["rows"] == pytest.approx([3300, 124, 4, 16500, 16500, 328], abs=4)
+    late = found["latency"]
+    assert late >= 99
+    few = [min(8, 1 + late // each) for each in (16, 50)]
+    assert found["at_once"] == [1, 1, 1, 1, *few]
+    assert found["work"] == [40, 0]
+
+
+SLOW_ANSWERS = """
+const { onSubmittedWorkDone } = GPUQueue.prototype;
+GPUQueue.prototype.onSubmittedWorkDone = async function () {
+  await onSubmittedWorkDone.call(this);
+  await new Promise((next) => setTimeout(next, 150));
+};
+"""
+
+
+def test_a_browser_that_answers_late_draws_no_less(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, before=SLOW_ANSWERS)
+    script = """async ([width, height]) => {
+      const { drawing } = viewer;
+      let parts = 0;
+      const sample = drawing.sample.bind(drawing);
+      drawing.sample = (...given) => { parts += 1; return sample(...given); };
+      await viewer.draw(width, height, 8);
+      const atRest = parts;
+      let [most, sent] = [0, drawing.frames];
+      for (let k = 0; k < 30; k++) {
+        viewer.state.scale = 0.05 + 0.001 * k;
+        viewer.changed();
+        await new Promise(requestAnimationFrame);
+        most = Math.max(most, drawing.pace.flying);
+      }
+      sent = drawing.frames - sent;
+      await drawing.settled();
+      return [drawing.pace.latency, atRest, most, sent, drawing.done];
+    }"""
+    latency, at_rest, most, sent, samples = seen.page.evaluate(script, SIZE)
+    assert latency >= 150
+    # a sample is not cut into ever smaller parts: row by row there would be 720
+    assert at_rest <= 60
+    # frames do not wait for one another: they would be a few
+    assert most > 1
+    assert sent > 6
+    assert samples == 8
+    assert seen.said == []
+    seen.page.close()
+
+
 # --- what goes wrong -----------------------------------------------------------------------------
 
 

@@ -56,8 +56,8 @@ export class Left extends Error {}
 
 export class Bakes {
   // Of the heights in a texture with all its levels, for maps that end as an `edge` says.
-  constructor(gpu, data, field, highest, edge) {
-    Object.assign(this, { gpu, data, field, highest, edge });
+  constructor(gpu, data, field, highest, edge, pace) {
+    Object.assign(this, { gpu, data, field, highest, edge, pace });
     this.size = [field.width, field.height];
     this.tables = new Map();
     this.failures = new Map();
@@ -313,7 +313,7 @@ export class Bakes {
       });
       await this.gpu.device.queue.onSubmittedWorkDone();
       await Promise.all([failed, ...this.refused.splice(0)]);
-      this.note(key, performance.now() - began, rows * wide);
+      this.note(key, this.pace.work(performance.now() - began), rows * wide);
       first += rows;
       if (height > rows) this.tell((this.done + first / height) / this.whole);
     }
@@ -352,7 +352,7 @@ export class Bakes {
     const rows = last - first;
     const { planes: count, texel } = KINDS[kind];
     this.planes = this.roomFor(this.planes, 4 * count * wide * rows);
-    job.dispatch(this.planes, [wide, rows], first, last, false, first);
+    job.dispatch(this.planes, [wide, rows], first, last, { top: first });
     const encoder = device.createCommandEncoder();
     if (texel) this.pack(encoder, kind, wide, rows);
     encoder.copyBufferToTexture(

@@ -1,7 +1,7 @@
 // The picture: what the programs are given, when they run, and how fine.
 //
-// While something moves, whole frames are drawn, smaller where one takes over 33 ms. At rest the
-// places in each pixel are gone through, row by row, so that the page stays awake.
+// While something moves, whole frames are drawn, smaller where one is slow. At rest the places in
+// each pixel are gone through, row by row, so that the page stays awake.
 
 import { Bakes, Left } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
@@ -9,9 +9,8 @@ import { Colors } from "view/colors.js";
 import { Job, rowsApart } from "view/gpu.js";
 import { linked } from "view/link.js";
 import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
+import { Pace } from "view/pace.js";
 
-const SLOW = 33; // milliseconds a frame may take while something moves
-const COARSEST = 8; // times smaller that each side is at most while something moves
 const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
 const JOBS = 8; // programs whose values are kept, beside those that are shown
@@ -44,13 +43,16 @@ export class Drawing {
     this.textures = {};
     this.jobs = new Map();
     this.sides = {};
-    this.coarse = 1; // how much smaller each side is while something moves
+    this.pace = new Pace();
+    this.frames = 0; // that were drawn while something moved
+    this.reporting = false; // whether something is read back of a frame, while others may be drawn
+    this.unreported = null; // the frame that it is to be read of next
+    this.timing = false; // whether the GPU's clock is not read yet
     this.limit = data.samples.length;
     this.state = null;
     this.dirty = false;
     this.done = 0;
     this.row = 0;
-    this.speed = 1e-5; // milliseconds a pixel, as last seen
     this.failed = null;
     this.told = new Set(); // what could not be shown, and is said already
   }
@@ -136,8 +138,8 @@ export class Drawing {
   bakesFor(edge, use = "") {
     const name = use + edge;
     if (!this.bakes.has(name)) {
-      const { gpu, data, textures, highest } = this;
-      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge));
+      const { gpu, data, textures, highest, pace } = this;
+      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge, pace));
     }
     return this.bakes.get(name);
   }
@@ -470,64 +472,110 @@ export class Drawing {
 
   async tick() {
     if (this.running || !this.shown || this.held) return;
-    this.running = true;
     try {
-      if (this.dirty) await this.movingFrame();
-      else if (this.done < this.limit) await this.finer();
+      if (this.dirty) {
+        if (this.pace.free) this.movingFrame();
+      } else if (this.done < this.limit && this.still) {
+        this.running = true;
+        await this.finer();
+      }
     } catch (error) {
       this.heard({ error: firstLine(error) });
       this.done = this.limit;
     } finally {
       this.running = false;
     }
-    if (this.dirty || this.done < this.limit) this.wake();
+    this.goOn();
   }
 
-  async movingFrame() {
+  // Frames that are on their way come here when they have landed.
+  goOn() {
+    if (this.dirty ? this.pace.free : this.done < this.limit && this.still) this.wake();
+  }
+
+  // Whether nothing is on its way, to the GPU or back.
+  get still() {
+    return !this.pace.flying && !this.reporting;
+  }
+
+  movingFrame() {
+    const { pace, fresh } = this;
+    const size = pace.moving(this.size);
+    const full = size[0] === this.size[0] && size[1] === this.size[1];
     this.dirty = false;
-    const size = this.size.map((n) => Math.max(16, Math.round(n / this.coarse)));
     this.room();
-    const began = performance.now();
-    this.sample(size, 0, 0, size[1], true);
+    const frame = { began: performance.now(), size, full, fresh, alone: !pace.flying };
+    frame.timed = this.sample(size, 0, 0, size[1]);
     this.accumulate(size, true);
     this.drawnSize = size;
     this.drawn = 1;
     this.present();
-    await this.gpu.device.queue.onSubmittedWorkDone();
-    if (!this.shown) return;
-    const took = performance.now() - began;
-    this.frames = (this.frames ?? 0) + 1;
-    this.speed = took / (size[0] * size[1]);
-    // the first frame of a program says how long its driver makes ready, and nothing of the next
-    if (!this.fresh) {
-      const wanted = this.coarse * Math.sqrt(took / SLOW);
-      this.coarse = wanted < 1.2 ? 1 : Math.min(COARSEST, wanted);
-    }
     this.fresh = false;
-    const full = size[0] === this.size[0] && size[1] === this.size[1];
+    this.frames += 1;
     this.done = full ? 1 : 0;
     this.row = 0;
     this.spent = [0, 0];
-    const gpuMilliseconds = await this.stamped();
-    this.heard({ milliseconds: took, gpuMilliseconds, timedAt: size, size, samples: this.done });
+    pace.flying += 1;
+    this.gpu.device.queue.onSubmittedWorkDone().then(() => this.landed(frame));
+  }
+
+  landed(frame) {
+    const { pace } = this;
+    pace.flying -= 1;
+    if (!this.shown || this.held) {
+      if (frame.timed) this.timing = false;
+      return;
+    }
+    this.report({ ...frame, work: pace.work(performance.now() - frame.began) });
+    this.goOn();
+  }
+
+  // Tell of a frame what has to be read back. The next do not wait for that, and of those that come
+  // meanwhile only the last is told of.
+  async report(frame) {
+    if (this.unreported?.timed) this.timing = false;
+    this.unreported = frame;
+    if (this.reporting) return;
+    this.reporting = true;
+    try {
+      while (this.unreported) await this.read(this.unreported);
+    } catch (error) {
+      this.heard({ error: firstLine(error) });
+    } finally {
+      this.reporting = false;
+    }
+    this.goOn();
+  }
+
+  async read({ size, work, timed, full, alone, fresh }) {
+    this.unreported = null;
+    const clock = timed ? await this.stamped() : null;
+    // by the GPU's own clock where it has one: it alone knows what one of several took
+    if (this.gpu.stamps ? timed : alone) {
+      const milliseconds = Math.max(alone ? work : 0, clock ?? 0);
+      // the first of a program says how long its driver makes ready, and nothing of the next
+      if (!fresh) this.pace.note(milliseconds, size[0] * size[1]);
+      this.heard({ milliseconds, gpuMilliseconds: clock, timedAt: size });
+    }
+    this.heard({ size, samples: full ? 1 : 0 });
     if (full && this.shown) await this.figures();
   }
 
   // A part of the next sample, as many rows as fit a frame's time.
   async finer() {
     if (performance.now() - this.movedAt < REST) return;
-    const size = this.size;
+    const { size, pace } = this;
     this.room();
-    const apart = rowsApart(size[0]);
-    const rows = Math.max(apart, Math.floor(SLOW / this.speed / size[0] / apart) * apart);
-    const last = Math.min(size[1], this.row + rows);
+    const last = Math.min(size[1], this.row + pace.rows(size[0], rowsApart(size[0])));
     const began = performance.now();
-    this.sample(size, this.done, this.row, last, true);
-    await this.gpu.device.queue.onSubmittedWorkDone();
-    const took = performance.now() - began;
-    this.speed = took / (size[0] * (last - this.row));
-    const clock = await this.stamped();
-    this.spent = [this.spent[0] + took, clock === null ? null : this.spent[1] + clock];
+    const timed = this.sample(size, this.done, this.row, last);
+    const [clock] = await Promise.all([
+      timed ? this.stamped() : null,
+      this.gpu.device.queue.onSubmittedWorkDone(),
+    ]);
+    const cost = Math.max(pace.work(performance.now() - began), clock ?? 0);
+    pace.note(cost, size[0] * (last - this.row));
+    this.spent = [this.spent[0] + cost, clock === null ? null : this.spent[1] + clock];
     if (this.dirty || !this.shown) return;
     this.row = last;
     if (last < size[1]) return;
@@ -543,11 +591,17 @@ export class Drawing {
     if (this.done === 1) await this.figures();
   }
 
-  sample(size, number, first, last, timed = false) {
-    for (const [side, { state, job }] of Object.entries(this.shown)) {
+  // Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
+  sample(size, number, first, last) {
+    const timed = Boolean(this.gpu.stamps) && !this.timing;
+    const shown = Object.entries(this.shown);
+    shown.forEach(([side, { state, job }], k) => {
       job.put(this.values(state, size, this.data.samples[number]));
-      job.dispatch(this.sides[side].planes, size, first, last, timed && side === "left");
-    }
+      job.dispatch(this.sides[side].planes, size, first, last, { stamp: timed ? k : null });
+    });
+    if (timed) this.gpu.resolveStamps(shown.length);
+    this.timing ||= timed;
+    return timed;
   }
 
   accumulate(size, first) {
@@ -582,28 +636,31 @@ export class Drawing {
     const { measured } = this;
     const view = { ...this.view(), size: this.drawnSize };
     const { sides, shown } = this;
-    const left = await this.colors.figures(sides.left, sides.truth, view);
-    const right = shown.right && (await this.colors.figures(sides.right, sides.truth, view));
+    // both are asked for before anything else is drawn
+    const [left, right] = await Promise.all([
+      this.colors.figures(sides.left, sides.truth, view),
+      shown.right && this.colors.figures(sides.right, sides.truth, view),
+    ]);
     if (!this.shown || this.measured !== measured) return;
     this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
     this.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
     if (this.state.show !== "color" && !this.dirty) this.present();
   }
 
-  // What the last timed dispatch took by the GPU's own clock, null where it has none.
+  // What the programs took that were timed last, by the GPU's own clock.
   async stamped() {
-    const { stamps } = this.gpu;
-    if (!stamps) return null;
-    await stamps.read.mapAsync(GPUMapMode.READ);
-    const [first, last] = new BigUint64Array(stamps.read.getMappedRange());
-    stamps.read.unmap();
-    return Number(last - first) * 1e-6;
+    try {
+      return await this.gpu.readStamps();
+    } finally {
+      this.timing = false;
+    }
   }
 
   // Resolves when nothing is left to be drawn.
   async settled() {
     const normals = () => this.resting !== null || this.renewing;
-    while (this.compiling || this.running || this.dirty || this.done < this.limit || normals()) {
+    const drawing = () => this.running || this.dirty || this.done < this.limit || !this.still;
+    while (this.compiling || drawing() || normals()) {
       if (this.failed && !this.shown) throw this.failed;
       await new Promise((resolve) => setTimeout(resolve, 10));
     }

@@ -3,6 +3,7 @@
 import { pack, packList } from "view/records.js";
 
 const GROUP = 8;
+const TIMED = 3; // programs that are timed together at most
 const TRIES = 4; // times that a device is asked for
 const APART = 300; // milliseconds between them
 
@@ -50,11 +51,34 @@ export class Gpu {
   timing() {
     const { device } = this;
     const usage = GPUBufferUsage;
+    const size = 16 * TIMED;
     return {
-      queries: device.createQuerySet({ type: "timestamp", count: 2 }),
-      resolved: device.createBuffer({ size: 16, usage: usage.QUERY_RESOLVE | usage.COPY_SRC }),
-      read: device.createBuffer({ size: 16, usage: usage.MAP_READ | usage.COPY_DST }),
+      queries: device.createQuerySet({ type: "timestamp", count: 2 * TIMED }),
+      resolved: device.createBuffer({ size, usage: usage.QUERY_RESOLVE | usage.COPY_SRC }),
+      read: device.createBuffer({ size, usage: usage.MAP_READ | usage.COPY_DST }),
+      count: 0,
     };
+  }
+
+  // So many programs were timed: their times may be read.
+  resolveStamps(count) {
+    const { stamps, device } = this;
+    const encoder = device.createCommandEncoder();
+    encoder.resolveQuerySet(stamps.queries, 0, 2 * count, stamps.resolved, 0);
+    encoder.copyBufferToBuffer(stamps.resolved, 0, stamps.read, 0, 16 * count);
+    device.queue.submit([encoder.finish()]);
+    stamps.count = count;
+  }
+
+  // Milliseconds that they took together; not to be timed again before they are read.
+  async readStamps() {
+    const { read, count } = this.stamps;
+    await read.mapAsync(GPUMapMode.READ);
+    const times = new BigUint64Array(read.getMappedRange());
+    let sum = 0;
+    for (let k = 0; k < count; k++) sum += Number(times[2 * k + 1] - times[2 * k]) * 1e-6;
+    read.unmap();
+    return sum;
   }
 
   // The pipeline of a linked program, made once; rejects with what the compiler says, and is not
@@ -215,8 +239,8 @@ export class Job {
   }
 
   // Compute rows first … last − 1 of a picture into planes that hold `height` rows from `top` on;
-  // `first` is a multiple of `rowsApart` beyond that.
-  dispatch(planes, [width, height], first, last, timed = false, top = 0) {
+  // `first` is a multiple of `rowsApart` beyond that. `stamp` says as which of those timed.
+  dispatch(planes, [width, height], first, last, { stamp = null, top = 0 } = {}) {
     const { gpu, made } = this;
     const { device } = gpu;
     device.queue.writeBuffer(this.run, 0, new Uint32Array([width, first, last, width * height]));
@@ -229,26 +253,16 @@ export class Job {
       return { binding, resource: { buffer: this.uniforms.get(name) } };
     });
     const encoder = device.createCommandEncoder();
-    const stamps = timed ? gpu.stamps : null;
-    const pass = encoder.beginComputePass(
-      stamps
-        ? {
-            timestampWrites: {
-              querySet: stamps.queries,
-              beginningOfPassWriteIndex: 0,
-              endOfPassWriteIndex: 1,
-            },
-          }
-        : {},
-    );
+    const timestampWrites = {
+      querySet: gpu.stamps?.queries,
+      beginningOfPassWriteIndex: 2 * stamp,
+      endOfPassWriteIndex: 2 * stamp + 1,
+    };
+    const pass = encoder.beginComputePass(stamp === null ? {} : { timestampWrites });
     pass.setPipeline(made.pipeline);
     pass.setBindGroup(0, device.createBindGroup({ layout: made.layout, entries }));
     pass.dispatchWorkgroups(Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP));
     pass.end();
-    if (stamps) {
-      encoder.resolveQuerySet(stamps.queries, 0, 2, stamps.resolved, 0);
-      encoder.copyBufferToBuffer(stamps.resolved, 0, stamps.read, 0, 16);
-    }
     device.queue.submit([encoder.finish()]);
   }
 

@@ -86,6 +86,7 @@ class View {
       made = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
       try {
         await made.setMaps(this.pictures);
+        await made.pace.listen(this.gpu.device.queue);
       } catch (error) {
         if (!made.gpu.lost) throw error;
       }
@@ -459,7 +460,6 @@ class View {
     this.canvas.height = height;
     // a distance that frames is another now
     for (const show of this.shows) show();
-    this.drawing.coarse = 1;
     this.drawing.touched();
   }
 
