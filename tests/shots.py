@@ -6,6 +6,7 @@ Run as a program it draws them anew: `scripts/goldens`. A test holds them to wha
 from __future__ import annotations
 
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,30 @@ from served import marimo
 REPOSITORY = Path(__file__).resolve().parent.parent
 PICTURES = REPOSITORY / "docs" / "images"
 EXAMPLE = REPOSITORY / "examples" / "viewer.py"
-SHOTS: dict[str, tuple[tuple[int, int], str, dict[str, Any]]] = {
-    "viewer-light": ((960, 600), "light", {"shadows": "soft"}),
-    "viewer-divider": ((960, 600), "dark", {"compare": "offset", "scale": 0.08}),
-    "viewer-missed": (
-        (960, 600), "dark", {"technique": "parallax_occlusion", "show": "missed", "scale": 0.1},
+
+
+@dataclass(frozen=True)
+class Shot:
+    """The window's size, the scheme, and what is changed of the page's start.
+
+    `unfolded` is the one section of the panel that is open, "" for those that are at the start.
+    """
+
+    size: tuple[int, int]
+    scheme: str
+    changes: dict[str, Any]
+    unfolded: str = ""
+
+
+SHOTS = {
+    "viewer-light": Shot((960, 600), "light", {"shadows": "soft"}),
+    "viewer-divider": Shot((960, 600), "dark", {"compare": "offset", "scale": 0.08}),
+    "viewer-missed": Shot(
+        (960, 600), "dark", {"technique": "parallax_occlusion", "show": "missed", "scale": 0.1}
     ),
-    "viewer-narrow": ((400, 720), "dark", {"shape": "sphere", "shadows": "hard"}),
-}  # fmt: skip
-"""The window's size, the scheme, and what is changed of the page's start."""
+    "viewer-maps": Shot((960, 780), "light", {"technique": "exact", "scale": 0.1}, "maps"),
+    "viewer-narrow": Shot((400, 720), "dark", {"shape": "sphere", "shadows": "hard"}),
+}
 
 
 def write_page(folder: Path) -> Path:
@@ -39,22 +55,26 @@ def write_page(folder: Path) -> Path:
 
 def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
     """A picture of the page as PNG, and where in it the canvas is: x, y, width, height."""
-    (width, height), scheme, changes = SHOTS[name]
-    page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    made = SHOTS[name]
+    width, height = made.size
+    page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=made.scheme)
     page.set_default_timeout(PATIENCE)
     page.goto(file.as_uri())
     page.wait_for_function("window.viewer && window.viewer.ready")
     page.evaluate("viewer.ready")
     page.evaluate(
-        """async (changes) => {
+        """async ([changes, unfolded]) => {
           if (changes.shape) viewer.state.tiling = viewer.data.shapes[changes.shape].tiling;
           Object.assign(viewer.state, changes);
           viewer.drawing.limit = 2;
           viewer.changed(true);
+          for (const each of document.querySelectorAll("#panel details")) {
+            if (unfolded) each.open = each.id === `section-${unfolded}`;
+          }
           await viewer.drawing.settled();
           viewer.drawing.present();
         }""",
-        changes,
+        [made.changes, made.unfolded],
     )
     page.wait_for_timeout(300)
     png = page.screenshot()
