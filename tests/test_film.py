@@ -51,11 +51,12 @@ def slope(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> np.n
     """Red grows to the right, green downwards, blue with time; the top left corner is orange."""
     width, height = size
     codes = np.empty((height, width, 3))
-    codes[:, :, 0] = np.linspace(0.1, 0.9, width)
-    codes[:, :, 1] = np.linspace(0.2, 0.7, height)[:, None]
-    codes[:, :, 2] = 0.15 + 0.6 * number / count
-    codes[:8, :12] = (0.9, 0.45, 0.1)
-    return np.dstack([srgb_decode(codes), np.ones((height, width))])
+    # never halfway between two of 255: which of them it is would go by the processor's last bit
+    codes[:, :, 0] = np.linspace(25.4, 229.4, width)
+    codes[:, :, 1] = np.linspace(51.0, 178.4, height)[:, None]
+    codes[:, :, 2] = 38.25 + 153.0 * number / count
+    codes[:8, :12] = (229.4, 114.75, 25.4)
+    return np.dstack([srgb_decode(codes / 255.0), np.ones((height, width))])
 
 
 def hole(number: int) -> np.ndarray:
