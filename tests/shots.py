@@ -66,13 +66,13 @@ def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
         """async ([changes, unfolded]) => {
           if (changes.shape) viewer.state.tiling = viewer.data.shapes[changes.shape].tiling;
           Object.assign(viewer.state, changes);
-          viewer.drawing.limit = 2;
+          viewer.drawing.frames.limit = 2;
           viewer.changed(true);
           for (const each of document.querySelectorAll("#panel details")) {
             if (unfolded) each.open = each.id === `section-${unfolded}`;
           }
           await viewer.drawing.settled();
-          viewer.drawing.present();
+          viewer.drawing.frames.present();
         }""",
         [made.changes, made.unfolded],
     )
@@ -101,8 +101,8 @@ def notebook(browser: Any) -> None:
         page.goto(address)
         page.wait_for_selector("iframe")
         frame = next(each for each in page.frames if each.url.startswith("blob:"))
-        frame.wait_for_function("window.viewer?.drawing?.done")
-        frame.evaluate("viewer.drawing.limit = 4")
+        frame.wait_for_function("window.viewer?.drawing?.frames?.done")
+        frame.evaluate("viewer.drawing.frames.limit = 4")
         frame.locator("input[name=scale]").fill("0.06")
         page.get_by_text("scale 0.06").wait_for()
         frame.evaluate("viewer.drawing.settled()")

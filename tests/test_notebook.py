@@ -356,12 +356,12 @@ class Shown:
         """Wait until so many views have drawn."""
         self.page.wait_for_function(
             """n => frames.length === n &&
-              [...Array(n).keys()].every((k) => frames[k].viewer?.drawing?.done)""",
+              [...Array(n).keys()].every((k) => frames[k].viewer?.drawing?.frames?.done)""",
             arg=count,
         )
         # one sample is enough, and leaves time for others
         for number in range(count):
-            self.frame(number).evaluate("viewer.drawing.limit = 1")
+            self.frame(number).evaluate("viewer.drawing.frames.limit = 1")
 
     def frame(self, number: int = 0) -> Any:
         return self.page.frames[1 + number]
@@ -391,7 +391,9 @@ class Shown:
         """The planes of the page's picture."""
         frame = self.frame()
         frame.evaluate("([w, h]) => viewer.draw(w, h, 1)", list(SIZE))
-        words = frame.evaluate("async () => [...new Uint32Array(await viewer.drawing.words())]")
+        words = frame.evaluate(
+            "async () => [...new Uint32Array(await viewer.drawing.frames.words())]"
+        )
         frame.evaluate("viewer.heldSize = null")
         return planes(words, SIZE, self.state("background"))
 
@@ -449,6 +451,21 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
     assert viewer.camera == Orbit(44.0, 25.0)
     assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
 
+    # another lens has another number
+    field = shown.frame().locator("input[name='camera.field_of_view']")
+    seen_height = shown.frame().locator("input[name='camera.orthographic_height']")
+    for lens, there in (
+        ({"orthographic_height": 1.5}, seen_height),
+        ({"field_of_view": 40.0}, field),
+    ):
+        shown.python(camera=Orbit(44.0, 25.0, **lens))
+        shown.wait(
+            f"viewer.drawing.state.camera.{next(iter(lens))} === {next(iter(lens.values()))}"
+        )
+        assert there.count() == 1
+        assert field.count() + seen_height.count() == 1
+        assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
+
     # what the page holds to its range is so in Python too
     shown.python(camera=Orbit(44.0, -20.0))
     shown.saved("model.saved.length")
@@ -505,8 +522,8 @@ def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
         page.goto(address)
         page.wait_for_selector("iframe[title='basrelief viewer']")
         frame = next(each for each in page.frames if each.url.startswith("blob:"))
-        frame.wait_for_function("window.viewer?.drawing?.done")
-        frame.evaluate("viewer.drawing.limit = 1")
+        frame.wait_for_function("window.viewer?.drawing?.frames?.done")
+        frame.evaluate("viewer.drawing.frames.limit = 1")
         assert frame.evaluate("[viewer.state.technique, viewer.state.scale]") == ["relief", 0.08]
         # the page's, in Python
         frame.locator("input[name=scale]").fill("0.031")

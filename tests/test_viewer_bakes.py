@@ -246,7 +246,7 @@ def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material
     frame = render(scene, size=SIZE, samples=1, engine="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
     seen.draw()
-    found = seen.page.evaluate("viewer.drawing.found")
+    found = seen.page.evaluate("viewer.drawing.frames.found")
     assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
     assert share > 0.05
 
@@ -483,12 +483,12 @@ def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> N
           const read = gpu.readTexture.bind(gpu);
           const held = new Promise((open) => { window.openReading = open; });
           gpu.readTexture = (texture) => held.then(() => read(texture));
-          window.framesBefore = drawing.frames;
+          window.framesBefore = drawing.frames.count;
           viewer.state.scale = 0.04;
           viewer.changed();
         }"""
     )
-    seen.page.wait_for_function("viewer.drawing.frames > framesBefore", timeout=20000)
+    seen.page.wait_for_function("viewer.drawing.frames.count > framesBefore", timeout=20000)
     assert seen.page.evaluate("viewer.drawing.state.scale") == 0.04
     seen.page.evaluate("() => { openReading(); delete viewer.gpu.readTexture; }")
     # once it rests they are those of the new scale

@@ -4,6 +4,7 @@
 
 import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
+import { words } from "view/text.js";
 
 const ROW = 64; // words that a row of a copy is a multiple of
 const LONG = 60; // milliseconds that a submission should take; drivers stop those of seconds
@@ -397,8 +398,6 @@ export class Bakes {
     pass.end();
   }
 }
-
-const words = (name) => name.replaceAll("_", " ");
 
 // How many blocks of so many cells a side a map has.
 const blocks = (size, side) => size.map((n) => Math.ceil(n / side));

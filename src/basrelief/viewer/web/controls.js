@@ -15,8 +15,6 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
-export const words = (name) => name.replaceAll("_", " ");
-
 // Where a value lies in the state: ["settings", "relief", "max_steps"], ["tiling", 0].
 const at = (state, path) => path.reduce((value, key) => value[key], state);
 function set(state, path, value) {
@@ -134,10 +132,11 @@ export function menu(view, path, label, options, after = () => {}) {
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);
 }
 
-// A box to tick for a value, which is what `ticked` says then, and `not` otherwise.
-export function check(view, path, label, ticked = () => true, not = false) {
+// A box to tick for a value, which is what `ticked` says then, and `not` otherwise. It needs a name of
+// its own where the value has another control, too.
+export function check(view, path, label, { name, ticked = () => true, not = false } = {}) {
   const id = `control-${(count += 1)}`;
-  const box = element("input", { type: "checkbox", id, name: path.join(".") });
+  const box = element("input", { type: "checkbox", id, name: name ?? path.join(".") });
   const show = () => {
     box.checked = at(view.state, path) !== not;
   };

@@ -1,20 +1,14 @@
-// The picture: what the programs are given, when they run, and how fine.
-//
-// While something moves, whole frames are drawn, smaller where one is slow. At rest the places in
-// each pixel are gone through, row by row, so that the page stays awake.
+// The picture: which programs it takes, and what these are given.
 
 import { Bakes, Left } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
-import { Colors } from "view/colors.js";
-import { Job, rowsApart } from "view/gpu.js";
+import { Frames, REST } from "view/frames.js";
+import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
 import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
-import { Pace } from "view/pace.js";
+import { firstLine, words } from "view/text.js";
 
-const REST = 150; // milliseconds after which nothing moves any more
-const PLANES = 9;
 const JOBS = 8; // programs whose values are kept, beside those that are shown
-const words = (name) => name.replaceAll("_", " ");
 const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
 const NOTHING = single([0, 0, 0, 65535]);
 const MISSING = {
@@ -27,11 +21,10 @@ const HEIGHTS = ["field", "distances"];
 
 export class Drawing {
   constructor(gpu, data, canvas, heard) {
-    Object.assign(this, { gpu, data, canvas });
+    Object.assign(this, { gpu, data });
     // what a lost device brings about is no news
     this.heard = (news) => this.held || heard(news);
     this.held = false;
-    this.colors = new Colors(gpu, canvas, data.colors);
     this.pictures = {};
     this.taken = {}; // and what stands for those that are missing
     this.bakes = new Map(); // by edge, those of normals apart
@@ -42,19 +35,12 @@ export class Drawing {
     this.making = Promise.resolve();
     this.textures = {};
     this.jobs = new Map();
-    this.sides = {};
-    this.pace = new Pace();
-    this.frames = 0; // that were drawn while something moved
-    this.reporting = false; // whether something is read back of a frame, while others may be drawn
-    this.unreported = null; // the frame that it is to be read of next
-    this.timing = false; // whether the GPU's clock is not read yet
-    this.limit = data.samples.length;
     this.state = null;
-    this.dirty = false;
-    this.done = 0;
-    this.row = 0;
     this.failed = null;
     this.told = new Set(); // what could not be shown, and is said already
+    this.shown = null; // the state and the job of each side
+    this.measured = ""; // what figures are of
+    this.frames = new Frames(this, canvas);
   }
 
   // --- maps
@@ -138,8 +124,8 @@ export class Drawing {
   bakesFor(edge, use = "") {
     const name = use + edge;
     if (!this.bakes.has(name)) {
-      const { gpu, data, textures, highest, pace } = this;
-      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge, pace));
+      const { gpu, data, textures, highest, frames } = this;
+      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge, frames.pace));
     }
     return this.bakes.get(name);
   }
@@ -173,7 +159,7 @@ export class Drawing {
     try {
       await this.makeNormals(state, () => this.normalsFor(this.latest) === wanted);
       if (this.awaited === wanted) this.awaited = null;
-      if (this.shown) this.touched();
+      if (this.shown) this.frames.touched();
     } catch (error) {
       if (!(error instanceof Left)) this.heard({ error: `normals: ${firstLine(error)}` });
       else if (this.awaited === wanted && this.bakedFor !== null) {
@@ -388,7 +374,7 @@ export class Drawing {
     const measured = [technique, compare, show].join();
     this.heard({ drawn: { technique, compare }, ...(measured !== this.measured && { figures: null }) });
     this.measured = measured;
-    this.touched();
+    this.frames.touched();
   }
 
   // What one picture needs: its bake and its program.
@@ -400,7 +386,7 @@ export class Drawing {
     const pipeline = await this.gpu.pipeline(program);
     const name = `${side}:${program.key}`;
     const job = this.jobs.get(name) ?? new Job(this.gpu, pipeline, this.data);
-    this.fresh ||= !this.jobs.has(name);
+    this.frames.fresh ||= !this.jobs.has(name);
     // the one that was used last is at the end
     this.jobs.delete(name);
     this.jobs.set(name, job);
@@ -433,244 +419,13 @@ export class Drawing {
     await this.bakesFor(edge).table(name, tell, needed);
   }
 
-  // Something changed: draw anew with the next frame.
-  touched() {
-    this.dirty = true;
-    this.movedAt = performance.now();
-    this.wake();
-  }
-
-  wake() {
-    if (this.asked || this.held) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.tick();
-    });
-  }
-
-  get size() {
-    return [this.canvas.width, this.canvas.height];
-  }
-
-  // Buffers for a picture of the canvas's size, on each side.
-  room() {
-    const area = this.canvas.width * this.canvas.height;
-    for (const name of ["left", "right", "truth"]) {
-      const needed = this.shown[name] || name === "left" ? area : 1;
-      const held = this.sides[name];
-      if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
-      held?.planes.destroy();
-      held?.sum.destroy();
-      this.sides[name] = {
-        area: needed,
-        planes: this.gpu.planes(PLANES, needed, 1),
-        sum: this.gpu.planes(4, needed, 1),
-      };
-    }
-  }
-
-  async tick() {
-    if (this.running || !this.shown || this.held) return;
-    try {
-      if (this.dirty) {
-        if (this.pace.free) this.movingFrame();
-      } else if (this.done < this.limit && this.still) {
-        this.running = true;
-        await this.finer();
-      }
-    } catch (error) {
-      this.heard({ error: firstLine(error) });
-      this.done = this.limit;
-    } finally {
-      this.running = false;
-    }
-    this.goOn();
-  }
-
-  // Frames that are on their way come here when they have landed.
-  goOn() {
-    if (this.dirty ? this.pace.free : this.done < this.limit && this.still) this.wake();
-  }
-
-  // Whether nothing is on its way, to the GPU or back.
-  get still() {
-    return !this.pace.flying && !this.reporting;
-  }
-
-  movingFrame() {
-    const { pace, fresh } = this;
-    const size = pace.moving(this.size);
-    const full = size[0] === this.size[0] && size[1] === this.size[1];
-    this.dirty = false;
-    this.room();
-    const frame = { began: performance.now(), size, full, fresh, alone: !pace.flying };
-    frame.timed = this.sample(size, 0, 0, size[1]);
-    this.accumulate(size, true);
-    this.drawnSize = size;
-    this.drawn = 1;
-    this.present();
-    this.fresh = false;
-    this.frames += 1;
-    this.done = full ? 1 : 0;
-    this.row = 0;
-    this.spent = [0, 0];
-    pace.flying += 1;
-    this.gpu.device.queue.onSubmittedWorkDone().then(() => this.landed(frame));
-  }
-
-  landed(frame) {
-    const { pace } = this;
-    pace.flying -= 1;
-    if (!this.shown || this.held) {
-      if (frame.timed) this.timing = false;
-      return;
-    }
-    this.report({ ...frame, work: pace.work(performance.now() - frame.began) });
-    this.goOn();
-  }
-
-  // Tell of a frame what has to be read back. The next do not wait for that, and of those that come
-  // meanwhile only the last is told of.
-  async report(frame) {
-    if (this.unreported?.timed) this.timing = false;
-    this.unreported = frame;
-    if (this.reporting) return;
-    this.reporting = true;
-    try {
-      while (this.unreported) await this.read(this.unreported);
-    } catch (error) {
-      this.heard({ error: firstLine(error) });
-    } finally {
-      this.reporting = false;
-    }
-    this.goOn();
-  }
-
-  async read({ size, work, timed, full, alone, fresh }) {
-    this.unreported = null;
-    const clock = timed ? await this.stamped() : null;
-    // by the GPU's own clock where it has one: it alone knows what one of several took
-    if (this.gpu.stamps ? timed : alone) {
-      const milliseconds = Math.max(alone ? work : 0, clock ?? 0);
-      // the first of a program says how long its driver makes ready, and nothing of the next
-      if (!fresh) this.pace.note(milliseconds, size[0] * size[1]);
-      this.heard({ milliseconds, gpuMilliseconds: clock, timedAt: size });
-    }
-    this.heard({ size, samples: full ? 1 : 0 });
-    if (full && this.shown) await this.figures();
-  }
-
-  // A part of the next sample, as many rows as fit a frame's time.
-  async finer() {
-    if (performance.now() - this.movedAt < REST) return;
-    const { size, pace } = this;
-    this.room();
-    const last = Math.min(size[1], this.row + pace.rows(size[0], rowsApart(size[0])));
-    const began = performance.now();
-    const timed = this.sample(size, this.done, this.row, last);
-    const [clock] = await Promise.all([
-      timed ? this.stamped() : null,
-      this.gpu.device.queue.onSubmittedWorkDone(),
-    ]);
-    const cost = Math.max(pace.work(performance.now() - began), clock ?? 0);
-    pace.note(cost, size[0] * (last - this.row));
-    this.spent = [this.spent[0] + cost, clock === null ? null : this.spent[1] + clock];
-    if (this.dirty || !this.shown) return;
-    this.row = last;
-    if (last < size[1]) return;
-    this.accumulate(size, this.done === 0);
-    this.done += 1;
-    this.row = 0;
-    this.drawnSize = size;
-    this.drawn = this.done;
-    this.present();
-    const [milliseconds, gpuMilliseconds] = this.spent;
-    this.spent = [0, 0];
-    this.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
-    if (this.done === 1) await this.figures();
-  }
-
-  // Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
-  sample(size, number, first, last) {
-    const timed = Boolean(this.gpu.stamps) && !this.timing;
-    const shown = Object.entries(this.shown);
-    shown.forEach(([side, { state, job }], k) => {
-      job.put(this.values(state, size, this.data.samples[number]));
-      job.dispatch(this.sides[side].planes, size, first, last, { stamp: timed ? k : null });
-    });
-    if (timed) this.gpu.resolveStamps(shown.length);
-    this.timing ||= timed;
-    return timed;
-  }
-
-  accumulate(size, first) {
-    const view = { ...this.view(), size, first };
-    this.colors.accumulate(this.sides.left, view);
-    if (this.shown.right) this.colors.accumulate(this.sides.right, view);
-  }
-
-  view() {
-    const { state, canvas } = this;
-    return {
-      size: this.drawnSize,
-      canvas: [canvas.width, canvas.height],
-      texels: this.texels,
-      background: [...state.background, 1],
-      divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
-      show: state.show,
-      samples: this.drawn,
-      figures: this.found,
-    };
-  }
-
-  // Put what is drawn on the canvas, with the divider where it is now.
-  present() {
-    if (!this.shown || !this.drawnSize || this.held) return;
-    const { left, right, truth } = this.sides;
-    this.colors.present(left, right, truth, this.view());
-  }
-
-  // What is measured on the picture; what another is drawn instead of by then is not told.
-  async figures() {
-    const { measured } = this;
-    const view = { ...this.view(), size: this.drawnSize };
-    const { sides, shown } = this;
-    // both are asked for before anything else is drawn
-    const [left, right] = await Promise.all([
-      this.colors.figures(sides.left, sides.truth, view),
-      shown.right && this.colors.figures(sides.right, sides.truth, view),
-    ]);
-    if (!this.shown || this.measured !== measured) return;
-    this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
-    this.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
-    if (this.state.show !== "color" && !this.dirty) this.present();
-  }
-
-  // What the programs took that were timed last, by the GPU's own clock.
-  async stamped() {
-    try {
-      return await this.gpu.readStamps();
-    } finally {
-      this.timing = false;
-    }
-  }
-
   // Resolves when nothing is left to be drawn.
   async settled() {
     const normals = () => this.resting !== null || this.renewing;
-    const drawing = () => this.running || this.dirty || this.done < this.limit || !this.still;
-    while (this.compiling || drawing() || normals()) {
+    while (this.compiling || this.frames.busy || normals()) {
       if (this.failed && !this.shown) throw this.failed;
       await new Promise((resolve) => setTimeout(resolve, 10));
     }
-  }
-
-  // The words of a side's planes, as they were drawn last.
-  async words(side = "left") {
-    const [width, height] = this.drawnSize;
-    const words = await this.gpu.read(this.sides[side].planes);
-    return words.slice(0, 4 * PLANES * width * height);
   }
 }
 
@@ -688,5 +443,3 @@ function lightRecord(light, kinds) {
     cos_outer: spot ? Math.cos(half) : 0,
   };
 }
-
-export const firstLine = (error) => String(error?.message ?? error).split("\n")[0];

@@ -13,7 +13,7 @@ export class Gpu {
     if (!navigator.gpu) throw new Error("this browser has no WebGPU");
     for (let left = TRIES - 1; ; left--) {
       try {
-        return await Gpu.onceOpened();
+        return await Gpu.openOnce();
       } catch (error) {
         if (!left) throw error;
       }
@@ -21,7 +21,7 @@ export class Gpu {
     }
   }
 
-  static async onceOpened() {
+  static async openOnce() {
     const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
     if (!adapter) throw new Error("WebGPU finds no graphics adapter here");
     const wanted = [

@@ -99,7 +99,12 @@ function listenToDivider(view) {
 
 // A file over a map of the panel replaces that one; elsewhere its name says what it is.
 function listenToDrops(view) {
-  const under = ({ target }) => target.closest?.("#panel .map") ?? null;
+  // a map takes one picture; what lies under the mouse may be a text in it
+  const under = ({ target, dataTransfer }) =>
+    dataTransfer.items.length === 1
+      ? (target.closest ? target : target.parentElement)?.closest("#panel .map")
+      : null;
+  const hasFiles = ({ dataTransfer }) => dataTransfer?.types.includes("Files");
   const mark = (row) => {
     for (const each of document.querySelectorAll("#panel .map.over")) each.classList.remove("over");
     row?.classList.add("over");
@@ -110,7 +115,7 @@ function listenToDrops(view) {
   };
   for (const name of ["dragenter", "dragover"]) {
     document.addEventListener(name, (event) => {
-      if (!event.dataTransfer?.types.includes("Files")) return;
+      if (!hasFiles(event)) return;
       event.preventDefault();
       document.body.classList.add("dropping");
       mark(under(event));
@@ -121,9 +126,9 @@ function listenToDrops(view) {
     if (!event.relatedTarget) done();
   });
   document.addEventListener("drop", (event) => {
+    if (!hasFiles(event)) return;
     event.preventDefault();
     done();
-    const files = [...event.dataTransfer.files];
-    view.takeMaps(files, files.length === 1 ? under(event)?.dataset.slot : "");
+    view.takeMaps([...event.dataTransfer.files], under(event)?.dataset.slot);
   });
 }

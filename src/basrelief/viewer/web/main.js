@@ -2,7 +2,7 @@
 
 import { across } from "view/camera.js";
 import { copyOf, held, merged } from "view/checks.js";
-import { Drawing, firstLine } from "view/drawing.js";
+import { Drawing } from "view/drawing.js";
 import { pictureOf, replaced } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
@@ -12,10 +12,15 @@ import { bytesOf, hasHoles, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
 import { build } from "view/panel.js";
 import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
+import { firstLine, words } from "view/text.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
 const READ = 8000; // milliseconds for which a message that is only told stays
+const FURTHEST = 20; // widths of a shape that zooming goes away
+
+// Degrees as −180 to 180.
+const wrapped = (degrees) => degrees - 360 * Math.floor((degrees + 180) / 360);
 
 export async function start() {
   const view = new View();
@@ -86,7 +91,7 @@ class View {
       made = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
       try {
         await made.setMaps(this.pictures);
-        await made.pace.listen(this.gpu.device.queue);
+        await made.frames.pace.measureLatency(this.gpu.device.queue);
       } catch (error) {
         if (!made.gpu.lost) throw error;
       }
@@ -146,7 +151,7 @@ class View {
   readHash() {
     try {
       this.state = fromHash(location.hash, this.start, this.data);
-      this.hold();
+      this.holdCamera();
     } catch {
       this.say("The link's settings cannot be read; the page starts with its own.");
     }
@@ -156,7 +161,7 @@ class View {
   // in it any more.
   changed(choice = false) {
     held(this.state, this.start, this.data);
-    this.hold();
+    this.holdCamera();
     this.unname();
     if (choice === true) this.rebuild();
     else for (const show of this.shows) show();
@@ -184,14 +189,15 @@ class View {
   take(told) {
     const before = this.state;
     this.state = laidOver(before, told, this.data);
-    this.hold();
+    this.holdCamera();
     const changed = difference(this.state, before);
     if (!changed) {
       this.host?.tell();
       return;
     }
     const choices = [...Object.keys(this.data.menus), "compare", "show", "lights", "fades", "apart", "layer"];
-    this.changed(choices.some((name) => name in changed));
+    const lens = ({ camera }) => camera.orthographic_height === null;
+    this.changed(choices.some((name) => name in changed) || lens(this.state) !== lens(before));
   }
 
   rebuild() {
@@ -287,7 +293,7 @@ class View {
 
   turn(azimuth, elevation) {
     const { camera } = this.state;
-    camera.azimuth = ((camera.azimuth + azimuth + 540) % 360) - 180;
+    camera.azimuth = wrapped(camera.azimuth + azimuth);
     camera.elevation += elevation;
     this.changed();
   }
@@ -296,14 +302,15 @@ class View {
   turnLight(azimuth, elevation) {
     const light = this.state.lights.find(({ kind }) => kind === "directional");
     if (!light) return;
-    light.azimuth = ((light.azimuth + azimuth + 540) % 360) - 180;
+    light.azimuth = wrapped(light.azimuth + azimuth);
     light.elevation = Math.max(-90, Math.min(90, light.elevation + elevation));
     this.changed();
   }
 
   zoom(factor) {
     const { camera } = this.state;
-    camera.distance = Math.min(20, this.wholeCamera().distance * factor);
+    const { distance } = this.wholeCamera();
+    camera.distance = Math.min(Math.max(FURTHEST, distance), distance * factor);
     if (camera.orthographic_height !== null) camera.orthographic_height *= factor;
     this.changed();
   }
@@ -320,7 +327,7 @@ class View {
   }
 
   // Never behind a plane, nor within a shape.
-  hold() {
+  holdCamera() {
     const { camera, shape } = this.state;
     const plane = shape === "plane";
     const least = plane ? 2 : -89;
@@ -429,7 +436,7 @@ class View {
     this.updateDivider();
     this.link();
     this.host?.tell();
-    this.drawing.present();
+    this.drawing.frames.present();
   }
 
   updateDivider() {
@@ -439,8 +446,8 @@ class View {
     byId("divider-row").hidden = !compare;
     byId("divider").value = String(divider);
     byId("line").style.left = `${divider * 100}%`;
-    byId("line-left").textContent = technique.replaceAll("_", " ");
-    byId("line-right").textContent = compare.replaceAll("_", " ");
+    byId("line-left").textContent = words(technique);
+    byId("line-right").textContent = words(compare);
   }
 
   // The canvas gets as many pixels as it is shown with.
@@ -460,21 +467,21 @@ class View {
     this.canvas.height = height;
     // a distance that frames is another now
     for (const show of this.shows) show();
-    this.drawing.touched();
+    this.drawing.frames.touched();
   }
 
   // Draw at a size and so many samples, whatever the page's: for pictures that are compared.
   async draw(width, height, samples) {
     await this.mapping;
     this.heldSize = [width, height];
-    this.drawing.limit = samples;
+    this.drawing.frames.limit = samples;
     this.resize(width, height);
     await this.drawing.show(copyOf(this.state));
     await this.drawing.settled();
   }
 
   async save() {
-    this.drawing.present();
+    this.drawing.frames.present();
     const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
     if (!blob) {
       this.say("The browser makes no picture of the canvas; make the window smaller and try again.");
@@ -520,7 +527,7 @@ class View {
     const parts = [];
     // what has failed is not what is seen and measured
     const other = this.drawn && this.drawn.technique !== this.state.technique;
-    if (other) parts.push(`${this.drawn.technique.replaceAll("_", " ")} is still shown`);
+    if (other) parts.push(`${words(this.drawn.technique)} is still shown`);
     if (figures) {
       const { left, right, missed } = figures;
       parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads a pixel`);
@@ -529,11 +536,11 @@ class View {
       }
     }
     if (milliseconds !== undefined) {
-      const clock = gpuMilliseconds == null ? "" : ` (the program ${gpuMilliseconds.toFixed(1)})`;
+      const clock = gpuMilliseconds == null ? "" : ` (programs ${gpuMilliseconds.toFixed(1)})`;
       parts.push(`${milliseconds.toFixed(1)} ms a frame${clock}`, timedAt.join(" × "));
     }
     // the end is cut off where there is no room
-    if (size) parts.push(`${samples} of ${this.drawing.limit} samples`);
+    if (size) parts.push(`${samples} of ${this.drawing.frames.limit} samples`);
     byId("figures").textContent = byId("figures").title = parts.join(" · ");
   }
 

@@ -8,25 +8,29 @@ const SLOW = 33; // milliseconds that a frame may cost while something moves, an
 const COARSEST = 8; // times smaller that each side is at most while something moves
 const SHOWN = 16; // milliseconds that a frame is shown for
 const MOST = 8; // frames that may be on their way
+const GROWTH = 4; // times more that is asked than the time before, at most
 
 export class Pace {
-  constructor() {
+  // `clocked` where the GPU tells how long it took: without, what one of several frames on their way
+  // cost cannot be known.
+  constructor(clocked) {
+    this.clocked = clocked;
     this.latency = 0; // milliseconds of an answer to nothing
     this.speed = 1e-5; // milliseconds a pixel, as last seen
     this.flying = 0; // frames that are on their way
     this.cost = 0; // milliseconds of the last one
   }
 
-  // Find out how long an answer takes.
-  async listen(queue) {
+  // Find out how long an answer takes: the first is to all that was asked before.
+  async measureLatency(queue) {
     const answers = [];
-    for (let k = 0; k < 3; k++) {
+    for (let k = 0; k < 4; k++) {
       const asked = performance.now();
       queue.submit([]);
       await queue.onSubmittedWorkDone();
       answers.push(performance.now() - asked);
     }
-    this.latency = answers.sort((a, b) => a - b)[1];
+    this.latency = Math.min(...answers.slice(1));
   }
 
   // What the GPU worked, of the milliseconds that passed until it was known.
@@ -34,16 +38,16 @@ export class Pace {
     return Math.max(0, passed - this.latency);
   }
 
-  // So many pixels cost so many milliseconds.
+  // So many pixels cost so many milliseconds. What is faster than it was is believed by and by.
   note(cost, pixels) {
     this.cost = cost;
-    this.speed = Math.max(cost, 0.01) / pixels;
+    this.speed = Math.max(Math.max(cost, 0.01) / pixels, this.speed / GROWTH);
   }
 
   // Whether another frame may be sent on its way.
   get free() {
-    const most = 1 + Math.floor(this.latency / Math.max(SHOWN, this.cost));
-    return this.flying < Math.min(MOST, most);
+    const more = this.clocked ? Math.floor(this.latency / Math.max(SHOWN, this.cost)) : 0;
+    return this.flying < Math.min(MOST, 1 + more);
   }
 
   // The size of a frame while something moves.

@@ -1,7 +1,8 @@
 // The panel: all that a person can set, by sections, made from what the page knows of it.
 
-import { button, check, color, element, menu, number, section, words } from "view/controls.js";
+import { button, check, color, element, menu, number, section } from "view/controls.js";
 import { maps } from "view/mappanel.js";
+import { words } from "view/text.js";
 
 // Rows for the settings of a record, a row for each component of a colour.
 function rows(view, path, settings) {
@@ -230,7 +231,7 @@ function camera(view) {
     element(
       "p",
       { class: "doc" },
-      "Drag turns, Shift and drag moves, Alt and drag turns the first light, the wheel zooms.",
+      "Drag turns, Shift and drag moves, Alt and drag turns the first directional light, the wheel zooms.",
     ),
     number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
     number(view, path("elevation"), { ...degrees, label: "camera elevation", low: -89, high: 89 }),
@@ -242,7 +243,11 @@ function camera(view) {
       soft: true,
       open: () => view.wholeCamera().distance,
     }),
-    check(view, path("orthographic_height"), "Orthographic", () => view.heightSeen(), null),
+    check(view, path("orthographic_height"), "Orthographic", {
+      name: "orthographic",
+      ticked: () => view.heightSeen(),
+      not: null,
+    }),
     parallel
       ? number(view, path("orthographic_height"), {
           label: "height seen",

@@ -25,15 +25,15 @@ function drawn({ width, height, count = 4, texels }, channels, light) {
     const rows = places(y, size[1], height);
     for (let x = 0; x < size[0]; x++, to += 4) {
       const columns = places(x, size[0], width);
-      for (let c = 0; c < 3; c++) {
-        const channel = channels[c] ?? channels[0];
+      const means = channels.map((channel) => {
         let sum = 0;
         for (const row of rows) {
           for (const column of columns) sum += texels[(row * width + column) * count + channel];
         }
-        image.data[to + c] = Math.round(code(sum / rows.length / columns.length));
-      }
-      image.data[to + 3] = 255;
+        return code(sum / rows.length / columns.length);
+      });
+      const [r, g = r, b = r] = means;
+      image.data.set([r, g, b, 255], to);
     }
   }
   context.putImageData(image, 0, 0);

@@ -1,0 +1,283 @@
+// The frames: when the programs of a drawing run, how fine, and what is told of it.
+//
+// While something moves, whole frames are drawn, smaller where one is slow. At rest the places in each
+// pixel are gone through, row by row, so that the page stays awake.
+
+import { Colors } from "view/colors.js";
+import { rowsApart } from "view/gpu.js";
+import { Pace } from "view/pace.js";
+import { firstLine } from "view/text.js";
+
+export const REST = 150; // milliseconds after which nothing moves any more
+const PLANES = 9;
+
+export class Frames {
+  // Of a drawing, which says what is shown and what its programs are given.
+  constructor(drawing, canvas) {
+    const { gpu, data } = drawing;
+    Object.assign(this, { drawing, canvas, gpu });
+    this.colors = new Colors(gpu, canvas, data.colors);
+    this.pace = new Pace(Boolean(gpu.stamps));
+    this.sides = {}; // buffers, by where they are shown
+    this.limit = data.samples.length;
+    this.count = 0; // frames that were drawn while something moved
+    this.dirty = false;
+    this.done = 0; // samples of the picture at rest
+    this.row = 0; // and rows of the next one
+    this.fresh = false; // whether a program has drawn nothing yet
+    this.reporting = false; // whether something is read back of a frame, while others may be drawn
+    this.unreported = null; // the frame that it is to be read of next
+    this.timing = false; // whether the GPU's clock is not read yet
+  }
+
+  get shown() {
+    return this.drawing.shown;
+  }
+
+  // Whether anything is left to be drawn or told.
+  get busy() {
+    return this.running || this.dirty || this.done < this.limit || !this.still;
+  }
+
+  // Something changed: draw anew with the next frame.
+  touched() {
+    this.dirty = true;
+    this.movedAt = performance.now();
+    this.wake();
+  }
+
+  wake() {
+    if (this.asked || this.drawing.held) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.tick();
+    });
+  }
+
+  get size() {
+    return [this.canvas.width, this.canvas.height];
+  }
+
+  // Buffers for a picture of the canvas's size, on each side.
+  room() {
+    const area = this.canvas.width * this.canvas.height;
+    for (const name of ["left", "right", "truth"]) {
+      const needed = this.shown[name] || name === "left" ? area : 1;
+      const held = this.sides[name];
+      if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
+      held?.planes.destroy();
+      held?.sum.destroy();
+      this.sides[name] = {
+        area: needed,
+        planes: this.gpu.planes(PLANES, needed, 1),
+        sum: this.gpu.planes(4, needed, 1),
+      };
+    }
+  }
+
+  async tick() {
+    if (this.running || !this.shown || this.drawing.held) return;
+    try {
+      if (this.dirty) {
+        if (this.pace.free) this.movingFrame();
+      } else if (this.done < this.limit && this.still) {
+        this.running = true;
+        await this.finer();
+      }
+    } catch (error) {
+      this.failed(error);
+      this.done = this.limit;
+    } finally {
+      this.running = false;
+    }
+    this.goOn();
+  }
+
+  // Frames that are on their way come here when they have landed.
+  goOn() {
+    if (this.dirty ? this.pace.free : this.done < this.limit && this.still) this.wake();
+  }
+
+  // Whether nothing is on its way, to the GPU or back.
+  get still() {
+    return !this.pace.flying && !this.reporting;
+  }
+
+  movingFrame() {
+    const { pace, fresh } = this;
+    const size = pace.moving(this.size);
+    const full = size[0] === this.size[0] && size[1] === this.size[1];
+    this.dirty = false;
+    this.room();
+    const { measured } = this.drawing;
+    const frame = { began: performance.now(), size, full, fresh, measured, alone: !pace.flying };
+    frame.timed = this.sample(size, 0, 0, size[1]);
+    this.accumulate(size, true);
+    this.drawnSize = size;
+    this.drawn = 1;
+    this.present();
+    this.fresh = false;
+    this.count += 1;
+    this.done = full ? 1 : 0;
+    this.row = 0;
+    this.spent = [0, 0];
+    pace.flying += 1;
+    const land = () => this.landed(frame);
+    this.gpu.device.queue.onSubmittedWorkDone().then(land, land);
+  }
+
+  landed(frame) {
+    const { pace } = this;
+    pace.flying -= 1;
+    if (!this.shown || this.drawing.held) {
+      if (frame.timed) this.timing = false;
+      return;
+    }
+    this.report({ ...frame, work: pace.work(performance.now() - frame.began) });
+    this.goOn();
+  }
+
+  // Tell of a frame what has to be read back. The next do not wait for that, and of those that come
+  // meanwhile only the last is told of.
+  async report(frame) {
+    if (this.unreported?.timed) this.timing = false;
+    this.unreported = frame;
+    if (this.reporting) return;
+    this.reporting = true;
+    try {
+      while (this.unreported) await this.read(this.unreported);
+    } catch (error) {
+      this.unreported = null;
+      this.timing = false;
+      this.failed(error);
+    } finally {
+      this.reporting = false;
+    }
+    this.goOn();
+  }
+
+  // That a device is lost is told by itself.
+  failed(error) {
+    if (error.name !== "AbortError") this.drawing.heard({ error: firstLine(error) });
+  }
+
+  async read({ size, work, timed, full, alone, fresh, measured }) {
+    this.unreported = null;
+    const clock = timed ? await this.stamped() : null;
+    // by the GPU's own clock where it has one: it alone knows what one of several took
+    if (this.gpu.stamps ? timed : alone) {
+      const milliseconds = Math.max(alone ? work : 0, clock ?? 0);
+      // the first of a program says how long its driver makes ready, and nothing of the next
+      if (!fresh) this.pace.note(milliseconds, size[0] * size[1]);
+      this.drawing.heard({ milliseconds, gpuMilliseconds: clock, timedAt: size });
+    }
+    this.drawing.heard({ size, samples: full ? 1 : 0 });
+    if (full && this.shown && measured === this.drawing.measured) await this.figures();
+  }
+
+  // A part of the next sample, as many rows as fit a frame's time.
+  async finer() {
+    if (performance.now() - this.movedAt < REST) return;
+    const { size, pace } = this;
+    this.room();
+    const rows = Math.min(size[1], pace.rows(size[0], rowsApart(size[0])));
+    const last = Math.min(size[1], this.row + rows);
+    const began = performance.now();
+    const timed = this.sample(size, this.done, this.row, last);
+    const [clock] = await Promise.all([
+      timed ? this.stamped() : null,
+      this.gpu.device.queue.onSubmittedWorkDone(),
+    ]);
+    const cost = Math.max(pace.work(performance.now() - began), clock ?? 0);
+    // the few rows that are left at the end say little
+    if (2 * (last - this.row) >= rows) pace.note(cost, size[0] * (last - this.row));
+    this.spent = [this.spent[0] + cost, clock === null ? null : this.spent[1] + clock];
+    if (this.dirty || !this.shown) return;
+    this.row = last;
+    if (last < size[1]) return;
+    this.accumulate(size, this.done === 0);
+    this.done += 1;
+    this.row = 0;
+    this.drawnSize = size;
+    this.drawn = this.done;
+    this.present();
+    const [milliseconds, gpuMilliseconds] = this.spent;
+    this.spent = [0, 0];
+    this.drawing.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
+    if (this.done === 1) await this.figures();
+  }
+
+  // Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
+  sample(size, number, first, last) {
+    const timed = Boolean(this.gpu.stamps) && !this.timing;
+    const shown = Object.entries(this.shown);
+    shown.forEach(([side, { state, job }], k) => {
+      job.put(this.drawing.values(state, size, this.drawing.data.samples[number]));
+      job.dispatch(this.sides[side].planes, size, first, last, { stamp: timed ? k : null });
+    });
+    if (timed) this.gpu.resolveStamps(shown.length);
+    this.timing ||= timed;
+    return timed;
+  }
+
+  accumulate(size, first) {
+    const view = { ...this.view(), size, first };
+    this.colors.accumulate(this.sides.left, view);
+    if (this.shown.right) this.colors.accumulate(this.sides.right, view);
+  }
+
+  view() {
+    const { canvas } = this;
+    const { state, texels } = this.drawing;
+    return {
+      size: this.drawnSize,
+      canvas: [canvas.width, canvas.height],
+      texels,
+      background: [...state.background, 1],
+      divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
+      show: state.show,
+      samples: this.drawn,
+      figures: this.found,
+    };
+  }
+
+  // Put what is drawn on the canvas, with the divider where it is now.
+  present() {
+    if (!this.shown || !this.drawnSize || this.drawing.held) return;
+    const { left, right, truth } = this.sides;
+    this.colors.present(left, right, truth, this.view());
+  }
+
+  // What is measured on the picture; what another is drawn instead of by then is not told.
+  async figures() {
+    const { measured } = this.drawing;
+    const view = { ...this.view(), size: this.drawnSize };
+    const { sides, shown } = this;
+    // both are asked for before anything else is drawn
+    const [left, right] = await Promise.all([
+      this.colors.figures(sides.left, sides.truth, view),
+      shown.right && this.colors.figures(sides.right, sides.truth, view),
+    ]);
+    if (!this.shown || this.drawing.measured !== measured) return;
+    this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
+    this.drawing.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
+    if (this.drawing.state.show !== "color" && !this.dirty) this.present();
+  }
+
+  // What the programs took that were timed last, by the GPU's own clock.
+  async stamped() {
+    try {
+      return await this.gpu.readStamps();
+    } finally {
+      this.timing = false;
+    }
+  }
+
+  // The words of a side's planes, as they were drawn last.
+  async words(side = "left") {
+    const [width, height] = this.drawnSize;
+    const words = await this.gpu.read(this.sides[side].planes);
+    return words.slice(0, 4 * PLANES * width * height);
+  }
+}
