@@ -455,8 +455,8 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
     field = shown.frame().locator("input[name='camera.field_of_view']")
     seen_height = shown.frame().locator("input[name='camera.orthographic_height']")
     for lens, there in (
-        ({"orthographic_height": 1.5}, seen_height),
-        ({"field_of_view": 40.0}, field),
+        ({"orthographic_height": 0.8}, seen_height),
+        ({"field_of_view": 35.0}, field),
     ):
         shown.python(camera=Orbit(44.0, 25.0, **lens))
         shown.wait(
