@@ -19,7 +19,7 @@ from basrelief.errors import InputError
 from basrelief.material import Material, sample
 from basrelief.notebook import Viewer
 from basrelief.rendering import Frame, render
-from basrelief.scene import Layer, Object, Orbit, Scene, Tiling, placed
+from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, placed
 from basrelief.shaders.surfaces.landscape import Landscape
 from basrelief.viewer.state import state_of
 from browser import PATIENCE, SOFTWARE, chromium, planes
@@ -258,6 +258,13 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("shape", "cube", r"shape is one of plane, box, sphere, cylinder, not 'cube'"),
         ("scale", -1.0, r"scale is -1: give a number from 0 to 10"),
         ("level", "half", r"level is 'half': give a number"),
+        ("scale", None, r"scale is None: give a number"),
+        ("height", -5, r"height is -5: give a number from 100 to 10000"),
+        ("height", "tall", r"height is 'tall': give a whole number"),
+        ("scene", 5, r"a viewer has no setting 'scene'; it has air, .* finish, .* settings"),
+        ("observe", 3, r"a viewer has no setting 'observe'"),
+        ("camera", LookAt((0.0, 0.0, 0.0)), r"position and target are the same point"),
+        ("lights", [{"intensity": -4}], r"intensity is -4: give a number from 0"),
         ("tiling", "ab", r"tiling is 'ab': give two numbers"),
         ("tiling", (0.0, 1.0), r"give finite numbers other than 0"),
         ("settings", {"steps": 3}, r"relief has no setting 'steps'; it has min_steps, max_steps"),
@@ -296,6 +303,20 @@ def test_what_cannot_be_is_told(viewer: Viewer, name: str, value: Any, line: str
     with pytest.raises(InputError, match=line):
         setattr(viewer, name, value)
     assert _told(viewer) == before
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"height": "tall"}, r"height is 'tall': give a whole number"),
+        ({"texels": 64.5}, r"texels is 64.5: give a whole number"),
+        ({"texels": 0}, r"texels is 0: give a number from 1"),
+        ({"camera": LookAt((0.0, 0.0, 0.0))}, r"position and target are the same point"),
+    ],
+)
+def test_what_makes_no_viewer_is_told(options: dict[str, Any], line: str) -> None:
+    with pytest.raises(InputError, match=line):
+        Viewer("sample:bricks", **options)
 
 
 def test_without_heights_there_is_only_flat(material: Material) -> None:

@@ -459,6 +459,24 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     page.get_by_label("Orthographic").uncheck()
     assert page.evaluate("viewer.state.camera.orthographic_height") is None
     assert page.get_by_label("field of view").last.is_visible()
+    # framed it shows the whole shape, and close by nothing is cut off
+    page.get_by_label("camera elevation", exact=True).fill("40")
+    page.get_by_label("Orthographic").check()
+    page.locator("#frame").click()
+    framed = page.evaluate(
+        "[viewer.state.camera.orthographic_height, viewer.wholeCamera().distance]"
+    )
+    wanted = Orbit(-40.0, 40.0, framed[1], orthographic_height=framed[0])
+    whole = expected(material, camera=wanted)
+    rows, columns = np.nonzero(whole.hit)
+    assert rows.min() > 0
+    assert columns.min() > 0
+    filled = max(np.ptp(columns) / SIZE[0], np.ptp(rows) / SIZE[1])
+    assert filled == pytest.approx(FILLED, abs=0.03)
+    distance.fill("0.2")
+    assert page.evaluate("viewer.state.camera.distance") > 0.5
+    assert_agree(whole, replace(fresh.frame(), depth=whole.depth), TEXELS)
+    page.get_by_label("Orthographic").uncheck()
     # a camera that somebody put far away is not fetched by the wheel at once
     distance.fill("100")
     page.locator("#canvas").focus()
@@ -871,7 +889,10 @@ def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
     file.write_text("no picture")
     _drop(fresh, file)
     fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
-    assert "notes.txt: its name says no map; under “Maps”, drop it on" in fresh.text("#messages")
+    assert (
+        "notes.txt: its name says no map that the page takes; under “Maps”, drop it on"
+        in fresh.text("#messages")
+    )
     _drop(fresh, file, on="roughness")
     fresh.page.get_by_text("notes.txt: this is no picture").wait_for()
     assert np.array_equal(fresh.frame().color, before)
@@ -888,7 +909,8 @@ def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Mat
     _drop(fresh, file, on="roughness")
     fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness, turned over')")
     assert fresh.page.locator(".map.over, .dropping").count() == 0
-    assert "64 × 64 · wall_gloss.png" in row.text_content()
+    assert "64 × 64" in row.text_content()
+    assert "wall_gloss.png" in row.text_content()
     swapped = replace(material, roughness=Map(255 - codes, False, "dropped"))
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
     _drop(fresh, file, on="height")
@@ -906,6 +928,120 @@ def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Mat
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
 
 
+GONE: dict[str, dict[str, Any]] = {
+    "base_color": {"base_color": None},
+    "opacity": {"opacity": None},
+    "normal": {"normal": None},
+    "occlusion": {"occlusion": None},
+    "roughness": {"roughness": None},
+    "metallic": {"metallic": None},
+    "emission": {"emission": None},
+    "height": {"height": None},
+}
+
+
+@pytest.mark.parametrize("slot", GONE)
+def test_a_map_may_be_left_away(rich: tuple[Seen, Material], slot: str) -> None:
+    seen, material = rich
+    _shown_as(seen, Scene((Object(material, scale=0.08, transform=LEANING),), camera=CAMERA))
+    with_all = seen.frame().color
+    seen.open("maps")
+    row = seen.page.locator(f".map[data-slot={slot}]")
+    gone = seen.page.locator(f"#leave-{slot}")
+    if not gone.count():
+        # there is none: it comes first
+        assert getattr(material, slot) is None
+        pixels = np.full((TEXELS, TEXELS, 3), (128, 128, 255), np.uint8)
+        pixels[:, ::2] = (200, 128, 230)
+        _drop(seen, write_data(_place("made.png"), pixels), on=slot)
+        gone.wait_for()
+    gone.focus()
+    seen.page.keyboard.press("Enter")
+    seen.page.wait_for_function("viewer.mapSaid.startsWith('Drawn without')")
+    assert seen.page.evaluate("document.activeElement.id") == f"choose-{slot}"
+    assert gone.count() == 0
+    assert row.locator("canvas").count() == 0
+    flat = {"technique": "flat"} if slot == "height" else {}
+    less = Object(replace(material, **GONE[slot]), scale=0.08, transform=LEANING, **flat)
+    drawn = render(Scene((less,), camera=CAMERA), size=SIZE, samples=1, engine="cpu")
+    found = seen.frame()
+    assert_agree(drawn, found, TEXELS)
+    if getattr(material, slot) is not None:
+        assert (found.color != with_all).any()
+    seen.page.evaluate("viewer.reset()")
+
+
+def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material) -> None:
+    v, u = np.mgrid[0:TEXELS, 0:TEXELS]
+    pixels = np.stack([3 * u, 3 * v, 0 * u + 90, 0 * u], -1).astype(np.uint8)
+    # alpha that is the same everywhere says nothing
+    _drop(fresh, write_data(_place("x_color.png"), pixels))
+    fresh.page.wait_for_function("viewer.mapSaid.includes('x_color')")
+    color = Map(np.ascontiguousarray(pixels[:, :, :3]), True, "dropped")
+    swapped = replace(material, base_color=color)
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    assert "none" in fresh.page.locator(".map[data-slot=opacity]").text_content()
+    # a cut-out in the alpha of a picture, by its name
+    pixels[:, :, 3] = np.where((u // 8 + v // 8) % 2 == 0, 255, 60)
+    _drop(fresh, write_data(_place("x_opacity.png"), pixels))
+    fresh.page.wait_for_function("viewer.mapSaid.includes('x_opacity')")
+    alpha = Map(np.ascontiguousarray(pixels[:, :, 3:]), False, "dropped")
+    assert_agree(expected(replace(swapped, opacity=alpha)), fresh.frame(), TEXELS)
+
+
+def test_what_went_wrong_stays(fresh: Seen) -> None:
+    files = []
+    for k in range(5):
+        files.append(_place(f"text{k}.txt"))
+        files[-1].write_text("no picture")
+    wide = write_data(_place("wide_color.png"), np.full((8, 24, 3), 90, np.uint8))
+    _drop(fresh, *files, wide)
+    fresh.page.wait_for_function("viewer.mapSaid.includes('wide_color')")
+    said = fresh.text("#messages")
+    for file in files:
+        assert f"{file.name}: its name says no map" in said
+    assert "wide_color.png has other proportions" in said
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
+def test_what_is_pressed_is_there_when_it_is_let_go(fresh: Seen) -> None:
+    page = fresh.page
+    page.locator("select[name=technique]").focus()
+    page.keyboard.type("par")
+    assert page.evaluate("viewer.state.technique") == "parallax_occlusion"
+    box = page.locator("#section-technique summary").bounding_box()
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.wait_for_timeout(80)
+    page.mouse.up()
+    page.wait_for_function("!document.getElementById('section-technique').open")
+    # and the panel is that of the technique
+    own = page.locator("input[name='settings.parallax_occlusion.steps_per_texel']")
+    own.wait_for(state="attached")
+    fresh.open("technique")
+    assert own.is_visible()
+
+
+def test_what_has_the_focus_is_not_behind_the_picture(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, viewport={"width": 390, "height": 700})
+    page = seen.page
+    page.evaluate(
+        "document.querySelectorAll('#panel details').forEach((each) => { each.open = true; })"
+    )
+    page.locator("#reset").focus()
+    hidden = """() => {
+      const { bottom } = document.activeElement.getBoundingClientRect();
+      return bottom < document.getElementById("stage").getBoundingClientRect().bottom;
+    }"""
+    names = []
+    for _ in range(40):
+        page.keyboard.press("Shift+Tab")
+        names.append(page.evaluate("document.activeElement.id"))
+        assert not page.evaluate(hidden), names[-1]
+    assert len(set(names)) > 30
+    seen.page.close()
+
+
 def test_what_is_no_file_is_dropped_where_it_belongs(fresh: Seen) -> None:
     script = """() => {
       const dataTransfer = new DataTransfer();
@@ -921,11 +1057,12 @@ def test_what_is_no_file_is_dropped_where_it_belongs(fresh: Seen) -> None:
 def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) -> None:
     seen, material = rich
     seen.page.evaluate("viewer.reset()")
+    seen.open("maps")
     script = """slot => {
       const row = document.querySelector(`.map[data-slot=${slot}]`);
       const canvas = row.querySelector("canvas");
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-      return [canvas.width, canvas.height, [...data], row.querySelector(".doc").textContent];
+      return [canvas.width, canvas.height, [...data], row.querySelector(".told").innerText];
     }"""
     for slot, name in (
         ("base_color", "base_color"), ("height", "height"), ("opacity", "opacity"),
@@ -935,7 +1072,8 @@ def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) ->
         width, height, codes, told = seen.page.evaluate(script, slot)
         found = np.array(codes).reshape(height, width, 4)[:, :, :3]
         assert (width, height) == (88, 88)
-        assert told == f"{map.width} × {map.height} · {map.source}"
+        assert f"{map.width} × {map.height}" in told
+        assert told.endswith(map.source)
         light = np.minimum(map.linear(), 1.0) if slot != "emission" else map.linear() / 3.0
         wanted = srgb_encode(light) if slot in ("base_color", "emission") else light
         # each pixel of the picture is one texel of the map

@@ -466,16 +466,16 @@ def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Materi
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
     seen.open("maps")
-    seen.page.locator("#leave-normals").click()
+    seen.page.locator("#leave-normal").click()
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(replace(swapped, normal=None)), seen.frame(), TEXELS)
-    assert seen.page.locator("#leave-normals").count() == 0
-    assert seen.page.text_content("#map-said") == "Normals are made of the heights."
+    assert seen.page.locator("#leave-normal").count() == 0
+    assert seen.page.text_content("#map-said") == "Drawn without normals."
 
 
 def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> None:
     seen.page.evaluate(
-        "(async () => { await viewer.leaveNormals(); await viewer.draw(160, 90, 1); })()"
+        "(async () => { await viewer.leaveMap('normal'); await viewer.draw(160, 90, 1); })()"
     )
     seen.page.evaluate(
         """() => {

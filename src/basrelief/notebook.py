@@ -18,6 +18,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from basrelief.engine import Engine
 from basrelief.errors import InputError
 from basrelief.material import Material
@@ -100,6 +102,8 @@ def _show(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _number(viewer: Viewer, name: str, value: Any) -> float:
+    if value is None:
+        raise InputError(f"{name} is None: give a number")
     thing = Object(viewer._material, **{name: value})
     return float(getattr(thing, name))
 
@@ -107,6 +111,17 @@ def _number(viewer: Viewer, name: str, value: Any) -> float:
 def _share(viewer: Viewer, name: str, value: Any) -> float:
     within(name, value, 0.0, 1.0)
     return float(value)
+
+
+def _pixels(viewer: Viewer, name: str, value: Any) -> int:
+    return _whole(name, value, 100, 10_000)
+
+
+def _whole(name: str, value: Any, low: int, high: int | None) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{name} is {value!r}: give a whole number")
+    within(name, int(value), low, high)
+    return int(value)
 
 
 def _pair(viewer: Viewer, name: str, value: Any) -> Any:
@@ -247,7 +262,7 @@ class Viewer(anywidget.AnyWidget):
 
     _esm = (files("basrelief.viewer") / "web" / "widget.js").read_text("utf-8")
     _page = traitlets.Bytes().tag(sync=True)
-    height = traitlets.Int(560).tag(sync=True)
+    height = _shared(_pixels)
 
     technique = _shared(_technique)
     shape = _shared(_choice)
@@ -301,8 +316,8 @@ class Viewer(anywidget.AnyWidget):
     ) -> None:
         scene = scene_of(what, settings)
         check_shown(scene)
-        within("texels", texels, 1, None)
-        within("height", height, 100, 10_000)
+        texels = _whole("texels", texels, 1, None)
+        height = _whole("height", height, 100, 10_000)
         thing = scene.objects[0]
         self._material = thing.material
         self._began = scene
@@ -329,8 +344,10 @@ class Viewer(anywidget.AnyWidget):
         self._follow()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if not name.startswith("_") and not hasattr(type(self), name):
-            names = sorted(n for n, t in self.traits(sync=True).items() if isinstance(t, _Setting))
+        # what the base class puts in place of its own methods is its affair
+        method = name == "observe" or callable(vars(Viewer).get(name))
+        if not name.startswith("_") and (method or not hasattr(type(self), name)):
+            names = sorted(n for n, trait in self.traits().items() if isinstance(trait, _Setting))
             raise InputError(f"a viewer has no setting {name!r}; it has {', '.join(names)}")
         super().__setattr__(name, value)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional, point, spot
-from basrelief.scene.checks import one_of
+from basrelief.scene.checks import one_of, within
 from basrelief.shaders.lighting import Light
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
@@ -101,6 +101,7 @@ def camera_of(said: Any) -> Orbit:
 def light_of(said: Mapping[str, Any]) -> Light:
     """A light from a page's. Raises InputError for numbers that make none."""
     color, intensity, falloff = said["color"], said["intensity"], said["falloff"]
+    within("intensity", float(intensity), 0.0, None)
     if said["kind"] == "directional":
         return directional(said["azimuth"], said["elevation"], color, intensity)
     if said["kind"] == "point":

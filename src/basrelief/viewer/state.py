@@ -266,6 +266,7 @@ def _defaults(made: Any) -> dict[str, Any]:
 def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
     """The camera as an orbit; one that stands somewhere is taken for the orbit it lies on."""
     if isinstance(camera, LookAt):
+        camera.camera((1, 1))  # one that stands where it looks is told
         away = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
         distance = math.hypot(*away)
         camera = Orbit(

@@ -60,6 +60,15 @@ export function framing(camera, points, size, filled) {
   return needed;
 }
 
+// The height of an orthographic picture in which all points are seen, filling so much of it.
+export function framingHeight(camera, points, size, filled) {
+  const { right, down } = orbit({ ...camera, distance: 1 }, size);
+  const [across, along] = [right, down].map((axis) =>
+    Math.max(...points.map((point) => Math.abs(dot(subtract(point, camera.target), unit(axis))))),
+  );
+  return (2 / filled) * Math.max(along, (across * size[1]) / size[0]);
+}
+
 // The way that light from an azimuth and elevation travels, as `scene.lights.directional` has it.
 export function travelling(azimuth, elevation) {
   const [around, above] = [radians(azimuth), radians(elevation)];

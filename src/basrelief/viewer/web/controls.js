@@ -3,7 +3,18 @@
 import { decoded, encoded } from "view/srgb.js";
 
 const WRITING = 800; // milliseconds between the letters of a name
-let count = 0;
+let pressed = false;
+
+// Do something once no button is held: what was pressed must be there still when it is let go.
+export function afterPress(act) {
+  setTimeout(() => {
+    if (!pressed) act();
+    else addEventListener("pointerup", () => setTimeout(act), { once: true });
+  });
+}
+for (const [name, now] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]]) {
+  addEventListener(name, () => { pressed = now; }, true);
+}
 
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
@@ -26,7 +37,7 @@ function set(state, path, value) {
 // that is left to the page: null in the state.
 export function number(view, path, how) {
   const { label, doc = "", low, high, whole = false, step = null, soft = false, open } = how;
-  const id = `control-${(count += 1)}`;
+  const id = path.join(".");
   const valued = () => at(view.state, path) ?? open();
   const start = valued();
   const ends = [low ?? Math.min(0, 2 * start), high ?? Math.max(4 * Math.abs(start), 2)];
@@ -49,7 +60,7 @@ export function number(view, path, how) {
   const field = element("input", {
     type: "number",
     id,
-    name: path.join("."),
+    name: id,
     step: whole ? "1" : "any",
     ...(lowest != null && { min: String(lowest) }),
     ...(highest != null && { max: String(highest) }),
@@ -60,8 +71,12 @@ export function number(view, path, how) {
   };
   const show = () => {
     const value = valued();
-    if (!wide && value > Number(slider.max)) slider.max = String(value);
-    if (!wide && value < Number(slider.min)) slider.min = String(value);
+    // who holds it keeps the range that it has
+    const held = document.activeElement === slider;
+    if (!wide) {
+      slider.max = String(Math.max(held ? slider.max : most, value));
+      slider.min = String(Math.min(held ? slider.min : least, value));
+    }
     slider.value = String(toSlider(value));
     slider.setAttribute("aria-valuetext", String(value));
     if (document.activeElement !== field) field.value = String(Number(value.toPrecision(4)));
@@ -101,8 +116,8 @@ export function number(view, path, how) {
 
 // A menu for one choice; `options` are [value, text, whether it can be had, why not].
 export function menu(view, path, label, options, after = () => {}) {
-  const id = `control-${(count += 1)}`;
-  const select = element("select", { id, name: path.join(".") });
+  const id = path.join(".");
+  const select = element("select", { id, name: id });
   for (const [value, text, there = true, why = ""] of options) {
     const option = element("option", { value }, there ? text : `${text} (${why})`);
     option.disabled = !there;
@@ -126,7 +141,7 @@ export function menu(view, path, label, options, after = () => {}) {
     after(select.value);
     view.changed(performance.now() - wrote > WRITING ? true : "soon");
   });
-  select.addEventListener("blur", () => setTimeout(() => view.rebuildNow()));
+  select.addEventListener("blur", () => afterPress(() => view.rebuildNow()));
   view.shows.push(show);
   show();
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);
@@ -135,8 +150,8 @@ export function menu(view, path, label, options, after = () => {}) {
 // A box to tick for a value, which is what `ticked` says then, and `not` otherwise. It needs a name of
 // its own where the value has another control, too.
 export function check(view, path, label, { name, ticked = () => true, not = false } = {}) {
-  const id = `control-${(count += 1)}`;
-  const box = element("input", { type: "checkbox", id, name: name ?? path.join(".") });
+  const id = name ?? path.join(".");
+  const box = element("input", { type: "checkbox", id, name: id });
   const show = () => {
     box.checked = at(view.state, path) !== not;
   };
@@ -151,8 +166,8 @@ export function check(view, path, label, { name, ticked = () => true, not = fals
 
 // A colour, chosen as it is seen and held as light: linear, 0 to 1.
 export function color(view, path, label, doc = "") {
-  const id = `control-${(count += 1)}`;
-  const field = element("input", { type: "color", id, name: path.join(".") });
+  const id = path.join(".");
+  const field = element("input", { type: "color", id, name: id });
   const show = () => {
     const codes = at(view.state, path).map((x) => Math.round(255 * encoded(Math.min(x, 1))));
     field.value = `#${codes.map((n) => n.toString(16).padStart(2, "0")).join("")}`;

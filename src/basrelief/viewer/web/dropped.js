@@ -1,6 +1,6 @@
 // A dropped picture: its texels, with all the bits that can be had, and what map it becomes.
 
-import { hasHoles, roundEven, single } from "view/maps.js";
+import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
 import { decoded as inLight } from "view/srgb.js";
 
@@ -56,13 +56,17 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
       return { ...pictures, field: { width, height, count: 1, texels: one() } };
     case "base_color": {
       const color = withLight(picture);
-      // what has no opacity of its own leaves that of the map
-      const alpha = hasHoles(picture);
+      // what has no opacity of its own, as the library sees it, leaves that of the map
+      const alpha = varies(picture, 3);
       const places = { ...threeOf(color), ...(alpha && { 3: channelAt(picture, 3) }) };
       return { ...pictures, base_color: merged(old, picture, places) };
     }
-    case "opacity":
-      return { ...pictures, base_color: merged(old, picture, { 3: one() }) };
+    case "opacity": {
+      // a cut-out is often stored as the alpha of a plain picture
+      const cutOut = channel === "luminance" && varies(picture, 3);
+      const opacity = cutOut ? channelAt(picture, 3) : one();
+      return { ...pictures, base_color: merged(old, picture, { 3: opacity }) };
+    }
     case "emission":
       return { ...pictures, emission: { ...opaque(withLight(picture)), dropped: true } };
     case "normal":
@@ -71,6 +75,27 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
       return { ...pictures, response: merged(response, picture, threeOf(picture)) };
   }
   return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
+}
+
+// The page's pictures without one map, or with some channels as they are where there is none.
+export function without(pictures, slot) {
+  const left = { ...pictures };
+  const whole = { height: "field", normal: "normal", emission: "emission" }[slot];
+  if (whole) {
+    delete left[whole];
+    return left;
+  }
+  const color = { base_color: [0, 1, 2], opacity: [3] }[slot];
+  const name = color ? "base_color" : "response";
+  const none = (color ?? [PLACES[slot]]).map((c) => [c, channelAt(PLAIN[name], c)]);
+  left[name] = merged(left[name] ?? PLAIN[name], PLAIN[name], Object.fromEntries(none));
+  return left;
+}
+
+// Whether a channel is not the same everywhere.
+export function varies({ texels }, c) {
+  for (let k = c; k < texels.length; k += 4) if (texels[k] !== texels[c]) return true;
+  return false;
 }
 
 // --- channels -----------------------------------------------------------------------------------
@@ -116,10 +141,9 @@ const turned = (picture) => ({
   texels: picture.texels.map((code, k) => (k % 4 === 1 ? 65535 - code : code)),
 });
 
-// A map with some channels, by place, from a picture; the smaller of both is brought to the size of
-// the larger.
+// A map with some channels, by place, from a picture; the smaller is brought to the size of the larger.
 function merged(old, { width, height }, places) {
-  const larger = old.width * old.height > width * height ? old : { width, height };
+  const larger = { width: Math.max(old.width, width), height: Math.max(old.height, height) };
   const texels = new Uint16Array(4 * larger.width * larger.height);
   for (let c = 0; c < 4; c++) {
     const taken = c in places;

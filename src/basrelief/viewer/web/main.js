@@ -1,14 +1,15 @@
 // The page: reads what it was made with, and puts the panel, the picture and a person together.
 
-import { across } from "view/camera.js";
+import { across, framing, framingHeight } from "view/camera.js";
 import { copyOf, held, merged } from "view/checks.js";
+import { afterPress } from "view/controls.js";
 import { Drawing } from "view/drawing.js";
-import { pictureOf, replaced } from "view/dropped.js";
+import { pictureOf, replaced, varies, without } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
 import { listen } from "view/input.js";
 import { PACKED, SLOTS } from "view/mappanel.js";
-import { bytesOf, hasHoles, inflated, unpacked } from "view/maps.js";
+import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
 import { build } from "view/panel.js";
 import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
@@ -16,7 +17,9 @@ import { firstLine, words } from "view/text.js";
 
 const byId = (id) => document.getElementById(id);
 const MOST_PIXELS = 1920 * 1200;
+const MESSAGES = 8; // that are shown at once
 const READ = 8000; // milliseconds for which a message that is only told stays
+const AS_NAMED = { channel: "luminance", polarity: "", green: "" };
 const FURTHEST = 20; // widths of a shape that zooming goes away
 
 // Degrees as −180 to 180.
@@ -32,7 +35,7 @@ export async function start() {
 class View {
   constructor() {
     this.shows = [];
-    this.drop = { channel: "luminance", polarity: "", green: "" }; // how dropped pictures are read
+    this.drop = { ...AS_NAMED }; // how dropped pictures are read
     this.mapSaid = "";
     this.hashesRead = 0;
     this.canvas = byId("canvas");
@@ -167,7 +170,7 @@ class View {
     else for (const show of this.shows) show();
     if (choice === "soon") {
       clearTimeout(this.rebuilding);
-      this.rebuilding = setTimeout(() => this.rebuild(), 800);
+      this.rebuilding = setTimeout(() => afterPress(() => this.rebuildNow()), 800);
     }
     this.link();
     this.drawn = null;
@@ -245,18 +248,27 @@ class View {
 
   reshaped(shape) {
     this.state.tiling = copyOf(this.data.shapes[shape].tiling);
-    this.state.camera.distance = null;
-    this.state.camera.target = [0, 0, 0];
+    this.reframe();
   }
 
   frame() {
-    this.state.camera = { ...this.state.camera, distance: null, target: [0, 0, 0] };
+    this.reframe();
     this.changed();
+  }
+
+  // Let the camera show the whole shape.
+  reframe() {
+    const { camera, shape } = this.state;
+    Object.assign(camera, { distance: null, target: [0, 0, 0] });
+    if (camera.orthographic_height === null) return;
+    const { shapes, filled } = this.data;
+    camera.orthographic_height = framingHeight(camera, shapes[shape].outline, this.size(), filled);
   }
 
   // Settings and maps as the page began with.
   async reset() {
     this.state = copyOf(this.start);
+    this.drop = { ...AS_NAMED };
     this.changed(true);
     let others = false;
     try {
@@ -337,6 +349,11 @@ class View {
       const away = Math.hypot(...camera.target);
       const radius = plane ? 0.02 : shape === "sphere" ? 0.5 : shape === "box" ? 0.87 : 0.71;
       camera.distance = Math.max(camera.distance, plane ? 0.15 : radius + away + 0.05);
+      // an orthographic one sees nothing that is behind it
+      if (camera.orthographic_height !== null) {
+        const all = framing(camera, this.data.shapes[shape].outline, [1, 1], 1) - 1;
+        camera.distance = Math.max(camera.distance, all + 0.05);
+      }
     }
   }
 
@@ -361,17 +378,12 @@ class View {
   async takeMap(file, wanted) {
     const { slot, ...how } = this.meant(file, wanted);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) => {
-      const pictures = replaced(held, slot, picture, how);
-      // what the page has baked is of its own heights
-      if (slot === "height") {
-        for (const { bake } of Object.values(this.data.techniques)) delete pictures[bake];
-      }
-      return pictures;
-    });
+    await this.changeMaps((held) =>
+      this.withoutBakes(replaced(held, slot, picture, how), slot),
+    );
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // what has opacity of its own brings that too
-    if (slot === "base_color" && hasHoles(picture)) this.sources.opacity = file.name;
+    if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useRelief();
@@ -388,7 +400,7 @@ class View {
   meant({ name }, wanted) {
     const found = meaningOf(name, this.data.names);
     if (!wanted && !found) {
-      throw new Error("its name says no map; under “Maps”, drop it on the one that it is to replace");
+      throw new Error("its name says no map that the page takes; under “Maps”, drop it on the one that it is to be");
     }
     // a name of another map says nothing of this one
     const said = !wanted || found?.slot === wanted ? found : { polarity: "height", green: "gl" };
@@ -401,23 +413,36 @@ class View {
     };
   }
 
-  // Leave the normal map away: normals are made of the heights.
-  async leaveNormals() {
+  // Draw without a map.
+  async leaveMap(slot) {
     try {
-      await this.changeMaps(({ normal, ...others }) => others);
+      await this.changeMaps((held) => this.withoutBakes(without(held, slot), slot));
     } catch (error) {
       this.say(firstLine(error));
       return;
     }
-    delete this.sources.normal;
-    this.mapSaid = "Normals are made of the heights.";
+    delete this.sources[slot];
+    if (slot === "height") {
+      this.hasHeights = false;
+      Object.assign(this.state, { technique: "flat", compare: "" });
+      if (this.state.show === "missed") this.state.show = "color";
+    }
+    this.mapSaid = `Drawn without ${SLOTS[slot].name}.`;
     this.changed(true);
+  }
+
+  // What the page has baked is of its own heights.
+  withoutBakes(pictures, slot) {
+    const left = { ...pictures };
+    if (slot !== "height") return left;
+    for (const { bake } of Object.values(this.data.techniques)) delete left[bake];
+    return left;
   }
 
   tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
     if (slot === "height" && this.pictures.normal) {
-      this.say("The normals are still those of the normal map; “Make normals of the heights” makes others.", true);
+      this.say("The normals are still those of the normal map; without it they are made of the heights.", true);
     }
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
@@ -537,7 +562,7 @@ class View {
     }
     if (milliseconds !== undefined) {
       const clock = gpuMilliseconds == null ? "" : ` (programs ${gpuMilliseconds.toFixed(1)})`;
-      parts.push(`${milliseconds.toFixed(1)} ms a frame${clock}`, timedAt.join(" × "));
+      parts.push(`${milliseconds.toFixed(1)} ms${clock}`, timedAt.join(" × "));
     }
     // the end is cut off where there is no room
     if (size) parts.push(`${samples} of ${this.drawing.frames.limit} samples`);
@@ -555,8 +580,10 @@ class View {
     close.addEventListener("click", () => line.remove());
     line.append(close);
     const box = byId("messages");
-    while (box.children.length > 2) box.firstChild.remove();
+    // what is only told makes room for what went wrong
+    while (box.children.length >= MESSAGES) (box.querySelector(".quiet") ?? box.firstChild).remove();
     box.append(line);
+    line.scrollIntoView({ block: "nearest" });
     // what is only told goes by itself; what went wrong stays until it is read
     if (quiet) setTimeout(() => line.remove(), READ);
   }

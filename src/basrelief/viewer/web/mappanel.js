@@ -39,16 +39,13 @@ export function maps(view) {
     element(
       "p",
       { class: "doc" },
-      "Drop a picture on the map that it replaces; or drop several on the page, and each is what its name says.",
+      "Drop a picture on the map that it replaces; several at once are each what their names say.",
     ),
     ...Object.keys(SLOTS).map((slot) => row(view, slot)),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
     element("p", { class: "doc" }, "How pictures are read that are dropped next:"),
     ...Object.entries(HOW).map(([name, [label, options]]) => choice(view, name, label, options)),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
-    ...(view.hasHeights && view.pictures.normal
-      ? [button("Make normals of the heights", () => view.leaveNormals(), { id: "leave-normals" })]
-      : []),
   );
 }
 
@@ -61,7 +58,6 @@ function row(view, slot) {
   const frame = element("span", { class: "thumb" });
   if (shown) frame.append(thumbnail(picture, channels, light));
   const size = shown ? `${picture.width} × ${picture.height}` : instead(view, slot);
-  const info = [size, source].filter(Boolean).join(" · ");
   return element(
     "div",
     { class: "map", "data-slot": slot },
@@ -69,13 +65,26 @@ function row(view, slot) {
     element(
       "span",
       { class: "told" },
-      element("span", {}, name),
-      element("span", { class: "doc", title: info }, info),
+      element("span", {}, name, " ", element("span", { class: "doc" }, size)),
+      ...(source ? [element("span", { class: "doc" }, source)] : []),
     ),
-    button("Choose …", () => choose(view, slot), {
-      id: `choose-${slot}`,
-      "aria-label": `Choose a picture for ${name}`,
-    }),
+    element(
+      "span",
+      { class: "acts" },
+      button("Choose …", () => choose(view, slot), {
+        id: `choose-${slot}`,
+        "aria-label": `Choose a picture for ${name}`,
+      }),
+      ...(source
+        ? [
+            button("×", () => view.leaveMap(slot), {
+              id: `leave-${slot}`,
+              title: `Draw without ${name}`,
+              "aria-label": `Draw without ${name}`,
+            }),
+          ]
+        : []),
+    ),
   );
 }
 

@@ -27,7 +27,9 @@ function rows(view, path, settings) {
 export function build(view, panel) {
   const opened = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
   const active = document.activeElement;
-  const focused = panel.contains(active) && (active.name || active.id);
+  const inside = panel.contains(active);
+  const name = active.name || active.id;
+  const near = active.closest(".map")?.querySelector("button").id;
   const within = active.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
@@ -36,10 +38,11 @@ export function build(view, panel) {
   for (const made of panel.querySelectorAll("details")) {
     if (opened.has(made.id)) made.open = opened.get(made.id);
   }
-  if (!focused) return;
-  // what is gone leaves the focus to its section
-  const again = panel.elements.namedItem(focused) ?? panel.querySelector(`#${within} summary`);
-  again.focus();
+  if (!inside) return;
+  // what is gone leaves the focus to what is near, or to its section
+  const places = [name, near].filter(Boolean).map((it) => panel.elements.namedItem(it));
+  const again = places.find(Boolean) ?? panel.querySelector(`#${within} summary`);
+  again?.focus();
 }
 
 function techniques(view) {
@@ -231,10 +234,10 @@ function camera(view) {
     element(
       "p",
       { class: "doc" },
-      "Drag turns, Shift and drag moves, Alt and drag turns the first directional light, the wheel zooms.",
+      "Drag turns; with Shift, or the right button, it moves; with Alt or Ctrl it turns the first directional light. The wheel zooms.",
     ),
     number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
-    number(view, path("elevation"), { ...degrees, label: "camera elevation", low: -89, high: 89 }),
+    number(view, path("elevation"), { ...degrees, label: "camera elevation", low: view.state.shape === "plane" ? 2 : -89, high: 89 }),
     number(view, path("distance"), {
       label: "distance",
       low: 0.1,
