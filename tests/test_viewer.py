@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 import shlex
 import tempfile
 from collections.abc import Iterator
@@ -762,9 +763,15 @@ def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
 
 
 def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
-    fresh.state(technique="offset", show="missed")
+    fresh.state(technique="offset", show="missed", compare="exact", level=0.5)
     fresh.draw()
-    assert " missed " in fresh.text("#figures")
+    shares = re.search(r" missed ([0-9.]+) \| ([0-9.]+) %", fresh.text("#figures"))
+    assert shares is not None
+    assert float(shares[1]) > 5.0
+    assert float(shares[2]) < 0.1
+    fresh.state(compare="")
+    fresh.draw()
+    assert f" missed {shares[1]} %" in fresh.text("#figures")
     # the truth's program fails, and colours are shown
     fresh.page.evaluate(
         "() => { const { drawing } = viewer; const side = drawing.side.bind(drawing);"
@@ -1115,7 +1122,7 @@ def test_pictures_dropped_together_are_what_their_names_say(
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
     # what is copied cannot have them, and says so
     fresh.page.get_by_role("button", name="Copy as command").click()
-    assert "The maps that were dropped are not in it." in fresh.text("#copied")
+    assert "The maps that were changed are not in it." in fresh.text("#copied")
     # and all of it is taken back
     fresh.page.get_by_role("button", name="As at the start").click()
     assert_agree(expected(material), fresh.frame(), TEXELS)

@@ -70,17 +70,17 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 const MISSED = `
 fn apart(p: u32, area: u32) -> vec2f {
   let d = vec2f(
-    bitcast<f32>(PLANES[p + 5u * area]) - bitcast<f32>(truth[p + 5u * area]),
-    bitcast<f32>(PLANES[p + 6u * area]) - bitcast<f32>(truth[p + 6u * area]));
+    bitcast<f32>(PLANES[p + 5u * area]) - bitcast<f32>(TRUTH[p + 5u * area]),
+    bitcast<f32>(PLANES[p + 6u * area]) - bitcast<f32>(TRUTH[p + 6u * area]));
   return (d - round(d)) * view.texels;
 }
 fn missed_at(p: u32, area: u32) -> bool {
-  if (truth[p + 7u * area] == 0u) { return false; }
+  if (TRUTH[p + 7u * area] == 0u) { return false; }
   return PLANES[p + 7u * area] == 0u || length(apart(p, area)) > 1.0;
 }
 fn passed_at(p: u32, area: u32) -> bool {
   return PLANES[p + 7u * area] != 0u
-    && bitcast<f32>(PLANES[p + 4u * area]) > bitcast<f32>(truth[p + 4u * area]);
+    && bitcast<f32>(PLANES[p + 4u * area]) > bitcast<f32>(TRUTH[p + 4u * area]);
 }
 `;
 
@@ -89,7 +89,8 @@ const SHOW = `${COMMON}
 @group(0) @binding(3) var<storage, read> right: array<u32>;
 @group(0) @binding(4) var<storage, read> right_sum: array<vec4f>;
 @group(0) @binding(5) var<storage, read> truth: array<u32>;
-@group(0) @binding(6) var<storage, read> heat: array<vec4f>;
+@group(0) @binding(6) var<storage, read> right_truth: array<u32>;
+@group(0) @binding(7) var<storage, read> heat: array<vec4f>;
 
 @vertex
 fn corners(@builtin(vertex_index) k: u32) -> @builtin(position) vec4f {
@@ -161,10 +162,13 @@ export class Colors {
     const format = navigator.gpu.getPreferredCanvasFormat();
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
     this.context.configure({ device, format, usage, alphaMode: "opaque" });
-    const missed = (side) =>
-      MISSED.replaceAll("PLANES", side).replace(/(apart|missed|passed)(_at)?\(/g, (_, name) =>
-        `${name}_${side}(`);
-    const sides = ["left", "right"].map((side) => missed(side) + SIDE.replaceAll("SIDE", side));
+    const against = (planes, truth) => MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
+    const missed = (side, truth) =>
+      against(side, truth).replace(/(apart|missed|passed)(_at)?\(/g, (_, name) => `${name}_${side}(`);
+    const truths = { left: "truth", right: "right_truth" };
+    const sides = Object.entries(truths).map(
+      ([side, truth]) => missed(side, truth) + SIDE.replaceAll("SIDE", side),
+    );
     const show = SHOW.replace("SIDES", sides.join(""))
       .replaceAll("SHORT", told.short.join(", "))
       .replaceAll("PASSED", told.passed.join(", "));
@@ -175,7 +179,7 @@ export class Colors {
       fragment: { module, entryPoint: "main", targets: [{ format }] },
     });
     this.add = this.compute(ADD, "add");
-    this.count = this.compute(COUNT + MISSED.replaceAll("PLANES", "left"), "count");
+    this.count = this.compute(COUNT + against("left", "truth"), "count");
     const heat = Float32Array.from(told.heat.flatMap((c) => [...c, 1]));
     this.heat = gpu.buffer(heat.buffer, GPUBufferUsage.STORAGE);
     this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
@@ -225,14 +229,16 @@ export class Colors {
     this.pass(this.add, [this.view, side.planes, side.sum], groups);
   }
 
-  present(left, right, truth, view) {
+  // Each side with the truth that it is held against.
+  present([left, truth], [right, rightTruth], view) {
     this.put(view);
     const encoder = this.gpu.device.createCommandEncoder();
     const target = this.context.getCurrentTexture().createView();
     const pass = encoder.beginRenderPass({
       colorAttachments: [{ view: target, loadOp: "clear", storeOp: "store" }],
     });
-    const buffers = [left.planes, left.sum, right.planes, right.sum, truth.planes, this.heat];
+    const shown = [left.planes, left.sum, right.planes, right.sum];
+    const buffers = [...shown, truth.planes, rightTruth.planes, this.heat];
     pass.setPipeline(this.show);
     pass.setBindGroup(0, this.group(this.show, [this.view, ...buffers]));
     pass.draw(3);

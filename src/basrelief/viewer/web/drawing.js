@@ -305,10 +305,14 @@ export class Drawing {
       const own = state.level === this.data.techniques[state.technique].level;
       found.right = { ...state, technique: other, level: own ? level : state.level, projection };
     }
-    // the truth fills the same space, along straight rays
+    // the truth fills the same space, along straight rays; techniques that lie otherwise have their own
     if (state.show === "missed") {
       const exactly = { technique: "exact", projection: "full", heights: "sharp" };
       found.truth = { ...state, ...exactly, shadows: "none" };
+      const { right } = found;
+      if (right && right.level !== state.level) {
+        found.right_truth = { ...found.truth, level: right.level };
+      }
     }
     return found;
   }

@@ -62,7 +62,7 @@ export class Frames {
   // Buffers for a picture of the canvas's size, on each side.
   room() {
     const area = this.canvas.width * this.canvas.height;
-    for (const name of ["left", "right", "truth"]) {
+    for (const name of ["left", "right", "truth", "right_truth"]) {
       const needed = this.shown[name] || name === "left" ? area : 1;
       const held = this.sides[name];
       if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
@@ -245,8 +245,13 @@ export class Frames {
   // Put what is drawn on the canvas, with the divider where it is now.
   present() {
     if (!this.shown || !this.drawnSize || this.drawing.held) return;
-    const { left, right, truth } = this.sides;
-    this.colors.present(left, right, truth, this.view());
+    const { left, right } = this.sides;
+    this.colors.present([left, this.truth("left")], [right, this.truth("right")], this.view());
+  }
+
+  // The buffers that a side is held against.
+  truth(side) {
+    return this.sides[side === "right" && this.shown.right_truth ? "right_truth" : "truth"];
   }
 
   // What is measured on the picture; what another is drawn instead of by then is not told.
@@ -256,8 +261,8 @@ export class Frames {
     const { sides, shown } = this;
     // both are asked for before anything else is drawn
     const [left, right] = await Promise.all([
-      this.colors.figures(sides.left, sides.truth, view),
-      shown.right && this.colors.figures(sides.right, sides.truth, view),
+      this.colors.figures(sides.left, this.truth("left"), view),
+      shown.right && this.colors.figures(sides.right, this.truth("right"), view),
     ]);
     if (!this.shown || this.drawing.measured !== measured) return;
     this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };

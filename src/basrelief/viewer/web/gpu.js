@@ -3,7 +3,7 @@
 import { pack, packList } from "view/records.js";
 
 const GROUP = 8;
-const TIMED = 3; // programs that are timed together at most
+const TIMED = 4; // programs that are timed together at most
 const TRIES = 4; // times that a device is asked for
 const APART = 300; // milliseconds between them
 

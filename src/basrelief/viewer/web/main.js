@@ -527,7 +527,7 @@ class View {
 
   async copy(kind) {
     const text = this.text(kind);
-    const without = this.pictures === this.began ? "" : " The maps that were dropped are not in it.";
+    const without = this.pictures === this.began ? "" : " The maps that were changed are not in it.";
     byId("copied").textContent = text + (without && `\n${without.trim()}`);
     try {
       await navigator.clipboard.writeText(text);
@@ -556,8 +556,9 @@ class View {
     if (figures) {
       const { left, right, missed } = figures;
       parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads a pixel`);
+      const share = (f) => ((100 * f.missed) / f.hits).toFixed(2);
       if (missed && left.hits) {
-        parts.push(`missed ${((100 * left.missed) / left.hits).toFixed(2)} %`);
+        parts.push(`missed ${share(left)}${right?.hits ? ` | ${share(right)}` : ""} %`);
       }
     }
     if (milliseconds !== undefined) {
