@@ -22,8 +22,8 @@ SMALL = {"size": (24, 14), "engine": "cpu", "scale": 0.5, "angles": (60.0, 60.0)
 TEXELS = 16
 
 
-def level_ground(height: float) -> Material:
-    return Material("ground", height=map_of(np.full((TEXELS, TEXELS), height)))
+def level_ground(height: float, texels: int = TEXELS) -> Material:
+    return Material("ground", height=map_of(np.full((texels, texels), height)))
 
 
 def late(steps: int, height: float) -> float:
@@ -44,11 +44,15 @@ def test_the_least_steps_that_stay_within_a_texel(height) -> None:
 
 
 def test_the_cheapest_is_taken_and_what_fails_is_not() -> None:
-    """B5: on level ground one read is exact, and much cheaper than hundreds; none is not."""
-    deep = {**SMALL, "size": (96, 64), "settings": {"steps": 400}}
-    found = tune(level_ground(0.004), missed=0.001, techniques=["steep", "offset", "flat"], **deep)
+    """B5: on level ground one read is exact, and much cheaper than a hundred; none is not."""
+    deep = {**SMALL, "size": (192, 128), "settings": {"steps": 400}}
+    ground = level_ground(0.004, 256)
+    found = tune(ground, missed=0.001, techniques=["steep", "offset", "flat"], **deep)
     assert found.chosen.candidate.name == "offset"
-    assert [each.candidate.name for each in found.others] == ["steep"]
+    (steep,) = found.others
+    assert steep.candidate.name == "steep"
+    # enough of them that a busy machine does not take them for cheap
+    assert steep.candidate.settings["steps"] >= 100
     assert found.nearest is None or found.nearest.candidate.name == "flat"
 
 

@@ -491,9 +491,13 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
     wire = fresh.page.context.new_cdp_session(fresh.page)
 
     def touch(kind: str, *points: tuple[float, float]) -> dict[str, Any]:
+        before = fresh.page.evaluate("viewer.state.camera")
         fingers = [{"x": x + dx, "y": y + dy, "id": k} for k, (dx, dy) in enumerate(points)]
         wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
-        # moves are told with the next frames
+        if kind == "touchMove":
+            changed = "before => JSON.stringify(viewer.state.camera) !== JSON.stringify(before)"
+            fresh.page.wait_for_function(changed, arg=before)
+        # those of other fingers are told with the next frames
         camera: dict[str, Any] = fresh.page.evaluate(
             """async () => {
               for (let k = 0; k < 3; k++) await new Promise(requestAnimationFrame);
