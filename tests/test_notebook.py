@@ -434,7 +434,8 @@ def opened(browser: Any, made: Viewer) -> Iterator[Shown]:
 
 @pytest.fixture
 def shown(opened: Shown, viewer: Viewer) -> Iterator[Shown]:
-    """The page, as the viewer is at its start."""
+    """The page, as the viewer is at its start, and nobody at its picture."""
+    opened.frame().evaluate("document.activeElement.blur()")
     opened.page.evaluate("news => model.receive(news)", _told(viewer))
     opened.wait("viewer.state.scale === 0.08 && viewer.state.technique === 'relief'")
     opened.page.evaluate("model.saved.splice(0)")
