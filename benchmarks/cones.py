@@ -14,7 +14,7 @@ import time
 
 from exact import maps
 
-from basrelief import bake
+from basrelief import baking
 from basrelief.engine.select import choose_engine
 
 
@@ -27,7 +27,7 @@ def main() -> None:
     texels = 4096 if given.large else 1024
     print(f"{engine.device}, maps of {texels}²")
     for name, heights in maps(texels).items():
-        for make in (bake.cone_map, bake.relaxed_cone_map):
+        for make in (baking.cone_map, baking.relaxed_cone_map):
             make(heights[:16, :16], "wrap", engine)  # compiled before the clock starts
             start = time.perf_counter(), time.process_time()
             make(heights, "wrap", engine)

@@ -22,15 +22,15 @@ from typing import Any
 import numpy as np
 from scenes import alternate
 
-from basrelief import bake
+from basrelief import baking
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
-from basrelief.programs import edges_of
-from basrelief.shaders.height import heights_of
-from basrelief.shaders.ray import Ray
-from basrelief.shaders.techniques import Nothing, displace, exact, parallax_occlusion
-from basrelief.shaders.techniques.march import March
-from basrelief.shaders.techniques.technique import Settings
+from basrelief.rendering.programs import edges_of
+from basrelief.techniques import Nothing, displace, exact, parallax_occlusion
+from basrelief.techniques.height import heights_of
+from basrelief.techniques.march import March
+from basrelief.techniques.ray import Ray
+from basrelief.techniques.technique import Settings
 
 VIEWS = {
     # scale of the relief, and a direction towards the viewer
@@ -214,7 +214,7 @@ def bounds_of(engine: Any, heights: np.ndarray) -> tuple[Texture, float]:
     """The bounds of a map, and the seconds they took: on a GPU by timestamps, on a CPU in all."""
     watch = Watch(engine)
     start = time.perf_counter()
-    baked = Texture([bake.bounds(heights, "wrap", watch)])  # type: ignore[arg-type]
+    baked = Texture([baking.bounds(heights, "wrap", watch)])  # type: ignore[arg-type]
     spent = time.perf_counter() - start
     return baked, watch.seconds if engine.name == "gpu" else spent
 

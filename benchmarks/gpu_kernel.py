@@ -12,11 +12,11 @@ import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
 from basrelief.lang.program import Program
-from basrelief.material import pyramids
-from basrelief.shaders import edge
-from basrelief.shaders.height import sharp, surface_height
-from basrelief.shaders.ray import Ray
-from basrelief.shaders.techniques.march import March, parallax_occlusion
+from basrelief.rendering import textures
+from basrelief.techniques import edge
+from basrelief.techniques.height import sharp, surface_height
+from basrelief.techniques.march import March, parallax_occlusion
+from basrelief.techniques.ray import Ray
 
 SIZE = (1920, 1080)
 STEPS = 32
@@ -59,7 +59,7 @@ def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Found
 def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, Any]:
     """What the kernel reads: a plane at an angle, steeper towards the top."""
     w, h = size
-    field = pyramids.height_field(basrelief.sample(sample, maps), "wrap")
+    field = textures.height_field(basrelief.sample(sample, maps), "wrap")
     return {
         "sweep": Sweep(
             Vec2(0.1, 0.2), Vec2(2.0 / w, 0.2 / w), Vec2(-0.1 / h, 1.3 / h),

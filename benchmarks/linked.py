@@ -17,9 +17,9 @@ import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
 from basrelief.lang.library import linked
-from basrelief.programs import choices_of, program_of, values_of
-from basrelief.shaders.cast import CastView
-from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.rendering.programs import choices_of, program_of, values_of
+from basrelief.shading.shadow_map import CastView
+from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Printed, printed
 
 SIZE = (1920, 1080)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief import bake, sample
+from basrelief import baking, sample
 from basrelief.lang import (
     HeightField,
     IVec2,
@@ -33,11 +33,9 @@ from basrelief.lang import (
 )
 from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
-from basrelief.shaders.edge import edges_of
-from basrelief.shaders.height import heights_of
-from basrelief.shaders.ray import Hit, Ray, at
-from basrelief.shaders.techniques import Nothing, exact
-from basrelief.shaders.techniques.exact import (
+from basrelief.techniques import Nothing, exact
+from basrelief.techniques.edge import edges_of
+from basrelief.techniques.exact import (
     Clearance,
     cell_after,
     clearance,
@@ -47,6 +45,8 @@ from basrelief.shaders.techniques.exact import (
     line_of,
     walls_of,
 )
+from basrelief.techniques.height import heights_of
+from basrelief.techniques.ray import Hit, Ray, at
 
 LATE = 0.05
 """Texels."""
@@ -185,7 +185,7 @@ def main() -> None:
     for name, heights in maps().items():
         for edge in ("wrap", "clamp"):
             field = HeightField([heights], edge)
-            baked = Texture([bake.bounds(heights, edge, engine)], edge)
+            baked = Texture([baking.bounds(heights, edge, engine)], edge)
             values = {"seed": Seed(total[0]), "field": field, "baked": baked}
             plain = {**edges_of(edge), **heights_of("sharp")}
             counts, worst, early = [], [], []

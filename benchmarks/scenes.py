@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 
 import basrelief
-from basrelief.programs import program_of, values_of
+from basrelief.rendering.programs import program_of, values_of
 
 
 def plane_scene(maps: int = 1024) -> basrelief.Scene:

@@ -15,7 +15,7 @@ from scenes import alternate
 
 import basrelief
 from basrelief.errors import EngineError
-from basrelief.programs import program_of, values_of
+from basrelief.rendering.programs import program_of, values_of
 
 PLANE = basrelief.turned("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
 CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)

@@ -14,15 +14,15 @@ def _():
     import marimo as mo
 
     import basrelief
-    from basrelief import notebook
+    from basrelief.viewer import Viewer
 
-    return basrelief, mo, notebook
+    return Viewer, basrelief, mo
 
 
 @app.cell
-def _(basrelief, notebook):
+def _(Viewer, basrelief):
     bricks = basrelief.sample("bricks", 256)
-    widget = notebook.Viewer(bricks, scale=0.08, camera=basrelief.Orbit(24, 32))
+    widget = Viewer(bricks, scale=0.08, camera=basrelief.Orbit(24, 32))
     return (widget,)
 
 

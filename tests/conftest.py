@@ -101,6 +101,20 @@ def _gpu_where_marked(request: pytest.FixtureRequest) -> None:
         request.getfixturevalue("gpu_adapter")
 
 
+# --- files --------------------------------------------------------------------------------------
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep compiled programs and bakes of tests in the checkout, not in the user's cache."""
+    os.environ.setdefault("BASRELIEF_CACHE", str(config.rootpath / ".pytest_cache" / "basrelief"))
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for modules that tests write."""
+    return tmp_path_factory.mktemp("modules")
+
+
 # --- materials ----------------------------------------------------------------------------------
 
 

@@ -16,8 +16,6 @@ from basrelief.errors import BasreliefError, EngineError, InputError
 
 if TYPE_CHECKING:
     from basrelief.engine import choose_engine
-    from basrelief.film import frames, write_film
-    from basrelief.lang import setting, shader, struct
     from basrelief.material import Map, Material, load, sample
     from basrelief.measure.compare import Comparison, compare
     from basrelief.measure.debug import debug_picture
@@ -25,9 +23,9 @@ if TYPE_CHECKING:
     from basrelief.measure.explain import Explanation, explain
     from basrelief.measure.truth import Truth, truth
     from basrelief.measure.tune import Tuned, tune
-    from basrelief.motion import Lighting, Opening, Orbiting, Scrolling
-    from basrelief.presets import PRESETS, Preset, preset
-    from basrelief.rendering import Frame, Image, render
+    from basrelief.rendering.film import frames, write_film
+    from basrelief.rendering.frame import Frame, Image
+    from basrelief.rendering.render import render
     from basrelief.scene import (
         Layer,
         LookAt,
@@ -41,14 +39,15 @@ if TYPE_CHECKING:
         spot,
     )
     from basrelief.scene import turned as turned
-    from basrelief.shaders.lighting import Light, Shading
-    from basrelief.shaders.surfaces.standard import Finish
-    from basrelief.shaders.techniques import TECHNIQUES, Hit, Ray, technique
+    from basrelief.scene.motion import Lighting, Opening, Orbiting, Scrolling
+    from basrelief.scene.presets import PRESETS, Preset, preset
+    from basrelief.shading.brdf import Shading
+    from basrelief.shading.lights import Light
+    from basrelief.shading.surfaces.standard import Finish
+    from basrelief.techniques import TECHNIQUES
 
 _HOMES = {
     "basrelief.engine": ("choose_engine",),
-    "basrelief.film": ("frames", "write_film"),
-    "basrelief.lang": ("setting", "shader", "struct"),
     "basrelief.material": ("Map", "Material", "load", "sample"),
     "basrelief.measure.compare": ("Comparison", "compare"),
     "basrelief.measure.debug": ("debug_picture",),
@@ -56,26 +55,29 @@ _HOMES = {
     "basrelief.measure.truth": ("Truth", "truth"),
     "basrelief.measure.tune": ("Tuned", "tune"),
     "basrelief.measure.explain": ("Explanation", "explain"),
-    "basrelief.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
-    "basrelief.presets": ("PRESETS", "Preset", "preset"),
-    "basrelief.rendering": ("Frame", "Image", "render"),
+    "basrelief.rendering.film": ("frames", "write_film"),
+    "basrelief.rendering.frame": ("Frame", "Image"),
+    "basrelief.rendering.render": ("render",),
     "basrelief.scene": (
         "Layer", "LookAt", "Object", "Orbit", "Scene", "Tiling", "directional", "placed", "point",
         "spot", "turned",
     ),
-    "basrelief.shaders.lighting": ("Light", "Shading"),
-    "basrelief.shaders.surfaces.standard": ("Finish",),
-    "basrelief.shaders.techniques": ("TECHNIQUES", "Hit", "Ray", "technique"),
+    "basrelief.scene.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
+    "basrelief.scene.presets": ("PRESETS", "Preset", "preset"),
+    "basrelief.shading.brdf": ("Shading",),
+    "basrelief.shading.lights": ("Light",),
+    "basrelief.shading.surfaces.standard": ("Finish",),
+    "basrelief.techniques": ("TECHNIQUES",),
 }  # fmt: skip
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Explanation",
-    "Finish", "Frame", "Hit", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
-    "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Ray", "Scene", "Scrolling",
+    "Finish", "Frame", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
+    "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Scene", "Scrolling",
     "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_engine", "compare",
     "debug_picture", "directional", "explain", "frames", "load", "placed", "point", "preset",
-    "render", "sample", "setting", "shader", "spot", "struct", "technique", "truth", "tune",
+    "render", "sample", "spot", "truth", "tune",
     "turned", "write_film",
 ]  # fmt: skip
 
@@ -83,7 +85,6 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'basrelief' has no attribute {name!r}")
-    # the function `render` stands for itself, not for the module of that name
     value = getattr(importlib.import_module(_HOME[name]), name)
     globals()[name] = value
     return value

@@ -1,20 +1,20 @@
-"""Compiled programs of these tests go to a folder of their own, never to the user's cache."""
+"""Compiled programs of these tests, many and tiny, go to a folder that is thrown away."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("BASRELIEF_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="session")
-def folder(tmp_path_factory: pytest.TempPathFactory):
-    """A folder for modules that tests write."""
-    return tmp_path_factory.mktemp("shaders")
+def throw_away_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _own_cache(throw_away_cache: Path) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("BASRELIEF_CACHE", str(throw_away_cache))
+        yield

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from comparing import assert_python_is_cpu, cpu, write_module
 
 from basrelief.lang import Buffer
 from basrelief.lang.program import Program
+from helpers.comparing import assert_python_is_cpu, cpu, write_module
 
 SHADERS = '''
 @struct

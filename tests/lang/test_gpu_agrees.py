@@ -9,13 +9,13 @@ import functools
 
 import numpy as np
 import pytest
-from comparing import INTS, bits, cpu, shown, write_module
-from random_programs import Writer
 from test_control_flow import ENTRY, NAMES, SHADERS
 from test_operators import INPUTS, TABLES, table_module
 
 from basrelief.lang import Buffer, Mat3, Vec3
 from basrelief.lang.program import Program
+from helpers.comparing import INTS, bits, cpu, shown, write_module
+from helpers.random_programs import Writer
 
 pytestmark = pytest.mark.gpu
 

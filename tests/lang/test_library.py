@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import basrelief
-from basrelief.choices import RULES, Choices
 from basrelief.engine.gpu import GpuEngine
 from basrelief.lang import (
     Buffer,
@@ -27,10 +26,11 @@ from basrelief.lang import (
 )
 from basrelief.lang.library import EDGE, library_of, linked
 from basrelief.lang.values import IVec2
-from basrelief.programs import choices_of, program_of, values_of
+from basrelief.rendering.programs import choices_of, program_of, values_of
 from basrelief.scene.objects import technique_named
-from basrelief.shaders.cast import CastView
-from basrelief.shaders.techniques import TECHNIQUES
+from basrelief.shading.shadow_map import CastView
+from basrelief.shading.variant import RULES, Choices
+from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Ask, answers, printed, tree_of
 
 
@@ -183,7 +183,7 @@ def test_every_option_of_every_slot_compiles() -> None:
 
 OWN = """
 from basrelief.lang import HeightField, setting, shader, struct
-from basrelief.shaders.techniques import Hit, Ray, at, technique
+from basrelief.techniques import Hit, Ray, at, technique
 
 @struct
 class Settings:

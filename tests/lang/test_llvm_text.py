@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 import pytest
-from comparing import write_module
 
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
+from helpers.comparing import write_module
 
 SOURCE = '''
 @struct

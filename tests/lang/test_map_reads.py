@@ -9,9 +9,9 @@ import itertools
 
 import numpy as np
 import pytest
-from comparing import assert_python_is_cpu, compiled, write_module
 
 from basrelief.lang import Buffer, HeightField, IVec2, Texture, corners, stored, texel
+from helpers.comparing import assert_python_is_cpu, compiled, write_module
 
 SHADERS = """
 @struct

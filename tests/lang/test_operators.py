@@ -11,12 +11,12 @@ import itertools
 
 import numpy as np
 import pytest
-from comparing import FLOATS, INTS, assert_python_is_cpu, write_module
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from basrelief.lang import Buffer
 from basrelief.lang.intrinsics import INTRINSICS
+from helpers.comparing import FLOATS, INTS, assert_python_is_cpu, write_module
 
 INPUTS = {
     "floats": "a: float\n    b: float\n    c: float",

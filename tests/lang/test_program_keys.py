@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 import pytest
-from comparing import write_module
 
 from basrelief.lang.program import Program
+from helpers.comparing import write_module
 
 SOURCE = '''
 SCALE = 2.0

@@ -10,10 +10,10 @@ import os
 
 import numpy as np
 import pytest
-from comparing import FLOATS, INTS, assert_python_is_cpu, write_module
-from random_programs import Writer
 
 from basrelief.lang import Buffer
+from helpers.comparing import FLOATS, INTS, assert_python_is_cpu, write_module
+from helpers.random_programs import Writer
 
 WIDTHS = (1, 3, 7, 13)
 

@@ -7,11 +7,11 @@ import re
 from pathlib import Path
 
 import pytest
-from comparing import write_module
 
 from basrelief.lang.frontend import analyse
 from basrelief.lang.program import Program
 from basrelief.lang.types import ShaderError
+from helpers.comparing import write_module
 
 BEFORE = """
 import math

@@ -11,7 +11,6 @@ import warnings
 
 import numpy as np
 import pytest
-from comparing import write_module
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -31,6 +30,7 @@ from basrelief.lang import (
     struct,
 )
 from basrelief.lang.types import fields_of, from_leaves, leaf_values, leaves
+from helpers.comparing import write_module
 
 FLOAT32 = st.floats(width=32, allow_nan=False)
 SCALE = 3.0

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 import pytest
-from comparing import write_module
 
 from basrelief.lang import Buffer
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
+from helpers.comparing import write_module
 
 SOURCE = '''
 @struct

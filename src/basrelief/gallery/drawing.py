@@ -11,7 +11,8 @@ from basrelief.engine import Engine
 from basrelief.gallery.page import Page, Panel
 from basrelief.measure.debug import DebugPicture, debug_picture
 from basrelief.measure.truth import truth
-from basrelief.rendering import Frame, render
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import render
 from basrelief.scene import Scene
 
 FRAMES = 5

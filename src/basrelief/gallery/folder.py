@@ -12,7 +12,7 @@ from basrelief.gallery import PAGES, SOURCES
 from basrelief.gallery.drawing import Drawn, drawn
 from basrelief.gallery.html import GENERATOR, index_html, page_html, picture_name
 from basrelief.gallery.page import Page
-from basrelief.webpage import check_ours, is_ours, write_page
+from basrelief.pages import check_ours, is_ours, write_page
 
 Progress = Callable[[str, float], None]
 """Hears what is being drawn, and the share of the whole that is done."""

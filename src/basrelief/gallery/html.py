@@ -8,7 +8,7 @@ from html import escape
 from basrelief.gallery.drawing import FRAMES, Drawn
 from basrelief.gallery.page import SOURCES, Headline, Page
 from basrelief.gallery.settings import settings_of
-from basrelief.webpage import document
+from basrelief.pages import document
 
 GENERATOR = "basrelief gallery"
 """What our pages say they were made by; a page that does not say so is not ours."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from basrelief.lang import Vec3
 from basrelief.scene import Object, Scene
-from basrelief.shaders.lighting import Shading
+from basrelief.shading.brdf import Shading
 
 
 def settings_of(scene: Scene) -> str:

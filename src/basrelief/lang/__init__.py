@@ -4,6 +4,7 @@
 is made. Types and intrinsics are imported from here. `CONVENTIONS.md` states the rules.
 """
 
+import basrelief.lang.elementary  # noqa: F401  (gives the elementary intrinsics their bodies)
 from basrelief.lang.intrinsics import (
     acos,
     asin,

@@ -16,18 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.lang import tree
+from basrelief.lang import elementary, tree
 from basrelief.lang.intrinsics import BY_FUNCTION
 from basrelief.lang.resources import buffer_record, is_handle
 from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.types import (
-    SCALARS,
-    VECTORS,
-    ShaderError,
-    fields_of,
-    is_record,
-    is_type_slot,
-)
+from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record, is_type_slot
 from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
 
@@ -75,11 +68,9 @@ def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any],
 
 
 @functools.cache
-def approximations() -> dict[str, tree.Function]:
-    """The typed functions of `lang.approximations`, by name."""
-    from basrelief.lang import approximations as module
-
-    shaders = [s for s in vars(module).values() if isinstance(s, Shader)]
+def elementary_functions() -> dict[str, tree.Function]:
+    """The typed functions of `lang.elementary`, by name."""
+    shaders = [s for s in vars(elementary).values() if isinstance(s, Shader)]
     return {function.name: function for function in analyse_all(shaders)}
 
 

@@ -281,11 +281,17 @@ def bits_float(bits: int) -> float:
 # --- functions computed by shaders of our own where a target has none --------------------------
 
 
-def _approximated(name: str, arguments: int) -> None:
-    def call(*given: float) -> Any:
-        from basrelief.lang import approximations
+_bodies: dict[str, Callable[..., Any]] = {}
 
-        return getattr(approximations, name)(*given)
+
+def define(**bodies: Callable[..., Any]) -> None:
+    """Give elementary functions their bodies: shaders, which are made of the intrinsics above."""
+    _bodies.update(bodies)
+
+
+def _elementary(name: str, arguments: int) -> None:
+    def call(*given: float) -> Any:
+        return _bodies[name](*given)
 
     call.__name__ = name
     _intrinsic(_fixed(float, *(float,) * arguments))(call)
@@ -293,12 +299,12 @@ def _approximated(name: str, arguments: int) -> None:
 
 _OF_ONE = ("exp", "exp2", "log", "log2", "sin", "cos", "tan", "asin", "acos", "atan")
 _OF_TWO = ("pow", "atan2")
-APPROXIMATED = (*_OF_ONE, *_OF_TWO)
-"""Intrinsics that Python and the CPU compute with the shaders of `approximations`."""
+ELEMENTARY = (*_OF_ONE, *_OF_TWO)
+"""Intrinsics that Python and the CPU compute with the shaders of `elementary`."""
 for _name in _OF_ONE:
-    _approximated(_name, 1)
+    _elementary(_name, 1)
 for _name in _OF_TWO:
-    _approximated(_name, 2)
+    _elementary(_name, 2)
 
 exp: Callable[[float], float] = INTRINSICS["exp"].python
 exp2: Callable[[float], float] = INTRINSICS["exp2"].python

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from basrelief.lang import tree
-from basrelief.lang.frontend import approximations
-from basrelief.lang.intrinsics import APPROXIMATED
+from basrelief.lang.frontend import elementary_functions
+from basrelief.lang.intrinsics import ELEMENTARY
 from basrelief.lang.resources import is_handle
 from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
 from basrelief.lang.values import Mat3
@@ -49,10 +49,10 @@ def print_llvm(module: tree.Module, lanes: int) -> str:
     out = _Output(lanes)
     text = [_FunctionPrinter(out, function).text() for function in module.functions]
     printed: set[str] = set()
-    while out.approximations - printed:
-        for name in sorted(out.approximations - printed):
+    while out.elementary - printed:
+        for name in sorted(out.elementary - printed):
             printed.add(name)
-            text.append(_FunctionPrinter(out, approximations()[name], _MATH).text())
+            text.append(_FunctionPrinter(out, elementary_functions()[name], _MATH).text())
     text.append(_EntryPrinter(out, module.entry).text())
     return "\n".join([*sorted(out.declarations), "", *text, "!0 = !{}", ""])
 
@@ -66,7 +66,7 @@ class _Output:
     def __init__(self, lanes: int) -> None:
         self.lanes = lanes
         self.declarations: set[str] = set()
-        self.approximations: set[str] = set()
+        self.elementary: set[str] = set()
         self.names = {
             float: f"<{lanes} x float>",
             int: f"<{lanes} x i32>",
@@ -592,7 +592,7 @@ class _FunctionPrinter(_Printer):
             types = self.out.vector(argument.type)
             given.extend(f"{t} {v}" for t, v in zip(types, values, strict=True))
         if self.prefix:
-            self.out.approximations.add(node.function.name)
+            self.out.elementary.add(node.function.name)
         return self.call_named(f"{self.prefix}{node.function.name}", node.function.result, given)
 
     def call_named(self, name: str, t: Any, given: list[str]) -> Leaves:
@@ -785,8 +785,8 @@ def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     return [p.make(f"bitcast {given} {p.value(node.arguments[0])[0]} to {wanted}")]
 
 
-def _approximated(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    p.out.approximations.add(node.name)
+def _elementary(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    p.out.elementary.add(node.name)
     values = [p.value(a)[0] for a in node.arguments]
     floats = [f"{p.out.names[float]} {v}" for v in values]
     return p.call_named(
@@ -868,7 +868,7 @@ _INTRINSICS: dict[str, Any] = {
     "corners": _corners,
     "texel": _texel,
     "stored": _stored,
-    **dict.fromkeys(APPROXIMATED, _approximated),
+    **dict.fromkeys(ELEMENTARY, _elementary),
 }
 
 
@@ -904,7 +904,7 @@ def _cost(block: tree.Block) -> int:
 
 
 _FREE = {"float_bits", "bits_float", "transpose"}
-_DEAR = {*APPROXIMATED, "corners", "texel", "stored", "normalize"}
+_DEAR = {*ELEMENTARY, "corners", "texel", "stored", "normalize"}
 
 
 def _expression_cost(node: tree.Expression) -> int:

@@ -17,14 +17,7 @@ from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
 from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.shader import Shader
-from basrelief.lang.types import (
-    SCALARS,
-    ShaderError,
-    fields_of,
-    is_record,
-    is_type_slot,
-    leaves,
-)
+from basrelief.lang.types import SCALARS, ShaderError, fields_of, is_record, is_type_slot, leaves
 from basrelief.lang.values import IVec2
 
 

@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from basrelief.lang import tree
-from basrelief.lang.frontend import approximations
+from basrelief.lang.frontend import elementary_functions
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import Edge, HeightField, Texture, buffer_record, is_handle
 from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record, leaves
@@ -90,7 +90,7 @@ class ModulePrinter:
         self.functions = functions
         self.edge = edge
         self.helpers: set[str] = set()
-        self.approximations: set[str] = set()
+        self.elementary: set[str] = set()
         """Names of our own functions that stand in for less exact ones."""
         self.chosen: dict[Any, None] = {}
         """Matrices and records between which a conditional expression chooses."""
@@ -103,7 +103,7 @@ class ModulePrinter:
         self.taken = {*_RESERVED, *_PRINTED, *bound, f"edge_{edge}"}
         self.scope: dict[Any, str] = {}
         """The names of functions and records, clear of one another and of all that is printed."""
-        for named in [*functions, *approximations().values()]:
+        for named in [*functions, *elementary_functions().values()]:
             self.claim(named, named.name)
         for record in self.records:
             self.claim(record, record.__name__)
@@ -152,10 +152,10 @@ class ModulePrinter:
         for function in self.functions:
             yield self.function_text(function)
         printed: set[str] = set()
-        while self.approximations - printed:
-            for name in sorted(self.approximations - printed):
+        while self.elementary - printed:
+            for name in sorted(self.elementary - printed):
                 printed.add(name)
-                yield self.function_text(approximations()[name])
+                yield self.function_text(elementary_functions()[name])
 
     def parameter_names(self, function: tree.Function) -> dict[str, str]:
         """What a function's parameters are called, those that are no lists: clear of all else."""
@@ -403,7 +403,7 @@ class _FunctionPrinter:
                 return self.intrinsic(node)
             case tree.Call(_, function, arguments):
                 if function not in self.module.functions:
-                    self.module.approximations.add(function.name)
+                    self.module.elementary.add(function.name)
                 given = [a for a in arguments if buffer_record(a.type) is None]
                 return f"{self.module.scope[function]}({self.arguments(given)})"
             case tree.Item(_, buffer, index):
@@ -455,8 +455,8 @@ class _FunctionPrinter:
         if name == "len":
             return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
         if name in _OWN:
-            self.module.approximations.add(name)
-            own = self.module.scope[approximations()[name]]
+            self.module.elementary.add(name)
+            own = self.module.scope[elementary_functions()[name]]
             return f"{own}({self.arguments(arguments)})"
         given = [self.argument(a) for a in arguments]
         if name == "mix" and node.type in VECTORS and arguments[1].type is float:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.picture import Picture
+from basrelief.images import Picture
 
 Channel = Literal["r", "g", "b", "a", "luminance"]
 NormalPacking = Literal["rgb", "ag", "rg"]

@@ -20,9 +20,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from basrelief.errors import InputError
+from basrelief.images import LOSSY, READABLE, picture_size, read_picture
 from basrelief.material.conventions import Green, Meaning, Name, Part, read_name, read_names
 from basrelief.material.material import MAPS, Note
-from basrelief.picture import LOSSY, READABLE, picture_size, read_picture
 
 
 @dataclass(frozen=True)

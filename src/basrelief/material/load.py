@@ -10,6 +10,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from basrelief.errors import InputError
+from basrelief.images import Picture, read_picture
 from basrelief.material import channels
 from basrelief.material.channels import NormalPacking
 from basrelief.material.conventions import Part, read_name
@@ -17,7 +18,6 @@ from basrelief.material.evidence import Agreement, agreement
 from basrelief.material.files import Choice, Found, search
 from basrelief.material.material import MAPS, Map, Material, Note
 from basrelief.material.samples import sample
-from basrelief.picture import Picture, read_picture
 
 NormalConvention = Literal["auto", "gl", "dx"]
 HeightPolarity = Literal["auto", "height", "depth"]

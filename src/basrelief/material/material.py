@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.picture import srgb_decode
+from basrelief.images import srgb_decode
 
 MAPS = {
     "base_color": 3,

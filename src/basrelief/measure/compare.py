@@ -27,9 +27,10 @@ from basrelief.measure.errors import Errors, Spread, errors, flip, has_flip, uv_
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import ANGLES, at_angle
-from basrelief.rendering import Frame, check_picture, render
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Object, Scene, technique_named
-from basrelief.shaders.techniques import TECHNIQUES, Technique, exact, flat
+from basrelief.techniques import TECHNIQUES, Technique, exact, flat
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 

@@ -17,7 +17,7 @@ from basrelief.errors import InputError
 from basrelief.measure import colors
 from basrelief.measure.errors import depth_error, errors, missed, overshoot
 from basrelief.measure.truth import Truth
-from basrelief.rendering import Frame, Image
+from basrelief.rendering.frame import Frame, Image
 
 __all__ = ["SHOWN", "DebugPicture", "Shown", "debug_picture"]
 

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
+from basrelief.images import srgb_encode
 from basrelief.measure.truth import Truth
-from basrelief.picture import srgb_encode
-from basrelief.rendering import Frame, Image
+from basrelief.rendering.frame import Frame, Image
 
 __all__ = ["Errors", "Spread", "depth_error", "errors", "flip", "missed", "overshoot", "uv_error"]
 

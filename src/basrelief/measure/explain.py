@@ -20,16 +20,16 @@ from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, wat
 from basrelief.lang.resources import Edge
 from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.oracle import first_hits
-from basrelief.programs import map_edge, program_of, values_of
-from basrelief.rendering import scene_of
+from basrelief.rendering.programs import map_edge, program_of, values_of
+from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
-from basrelief.shaders.camera import primary_ray
-from basrelief.shaders.edge import cell_in_map, cells_in_map, in_tile
-from basrelief.shaders.height import surface_height
-from basrelief.shaders.meeting import Meeting, meet
-from basrelief.shaders.ray import Hit, Ray, at
-from basrelief.shaders.relief import depth_seen, lod_seen, relief_ray
-from basrelief.shaders.techniques import displace
+from basrelief.shading.camera import primary_ray
+from basrelief.shading.intersection import Meeting, meet
+from basrelief.shading.relief import depth_seen, lod_seen, relief_ray
+from basrelief.techniques import displace
+from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
+from basrelief.techniques.height import surface_height
+from basrelief.techniques.ray import Hit, Ray, at
 
 __all__ = ["Explanation", "Sample", "explain"]
 

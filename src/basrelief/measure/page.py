@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
+from basrelief.images import srgb_encode, write_picture
 from basrelief.measure.advice import VISIBLE, Advice, advice, mean_seconds, passes
 from basrelief.measure.colors import heat
 from basrelief.measure.errors import Spread
 from basrelief.measure.plot import Point, plot
-from basrelief.picture import srgb_encode, write_picture
-from basrelief.webpage import check_ours, document, write_page
+from basrelief.pages import check_ours, document, write_page
 
 if TYPE_CHECKING:
     from basrelief.measure.compare import Comparison, Result

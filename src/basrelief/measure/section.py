@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.picture import write_whole
+from basrelief.images import write_whole
 
 if TYPE_CHECKING:
     from basrelief.measure.explain import Explanation, Sample

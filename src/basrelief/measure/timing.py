@@ -11,7 +11,7 @@ from typing import Any
 
 from basrelief.engine import Engine
 from basrelief.lang.program import Program
-from basrelief.programs import program_of, values_of
+from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import Scene
 
 RUNS = 5

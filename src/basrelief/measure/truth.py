@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.measure.oracle import first_hits
-from basrelief.programs import map_edge, maps_of, rays_of, values_of
-from basrelief.rendering import check_picture
+from basrelief.rendering.programs import map_edge, maps_of, rays_of, values_of
+from basrelief.rendering.render import check_picture
 from basrelief.scene import Object, Scene
 
 __all__ = ["Truth", "truth"]
@@ -94,9 +94,9 @@ def measurable(scene: Scene) -> Object:
 
 def _heights(thing: Object) -> NDArray[np.float32]:
     """The finest level of the field that programs read."""
-    from basrelief.material import pyramids
+    from basrelief.rendering import textures
 
-    field = maps_of(thing)["field"] or pyramids.height_field(thing.material, map_edge(thing))
+    field = maps_of(thing)["field"] or textures.height_field(thing.material, map_edge(thing))
     assert field is not None
     heights: NDArray[np.float32] = field.levels[0]
     return heights

@@ -35,10 +35,11 @@ from basrelief.measure.errors import has_flip, missed
 from basrelief.measure.timing import Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import at_angle
-from basrelief.presets import Preset
-from basrelief.rendering import Frame, check_picture, render
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Scene
-from basrelief.shaders.techniques import Technique
+from basrelief.scene.presets import Preset
+from basrelief.techniques import Technique
 
 __all__ = ["Tried", "Tuned", "tune"]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.material import Material
-from basrelief.presets import scene_of
 from basrelief.scene import LYING, Orbit, Scene, placed
+from basrelief.scene.presets import scene_of
 
 ANGLES = (0.0, 45.0, 60.0, 75.0, 85.0)
 """Degrees from the normal that a comparison looks from: head-on to grazing."""

@@ -11,7 +11,7 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.scene.checks import FAR, within
-from basrelief.shaders.lighting import DIRECTIONAL, POINT, SPOT, Light
+from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
 
 _Color = Sequence[float]
 _WHITE = (1.0, 1.0, 1.0)

@@ -15,14 +15,14 @@ from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
 from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
 from basrelief.scene.transforms import LYING, OUTLINES, Transform, placed, sound
-from basrelief.shaders.height import Smoothing
-from basrelief.shaders.meeting import Placement
-from basrelief.shaders.relief import Depth
-from basrelief.shaders.surfaces.landscape import Landscape
-from basrelief.shaders.surfaces.standard import Finish
-from basrelief.shaders.surfaces.surface import MapPlaces
-from basrelief.shaders.techniques import TECHNIQUES, Technique, flat, relief
-from basrelief.shaders.techniques.own import technique_from_file
+from basrelief.shading.intersection import Placement
+from basrelief.shading.relief import Depth
+from basrelief.shading.surfaces.landscape import Landscape
+from basrelief.shading.surfaces.standard import Finish
+from basrelief.shading.surfaces.surface import MapPlaces
+from basrelief.techniques import TECHNIQUES, Technique, flat, relief
+from basrelief.techniques.height import Smoothing
+from basrelief.techniques.own import technique_from_file
 
 SHAPES = ("plane", "box", "sphere", "cylinder")
 DEFAULT_SCALE = 0.05

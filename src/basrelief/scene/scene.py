@@ -13,10 +13,11 @@ from basrelief.scene.checks import FAR, one_of, record_of, within
 from basrelief.scene.lights import directional
 from basrelief.scene.objects import Object
 from basrelief.scene.views import LookAt, Orbit
-from basrelief.shaders.camera import Camera
-from basrelief.shaders.fog import Fog
-from basrelief.shaders.lighting import Light, Shading
-from basrelief.shaders.shadow import Shadowing
+from basrelief.shading.brdf import Shading
+from basrelief.shading.camera import Camera
+from basrelief.shading.fog import Fog
+from basrelief.shading.lights import Light
+from basrelief.shading.self_shadow import Shadowing
 
 BACKGROUND = (0.05, 0.055, 0.065)
 """What is behind the objects unless a scene says otherwise: a dark grey, linear."""

@@ -1,4 +1,4 @@
-"""Where a scene is seen from; `basrelief.cameras` works out the numbers."""
+"""Where a scene is seen from; `basrelief.scene.cameras` works out the numbers."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.cameras import look, orbit
 from basrelief.errors import InputError
+from basrelief.scene.cameras import look, orbit
 from basrelief.scene.checks import FAR
-from basrelief.shaders.camera import Camera
+from basrelief.shading.camera import Camera
 
 FILLED = 0.92
 """How much of the picture's width or height an object fills when it is framed."""
@@ -19,7 +19,7 @@ FILLED = 0.92
 
 @dataclass(frozen=True)
 class Orbit:
-    """A camera on a sphere around its target; see `basrelief.cameras.orbit`.
+    """A camera on a sphere around its target; see `basrelief.scene.cameras.orbit`.
 
     With `orthographic_height` it is orthographic, and `field_of_view` (vertical) does not matter.
     Without a `distance` it stands as far as shows the scene's first object whole.
@@ -81,7 +81,7 @@ class Orbit:
 
 @dataclass(frozen=True)
 class LookAt:
-    """A camera that stands somewhere and looks at something; see `basrelief.cameras.look`."""
+    """A camera that stands somewhere and looks at something; see `basrelief.scene.cameras.look`."""
 
     position: tuple[float, float, float]
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)

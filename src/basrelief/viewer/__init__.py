@@ -2,10 +2,25 @@
 
     write_view(scene, "page.html")
 
-The page needs no network, no server and no Python; it draws by WebGPU.
+The page needs no network, no server and no Python; it draws by WebGPU. In a notebook it is the
+widget `Viewer`, which needs the extra `notebook`.
 """
+
+from typing import TYPE_CHECKING, Any
 
 from basrelief.viewer.page import View, write_view
 from basrelief.viewer.state import Sources
 
-__all__ = ["Sources", "View", "write_view"]
+if TYPE_CHECKING:
+    from basrelief.viewer.notebook import Viewer
+
+__all__ = ["Sources", "View", "Viewer", "write_view"]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "Viewer":
+        raise AttributeError(f"module 'basrelief.viewer' has no attribute {name!r}")
+    # imported when first used: anywidget comes with an extra
+    from basrelief.viewer.notebook import Viewer
+
+    return Viewer

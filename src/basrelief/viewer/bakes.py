@@ -7,33 +7,33 @@ from __future__ import annotations
 
 from typing import Any
 
-from basrelief.bake.bounds import FAR_WINDOWS
-from basrelief.bake.cones import SECTORS, ends_of, sector_of
+from basrelief.baking.cone import SECTORS, ends_of, sector_of
+from basrelief.baking.exact import FAR_WINDOWS
 from basrelief.lang import Shader
-from basrelief.shaders.bakes import bounds, cones, texels, windows
-from basrelief.shaders.bakes.bounds import FAR_REACH, REACH
-from basrelief.shaders.techniques.exact import BLOCK, FAR_BLOCK
+from basrelief.techniques import cone_bake, cone_bake_windows, exact_bake, normal_bake
+from basrelief.techniques.exact import BLOCK, FAR_BLOCK
+from basrelief.techniques.exact_bake import FAR_REACH, REACH
 from basrelief.viewer.layouts import plain
 
 BAKES: tuple[Shader[..., Any], ...] = (
-    texels.normals,
-    bounds.block_top,
-    bounds.window_top,
-    bounds.near_record,
-    bounds.far_record,
-    cones.far_side,
-    cones.steepest,
-    cones.cone_of,
-    cones.relaxed_cone_of,
-    windows.first_windows,
-    windows.next_windows,
+    normal_bake.normals,
+    exact_bake.block_top,
+    exact_bake.window_top,
+    exact_bake.near_record,
+    exact_bake.far_record,
+    cone_bake.far_side,
+    cone_bake.steepest,
+    cone_bake.cone_of,
+    cone_bake.relaxed_cone_of,
+    cone_bake_windows.first_windows,
+    cone_bake_windows.next_windows,
 )
 """The programs that bake something; a page finds them by their names."""
 
 
 def is_asked(choices: Any) -> Shader[..., Any]:
     """Which windows `steepest` goes through: those of one sector, or all."""
-    return cones.in_sector if choices.in_sector else cones.everywhere
+    return cone_bake.in_sector if choices.in_sector else cone_bake.everywhere
 
 
 def bake_numbers() -> dict[str, Any]:
@@ -47,7 +47,7 @@ def bake_numbers() -> dict[str, Any]:
             "farWindows": list(FAR_WINDOWS.items()),
         },
         "cones": {
-            "blocks": cones.BLOCKS,
+            "blocks": cone_bake.BLOCKS,
             "sectors": [
                 {"asked": plain(sector_of(k)), "ends": [plain(end) for end in ends_of(k)]}
                 for k in range(SECTORS)

@@ -17,19 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief._version import __version__
-from basrelief.bake.levels import halved
+from basrelief.baking.levels import halved
 from basrelief.engine import Engine, choose_engine
-from basrelief.material import Map, Material, pyramids
-from basrelief.picture import encode_png, srgb_encode
-from basrelief.rendering import render
+from basrelief.images import encode_png, srgb_encode
+from basrelief.material import Map, Material
+from basrelief.pages import check_ours, write_page
+from basrelief.rendering import textures
+from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shaders.techniques import Nothing
+from basrelief.techniques import Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
 from basrelief.viewer.state import Sources, check_shown, manifest, techniques_of
-from basrelief.webpage import check_ours, write_page
 
 __all__ = ["View", "write_view"]
 
@@ -165,17 +166,17 @@ def _maps(thing: Object) -> dict[str, Any]:
     """The finest level of each map that programs read."""
     material = thing.material
     found: dict[str, Any] = {}
-    field = pyramids.height_field(material, "wrap")
+    field = textures.height_field(material, "wrap")
     if field is not None:
         found["field"] = packed(as_fractions(field.levels[0]))
     if material.normal is not None:
-        normal = pyramids.normal(material, "wrap", thing.relief_scale)
+        normal = textures.normal(material, "wrap", thing.relief_scale)
         assert normal is not None
         found["normal"] = packed(normal.levels[0])
-    glow = pyramids.emission(material, "wrap")
+    glow = textures.emission(material, "wrap")
     for name, map in (
-        ("base_color", pyramids.base_color(material, "wrap")),
-        ("response", pyramids.response(material, "wrap")),
+        ("base_color", textures.base_color(material, "wrap")),
+        ("response", textures.response(material, "wrap")),
         ("emission", glow and glow[0]),
     ):
         if map is not None:
@@ -187,8 +188,8 @@ def _maps(thing: Object) -> dict[str, Any]:
 
 def _layer_maps(over: Material) -> dict[str, Any]:
     """What is read of a material that lies over another."""
-    color = pyramids.base_color(over, "wrap")
-    normal = pyramids.normal(over, "wrap", over.scale or DEFAULT_SCALE)
+    color = textures.base_color(over, "wrap")
+    normal = textures.normal(over, "wrap", over.scale or DEFAULT_SCALE)
     both = {"layer_color": color, "layer_normal": normal}
     return {name: packed(map.levels[0]) for name, map in both.items() if map is not None}
 
@@ -197,7 +198,7 @@ def _bakes(material: Material, room: int) -> dict[str, Any]:
     """What takes a page long to bake, where it fits in so many bytes."""
     found: dict[str, Any] = {}
     if material.height is not None and room > material.height.width * material.height.height:
-        baked = pyramids.baked(material, "wrap", _LONG_BAKE)
+        baked = textures.baked(material, "wrap", _LONG_BAKE)
         assert baked is not None
         made = packed(baked.levels[0])
         if len(made["content"]) <= room:

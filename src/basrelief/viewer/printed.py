@@ -1,8 +1,8 @@
 """The programs as a page holds them: each shader once, and what a choice binds its slots to.
 
-The rules by which choices bind slots (`basrelief.choices`) are Python. Each is turned into a
-decision tree by asking it with every answer to whatever it asks, so that a page follows the very
-same rules.
+The rules by which choices bind slots (`basrelief.shading.variant`) are Python. Each is turned
+into a decision tree by asking it with every answer to whatever it asks, so that a page follows the
+very same rules.
 """
 
 from __future__ import annotations
@@ -11,16 +11,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from basrelief.choices import RULES, Choices, bindings_of
 from basrelief.lang.library import EDGE, Library, library_of
 from basrelief.lang.resources import Edge, buffer_record
-from basrelief.programs import MAPPED
+from basrelief.rendering.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
-from basrelief.shaders import pixel
-from basrelief.shaders.bakes import cones
-from basrelief.shaders.surfaces.surface import SurfaceSettings
-from basrelief.shaders.techniques import TECHNIQUES, Technique
-from basrelief.shaders.techniques.technique import Settings
+from basrelief.shading import pixel
+from basrelief.shading.surfaces.surface import SurfaceSettings
+from basrelief.shading.variant import RULES, Choices, bindings_of
+from basrelief.techniques import TECHNIQUES, Technique, cone_bake
+from basrelief.techniques.technique import Settings
 from basrelief.viewer.bakes import BAKES, is_asked
 
 MENUS: dict[str, tuple[str, ...]] = {
@@ -108,7 +107,7 @@ def printed(techniques: Techniques = TECHNIQUES) -> Printed:
     asked = answers(techniques)
     trees = {slot: tree_of(rule, asked) for slot, rule in RULES.items()}
     # what a bake's steps choose
-    trees[cones.is_asked] = tree_of(is_asked, {"in_sector": {"false": False, "true": True}})
+    trees[cone_bake.is_asked] = tree_of(is_asked, {"in_sector": {"false": False, "true": True}})
     options = {slot: list(_leaves(tree)) for slot, tree in trees.items()}
     library = library_of(ENTRIES, options)
     names = library.names

@@ -9,7 +9,7 @@ from typing import Any
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional, point, spot
 from basrelief.scene.checks import one_of, within
-from basrelief.shaders.lighting import Light
+from basrelief.shading.lights import Light
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
 OF_OBJECT = (

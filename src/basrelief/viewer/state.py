@@ -13,20 +13,22 @@ import numpy as np
 
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
-from basrelief.material import Material, pyramids
+from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
-from basrelief.presets import PRESETS, preset
-from basrelief.rendering import sample_places
+from basrelief.rendering import textures
+from basrelief.rendering.render import sample_places
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.objects import OWN_TILINGS
+from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.scene import BACKGROUND
 from basrelief.scene.views import FILLED
-from basrelief.shaders.fog import Fog
-from basrelief.shaders.height import Smoothing
-from basrelief.shaders.lighting import SPOT, Light, Shading
-from basrelief.shaders.shadow import Shadowing
-from basrelief.shaders.techniques import TECHNIQUES, Technique
+from basrelief.shading.brdf import Shading
+from basrelief.shading.fog import Fog
+from basrelief.shading.lights import SPOT, Light
+from basrelief.shading.self_shadow import Shadowing
+from basrelief.techniques import TECHNIQUES, Technique
+from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
 from basrelief.viewer.layouts import plain, settings_of
 from basrelief.viewer.names import names
@@ -185,7 +187,7 @@ def _shape(thing: Object, shape: str) -> dict[str, Any]:
 
 def _constants(thing: Object) -> dict[str, Any]:
     """What the page's controls leave as it is."""
-    glow = pyramids.emission(thing.material, "wrap")
+    glow = textures.emission(thing.material, "wrap")
     over = thing.layer and thing.layer.material
     return {
         "proportion": thing.material.proportion,

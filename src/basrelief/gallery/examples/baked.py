@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief import Map, Material, Object, Orbit, Scene, bake
+from basrelief import Map, Material, Object, Orbit, Scene, baking
 from basrelief.gallery.page import Page, Panel, sample
 
 SCALE = 0.08
@@ -24,15 +24,15 @@ def panels(texels: int) -> Iterator[Panel]:
     stones = sample("cobbles", min(texels, 256))
     assert stones.height is not None
     heights = stones.height.linear()[:, :, 0]
-    horizons = bake.horizon_map(heights, "wrap", SCALE) / 65535.0
+    horizons = baking.horizon_map(heights, "wrap", SCALE) / 65535.0
     drawn = Object(stones, technique="exact", scale=SCALE)
     yield Panel("the material", Scene((drawn,), camera=AT_A_SKEW), "256 texels a side at most")
-    normals = bake.normal_map(heights, "wrap", SCALE) * 0.5 + 0.5
+    normals = baking.normal_map(heights, "wrap", SCALE) * 0.5 + 0.5
     yield Panel("normals, green up", seen(normals))
-    yield Panel("occlusion", seen(bake.ambient_occlusion(heights, "wrap", SCALE)))
+    yield Panel("occlusion", seen(baking.ambient_occlusion(heights, "wrap", SCALE)))
     yield Panel("horizon to the right", seen(horizons[:, :, 0]))
     yield Panel("horizon to the top", seen(horizons[:, :, 2]))
-    cones = bake.cone_map(heights, "wrap")[:, :, 0] / 65535.0
+    cones = baking.cone_map(heights, "wrap")[:, :, 0] / 65535.0
     yield Panel("cones: bright where wide", seen((cones - 0.6) / 0.4))
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from basrelief import Object, Orbit, Scene, setting, struct
+from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
-from basrelief.lang import HeightField
-from basrelief.shaders.techniques import Hit, Ray, at, height_under, technique
+from basrelief.techniques import HeightField, Hit, Ray, at, height_under, setting, struct, technique
 
 CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
 

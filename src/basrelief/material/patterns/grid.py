@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from basrelief.images import srgb_decode, srgb_encode
 from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade, smoothstep
-from basrelief.picture import srgb_decode, srgb_encode
 
 TILE, DEPTH = 0.1, 0.0004
 ACROSS = 2

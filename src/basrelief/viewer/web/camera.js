@@ -1,4 +1,4 @@
-// Cameras as `basrelief.cameras` and `scene.views` work them out, in the same order of operations.
+// Cameras as `scene.cameras` and `scene.views` work them out, in the same order of operations.
 
 const radians = (degrees) => degrees * (Math.PI / 180);
 const add = (a, b) => a.map((x, k) => x + b[k]);

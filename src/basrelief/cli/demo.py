@@ -1,0 +1,63 @@
+"""The pictures of `basrelief demo`: every technique on bricks, every shape with another sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+from basrelief.engine import choose_engine
+from basrelief.errors import InputError
+from basrelief.material import Material, sample
+from basrelief.rendering.programs import program_of
+from basrelief.rendering.render import render
+from basrelief.scene import Object, Orbit, Scene
+from basrelief.techniques import TECHNIQUES
+
+_SIZE = (640, 360)
+_SAMPLES = 3
+_SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
+_SHOWN = [name for name, made in TECHNIQUES.items() if made.most_reads < 100]
+"""The techniques that are drawn: all but the slowest."""
+COUNT = len(_SHOWN) + len(_SHAPES)
+"""How many pictures there are."""
+
+
+def pictures(folder: Path, engine: str) -> Iterator[Path]:
+    """Draw the pictures into a folder, naming each when it is done."""
+    # looking for a GPU and drawing the samples are independent: both at once
+    with ThreadPoolExecutor() as pool:
+        found = pool.submit(choose_engine, engine)
+        materials = dict(
+            zip(
+                ("bricks", "cobbles", "tiles", "gravel", "terrain"),
+                pool.map(sample, ("bricks", "cobbles", "tiles", "gravel", "terrain")),
+                strict=True,
+            )
+        )
+        scenes = dict(_scenes(materials))
+        runner = found.result()
+        programs = [program_of(scene.objects[0]) for scene in scenes.values()]
+        list(pool.map(runner.compile, programs))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another") from None
+    # one picture is written while the next is drawn
+    with ThreadPoolExecutor(1) as writer:
+        under_way: Future[Path] | None = None
+        for name, scene in scenes.items():
+            frame = render(scene, size=_SIZE, samples=_SAMPLES, engine=runner)
+            if under_way is not None:
+                yield under_way.result()
+            under_way = writer.submit(frame.save, folder / f"{name}.png")
+        if under_way is not None:
+            yield under_way.result()
+
+
+def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:
+    for name in _SHOWN:
+        thing = Object(materials["bricks"], technique=name, scale=0.08)
+        yield f"bricks-{name}", Scene((thing,), camera=Orbit(30.0, 28.0))
+    for sample_name, shape in _SHAPES:
+        yield f"{sample_name}-{shape}", Scene((Object(materials[sample_name], shape=shape),))

@@ -1,0 +1,25 @@
+"""Picture files and colour encoding."""
+
+from basrelief.images.color import encode_light, srgb_decode, srgb_encode
+from basrelief.images.files import check_place, write_whole
+from basrelief.images.read import (
+    LOSSY,
+    READABLE,
+    Picture,
+    PictureSize,
+    picture_size,
+    read_picture,
+)
+from basrelief.images.write import (
+    WRITABLE,
+    check_target,
+    encode_png,
+    write_data,
+    write_picture,
+)
+
+__all__ = [
+    "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_place", "check_target",
+    "encode_light", "encode_png", "picture_size", "read_picture", "srgb_decode", "srgb_encode",
+    "write_data", "write_picture", "write_whole",
+]  # fmt: skip

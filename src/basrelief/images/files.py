@@ -1,0 +1,38 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+
+from basrelief.errors import InputError
+
+
+def check_place(path: Path) -> None:
+    """Raise InputError where no file of that name can be made."""
+    folder = path.parent
+    if not os.path.isdir(folder):
+        raise InputError(f"{path}: the folder {folder} does not exist; make it first")
+    if os.path.isdir(path):
+        raise InputError(f"{path}: is a folder; name a file")
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{path}: the folder {folder} cannot be written; choose another place")
+
+
+def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole.
+
+    Raises InputError where the place, or an OSError of `write`, does not let it.
+    """
+    check_place(path)
+    partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
+    try:
+        write(partial)
+        os.replace(partial, path)
+    except OSError as error:
+        why = error.strerror or error
+        raise InputError(f"{path}: cannot be written ({why}); choose another place") from error
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""From a scene to its picture: textures, programs, shadow maps, frames, films."""

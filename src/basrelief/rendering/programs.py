@@ -1,0 +1,134 @@
+"""Objects of a scene → programs, and the values that they read: only what is needed is in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from basrelief.lang import Buffer, Vec2, Vec3
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Edge
+from basrelief.rendering import textures
+from basrelief.scene import Object, Scene
+from basrelief.scene.objects import DEFAULT_SCALE
+from basrelief.shading import pixel, relief, shapes, view_ray
+from basrelief.shading.intersection import View
+from basrelief.shading.lights import Light
+from basrelief.shading.variant import Choices, bindings_of
+from basrelief.techniques import Nothing, flat, projection
+
+MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_normal")
+"""The maps for which something plain stands where they are missing."""
+
+
+def program_of(thing: Object, scene: Scene | None = None) -> Program:
+    """The program that draws an object of a scene: only what it needs is in it."""
+    choices = choices_of(thing, scene or Scene((thing,)))
+    return Program(pixel.pixel, bindings_of(choices), choices.edge)
+
+
+def choices_of(thing: Object, scene: Scene) -> Choices:
+    """What an object's program depends on."""
+    maps = maps_of(thing)
+    return Choices(
+        technique=thing.drawn_with if thing.has_relief else flat,
+        shape=thing.shape,
+        projection=thing.relief_projection,
+        heights=thing.heights,
+        edge=map_edge(thing),
+        clipped=thing.edge == "clip",
+        fades=thing.fade is not None,
+        mapping=thing.mapping,
+        apart=bool(thing.tilings),
+        alpha=thing.alpha,
+        surface=thing.surface,
+        layer=thing.layer is not None,
+        shadows=scene.shadows,
+        shadows_on=scene.shadows_on,
+        casts=scene.casts,
+        shading_model=scene.shading_model,
+        occlusion_kind=scene.occlusion_kind,
+        fog=scene.fog,
+        **{name: maps[name] is not None for name in MAPPED},
+    )
+
+
+def reach_of(thing: Object) -> Program:
+    """The program that draws an object's part of a depth map."""
+    choices = choices_of(thing, Scene((thing,)))
+    # a relief that fades does so with the distance from the camera, not from a light
+    alpha = "opaque" if thing.casts == "opaque" else thing.alpha
+    bindings = bindings_of(replace(choices, fades=False, alpha=alpha))
+    # heights say nothing of how far a ray goes where nothing is displaced
+    bindings[relief.flat_height] = relief.unread
+    return Program(pixel.reach, bindings, choices.edge)
+
+
+def rays_of(thing: Object) -> Program:
+    """The program that gives the true view ray of each pixel, whatever the technique."""
+    return Program(
+        view_ray.view_ray,
+        {
+            shapes.shape: getattr(shapes, thing.shape),
+            relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
+            projection.projection: projection.full,
+        },
+        map_edge(thing),
+    )
+
+
+def map_edge(thing: Object) -> Edge:
+    """What programs read beyond a map: within a shape that is clipped it repeats, if it has to."""
+    over = [] if thing.layer is None else [thing.layer.tiling]
+    repeats = thing.edge == "clip" and any(
+        each.repeats for each in (thing.main_tiling, *thing.tilings.values(), *over)
+    )
+    return "wrap" if thing.edge == "wrap" or repeats else "clamp"
+
+
+def maps_of(thing: Object) -> dict[str, Any]:
+    """The material's maps as programs read them, None for those that are missing."""
+    material, beyond = thing.material, map_edge(thing)
+    glow = textures.emission(material, beyond)
+    over = thing.layer and thing.layer.material
+    # the tops of boxes are level, whatever the heights beside them
+    level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
+    return {
+        "field": textures.height_field(material, beyond) if thing.has_relief else None,
+        "baked": textures.baked(
+            material, beyond, thing.drawn_with.bake, all_levels=thing.heights == "mip"
+        ),
+        "base_color": textures.base_color(material, beyond),
+        "normal": None if level else textures.normal(material, beyond, thing.relief_scale),
+        "response": textures.response(material, beyond),
+        "emission": glow and glow[0],
+        "layer_color": over and textures.base_color(over, beyond),
+        "layer_normal": over and textures.normal(over, beyond, over.scale or DEFAULT_SCALE),
+    }
+
+
+def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
+    """The values of an object's program, all but the place of the sample and what others cast."""
+    found = {name: value for name, value in maps_of(thing).items() if value is not None}
+    return {
+        **found,
+        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
+        "placement": thing.placement(),
+        "depth": thing.depth(),
+        "smoothing": thing.smoothing,
+        "settings": thing.settings if thing.has_relief else Nothing(),
+        "finish": _finish(thing),
+        "places": thing.map_places(),
+        "shading": scene.shading,
+        "shadowing": scene.shadowing,
+        "fog": scene.air,
+        "lights": Buffer(scene.lights, Light),
+    }
+
+
+def _finish(thing: Object) -> Any:
+    """The finish, with an emission map's own brightness in it."""
+    glow = textures.emission(thing.material, map_edge(thing))
+    if glow is None or glow[1] == 1.0 or thing.surface != "standard":
+        return thing.finish
+    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow[1])

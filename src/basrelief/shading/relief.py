@@ -1,0 +1,316 @@
+"""The relief of an object: where the view ray ends in it, and what it hides from a light."""
+
+from __future__ import annotations
+
+from basrelief.lang import (
+    HeightField,
+    Texture,
+    Vec2,
+    Vec3,
+    clamp,
+    floor,
+    levels,
+    normalize,
+    saturate,
+    shader,
+    size,
+    slot,
+    sqrt,
+    struct,
+)
+from basrelief.shading.intersection import Meeting
+from basrelief.shading.ray_differentials import Footprint, level_of_detail
+from basrelief.shading.self_shadow import Reaching, Shadowing, ShadowRay, shadow
+from basrelief.shading.tangent_frame import to_tangent, to_texture
+from basrelief.techniques.columns import INSET, side_at
+from basrelief.techniques.height import Smoothing, height_at, slope_at, surface_height
+from basrelief.techniques.projection import SHALLOWEST, projection
+from basrelief.techniques.ray import Hit, Ray
+from basrelief.techniques.technique import Settings, displace
+
+
+@struct
+class Depth:
+    """How deep the relief is: `scale` is the whole range as a fraction of a tile's width.
+
+    `level` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
+    Where the relief fades with distance, it is whole up to `fade_near` and gone from `fade_far`
+    on, in world units.
+    """
+
+    scale: float
+    level: float
+    bias: float
+    fade_near: float = 0.0
+    fade_far: float = 0.0
+
+
+@struct
+class Displaced:
+    """Where the ray ends: texture coordinates, how far beyond the polygon, the height there,
+    whether anything was met, heights read."""
+
+    uv: Vec2
+    further: float
+    height: float
+    found: bool
+    reads: int
+
+
+# --- how deep, seen from here --------------------------------------------------------------------
+
+
+@slot
+def depth_seen(depth: Depth, distance: float) -> Depth:
+    """How deep the relief is drawn at a distance from the camera."""
+
+
+@shader
+def as_deep(depth: Depth, distance: float) -> Depth:
+    """The same everywhere."""
+    return depth
+
+
+@shader
+def fading(depth: Depth, distance: float) -> Depth:
+    """Shallower with distance, to plain normal mapping, where nothing is read any more."""
+    span = max(depth.fade_far - depth.fade_near, 1e-6)
+    # not (far − distance): from that, Mesa 22.3's software driver makes a program that crashes
+    left = 1.0 - saturate((distance - depth.fade_near) / span)
+    return Depth(depth.scale * left, depth.level, depth.bias, depth.fade_near, depth.fade_far)
+
+
+# --- how smooth ----------------------------------------------------------------------------------
+
+
+@slot
+def lod_seen(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """The level that heights are read from."""
+
+
+@shader
+def finest(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """The map as it is."""
+    return 0.0
+
+
+@shader
+def as_the_pixel_sees(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """By the gradients of the undisplaced coordinates, and lower still."""
+    return level_of_detail(footprint, size(field, 0)) + smoothing.mip_bias
+
+
+@shader
+def nearest_level(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """The one level whose texels are nearest in size to what the pixel covers."""
+    lod = level_of_detail(footprint, size(field, 0))
+    return floor(clamp(lod + 0.5, 0.0, float(levels(field) - 1)))
+
+
+# --- where the ray ends --------------------------------------------------------------------------
+
+
+@slot
+def displaced(
+    field: HeightField,
+    baked: Texture,
+    met: Meeting,
+    depth: Depth,
+    smoothing: Smoothing,
+    settings: Settings,
+) -> Displaced:
+    """Where the ray ends: on the relief, or on the polygon itself."""
+
+
+@shader
+def with_relief(
+    field: HeightField,
+    baked: Texture,
+    met: Meeting,
+    depth: Depth,
+    smoothing: Smoothing,
+    settings: Settings,
+) -> Displaced:
+    """As the technique says; with no depth not one height is read."""
+    deep = depth_seen(depth, met.point.distance)
+    if deep.scale <= 0.0:
+        return Displaced(met.point.uv, 0.0, flat_height(field, met.point.uv), True, 0)
+    lod = lod_seen(field, met.footprint, smoothing)
+    hit = displace(field, baked, relief_ray(met, deep, lod, smoothing.mip_fade), settings)
+    return Displaced(hit.uv, beyond(met, deep, hit), hit.height, hit.found, hit.reads)
+
+
+@slot
+def flat_height(field: HeightField, uv: Vec2) -> float:
+    """The height of a relief that is drawn flat, for what goes by it."""
+
+
+@shader
+def unread(field: HeightField, uv: Vec2) -> float:
+    """Nothing goes by it."""
+    return 1.0
+
+
+@shader
+def as_stored(field: HeightField, uv: Vec2) -> float:
+    """The map's: a landscape keeps its water, and a pit its shade, where the relief has faded."""
+    return height_at(field, uv)
+
+
+@shader
+def without_relief(met: Meeting, settings: Settings) -> Displaced:
+    """On the polygon: a material without heights, or the technique `flat`."""
+    return Displaced(met.point.uv, 0.0, 1.0, True, 0)
+
+
+@shader
+def relief_ray(met: Meeting, depth: Depth, lod: float, fade: float) -> Ray:
+    """The ray that a technique follows: the chosen projection, in texture coordinates."""
+    move = projection(met.view, depth.bias) * -depth.scale
+    fall = to_texture(move, met.frame.aspect)
+    return Ray(met.point.uv, fall, depth.level, met.view.z, depth.scale, lod, fade)
+
+
+@shader
+def beyond(met: Meeting, depth: Depth, hit: Hit) -> float:
+    """How much further than the polygon the true ray goes to reach the hit's height.
+
+    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
+    The relief of a curved surface is that of its tangent plane, which near the outline runs far
+    from the shape: what is pushed in stays within it, what is raised within a shell around it.
+    """
+    width = depth.scale * met.frame.width
+    further = (depth.level - hit.height) * width / (max(met.view.z, SHALLOWEST) * met.falling)
+    shell = (1.0 - depth.level) * width
+    before = sqrt(shell * (2.0 * met.point.radius + shell)) / met.falling
+    return clamp(further, -before, met.point.leave - met.point.distance)
+
+
+# --- how steep -----------------------------------------------------------------------------------
+
+
+@struct
+class Slope:
+    """The relief's unit normal in tangent space, and how high it is in tile widths."""
+
+    normal: Vec3
+    deep: float
+
+
+@slot
+def slope_of(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+    """How the relief lies where the ray ended."""
+
+
+@shader
+def unasked(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+    """Nothing in the program asks."""
+    return Slope(Vec3(0.0, 0.0, 1.0), 0.0)
+
+
+@shader
+def of_heights(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+    """As the bilinear surface lies."""
+    scale = depth_seen(depth, met.point.distance).scale
+    slope = slope_at(field, moved.uv) * scale
+    # v runs down where y runs up, and a tile is as high as it is wide ÷ aspect
+    normal = normalize(Vec3(-slope.x, slope.y * met.frame.aspect, 1.0))
+    return Slope(normal, moved.height * scale)
+
+
+@shader
+def of_boxes(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+    """Level on the top of a box; on its side, as the side faces."""
+    scale = depth_seen(depth, met.point.distance).scale
+    deep = moved.height * scale
+    if scale <= 0.0 or not moved.found:
+        return Slope(Vec3(0.0, 0.0, 1.0), deep)
+    way = to_texture(-met.view.xy, met.frame.aspect)
+    side = side_at(field, moved.uv, moved.height, way)
+    # v runs down where y runs up
+    return Slope(Vec3(side.x, -side.y, 1.0 - abs(side.x) - abs(side.y)), deep)
+
+
+# --- what it hides from a light ------------------------------------------------------------------
+
+
+@slot
+def unhidden(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    smoothing: Smoothing,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """How much of a light, in a direction of object space, reaches the displaced point."""
+
+
+@shader
+def everything(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    smoothing: Smoothing,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """All of it: no self-shadow."""
+    return Reaching(1.0, 0)
+
+
+@struct
+class Start:
+    """Where the way to a light starts: texture coordinates, and a height."""
+
+    uv: Vec2
+    height: float
+
+
+@slot
+def lit_from(field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float) -> Start:
+    """Where the displaced point is, for the way to a light."""
+
+
+@shader
+def on_the_surface(
+    field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float
+) -> Start:
+    """On the surface itself: a technique may end the view ray below it."""
+    return Start(moved.uv, surface_height(field, moved.uv, lod, fade))
+
+
+@shader
+def on_the_box(field: HeightField, met: Meeting, moved: Displaced) -> Start:
+    """On the box's top, or as far before its side as the view ray was put within it."""
+    side = side_at(field, moved.uv, moved.height, to_texture(-met.view.xy, met.frame.aspect))
+    extent = size(field, 0)
+    texels = Vec2(float(extent.x), float(extent.y))
+    return Start(moved.uv + side * (2.0 * INSET) / texels, moved.height)
+
+
+@shader
+def self_shadowed(
+    field: HeightField,
+    met: Meeting,
+    moved: Displaced,
+    depth: Depth,
+    smoothing: Smoothing,
+    towards: Vec3,
+    shadowing: Shadowing,
+) -> Reaching:
+    """What the relief leaves of it; nothing of a light behind the polygon."""
+    light = to_tangent(met.frame, normalize(towards))
+    if light.z <= SHALLOWEST:
+        return Reaching(0.0, 0)
+    scale = depth_seen(depth, met.point.distance).scale
+    if scale <= 0.0:
+        return Reaching(1.0, 0)
+    rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)
+    lod = lod_seen(field, met.footprint, smoothing)
+    start = lit_from(field, met, moved, lod, smoothing.mip_fade)
+    ray = ShadowRay(start.uv, start.height, rise, lod, smoothing.mip_fade)
+    reaching = shadow(field, ray, shadowing)
+    return Reaching(reaching.share, reaching.reads + 1)

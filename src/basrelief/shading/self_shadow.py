@@ -1,0 +1,130 @@
+"""Self-shadow: from where the view ray ended, on towards a light, through the same height field.
+
+S. Halliwell's second march; N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed
+Surface Rendering, 2006, for the soft form.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import HeightField, Vec2, saturate, setting, shader, size, slot, struct
+from basrelief.techniques.columns import MOST_BOXES, leaving, line_over, next_box, top_of
+from basrelief.techniques.height import surface_height
+
+MOST_READS = 4096
+"""However many steps are asked for, no light takes more."""
+
+
+@struct
+class Shadowing:
+    """The numbers of the self-shadow."""
+
+    shadow_steps: int = setting(
+        default=16, doc="heights read on the way to each light", low=1, high=4096
+    )
+    shadow_softness: float = setting(
+        default=8.0,
+        doc="how dark what stands above the ray makes it",
+        low=0.0,
+        high=64.0,
+    )
+    shadow_offset: float = setting(
+        default=0.02, doc="heights this close to the ray cast no shadow", low=0.0, high=1.0
+    )
+
+
+@struct
+class ShadowRay:
+    """The way to a light: while it rises through the whole range, from 0 to 1, it moves by `rise`.
+
+    It leaves `uv` at `height`; heights are read as the view ray reads them (`techniques.height`).
+    """
+
+    uv: Vec2
+    height: float
+    rise: Vec2
+    lod: float = 0.0
+    fade: float = 0.0
+
+
+@struct
+class Reaching:
+    """How much of a light reaches a point, 0 to 1, and how many heights were read to know."""
+
+    share: float
+    reads: int
+
+
+@slot
+def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """How much of a light reaches the start of the ray."""
+
+
+@shader
+def hard(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """All of it, or none once anything stands above the ray."""
+    count = min(max(shadowing.shadow_steps, 1), MOST_READS)
+    step = (1.0 - ray.height) / float(count)
+    reads = 0
+    for k in range(count):
+        risen = (float(k) + 1.0) * step
+        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
+        reads = reads + 1
+        if surface > ray.height + risen + shadowing.shadow_offset:
+            return Reaching(0.0, reads)
+    return Reaching(1.0, reads)
+
+
+@shader
+def soft(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """Less the more stands above the ray, what is near counting most."""
+    count = min(max(shadowing.shadow_steps, 1), MOST_READS)
+    step = (1.0 - ray.height) / float(count)
+    darkest = 0.0
+    for k in range(count):
+        share = (float(k) + 1.0) / float(count)
+        risen = (float(k) + 1.0) * step
+        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
+        above = surface - ray.height - risen - shadowing.shadow_offset
+        darkest = max(darkest, above * (1.0 - share))
+    return Reaching(1.0 - saturate(darkest * shadowing.shadow_softness), count)
+
+
+# --- where texels are boxes -----------------------------------------------------------------------
+
+
+@shader
+def hard_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """All of it, or none once a box stands above the ray: exact, however many steps are asked."""
+    most = above_boxes(field, ray, shadowing.shadow_offset, 0.0)
+    return Reaching(1.0 if most.share <= 0.0 else 0.0, most.reads)
+
+
+@shader
+def soft_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+    """Less the more of a box stands above the ray, what is near counting most."""
+    softness = shadowing.shadow_softness
+    most = above_boxes(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
+    return Reaching(1.0 - saturate(most.share * softness), most.reads)
+
+
+@shader
+def above_boxes(field: HeightField, ray: ShadowRay, offset: float, enough: float) -> Reaching:
+    """How far boxes stand above the ray where it comes to them, the most of it, and the reads.
+
+    The box that the ray leaves does not count, and the walk ends once it is more than `enough`.
+    """
+    extent = size(field, 0)
+    climb = 1.0 - ray.height
+    line = line_over(extent, ray.uv, ray.rise * climb)
+    cell = line.cell
+    most = 0.0
+    reads = 0
+    share = 0.0
+    while reads < MOST_BOXES and share < 1.0 and most <= enough:
+        leave = leaving(line, cell)
+        share = max(min(leave.x, leave.y), share)
+        cell = next_box(line, cell, leave)
+        above = top_of(field, extent, cell) - ray.height - share * climb - offset
+        most = max(most, above * max(1.0 - share, 0.0))
+        reads = reads + 1
+    return Reaching(most, reads)

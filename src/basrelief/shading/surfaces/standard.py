@@ -1,0 +1,315 @@
+"""The standard surface: the maps of a metallic-roughness material, each read or left out.
+
+Each map has a slot with two answers: from the map, or the plain value that stands for a map which
+the material does not have. A program contains only the reads that it needs. A second layer of
+colours and normals, finer than the first, may lie over it.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, slot, struct
+from basrelief.shading.surfaces.surface import (
+    MapPlaces,
+    Spot,
+    Surface,
+    apart,
+    mirrored_with,
+    spot_of,
+    turned,
+)
+from basrelief.shading.texture import pixelated, trilinear
+
+MIDDLE_GREY = 0.214041
+"""Half of sRGB's range, linear: a detail map of this grey changes nothing."""
+FLATTEST = 1e-3
+"""The least z of a stored normal: a map of (½, ½, ½) gives the surface's own normal."""
+
+
+@struct
+class Finish:
+    """Numbers that multiply the maps, or stand for those that are missing."""
+
+    base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
+    normal_strength: float = setting(
+        default=1.0, doc="how far normals lean, 1 as stored", low=0.0, high=4.0
+    )
+    roughness: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
+    metallic: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
+    occlusion: float = setting(
+        default=1.0, doc="how much of the map's occlusion acts", low=0.0, high=1.0
+    )
+    emission: Vec3 = setting(default=Vec3(1.0), doc="times the map's, linear", low=0.0)
+    cutoff: float = setting(
+        default=0.5, doc="the least opacity that is there, where alpha is a mask", low=0.0, high=1.0
+    )
+    layer_color: float = setting(
+        default=1.0, doc="how much of a second layer's colour acts", low=0.0, high=1.0
+    )
+    layer_normal: float = setting(
+        default=1.0, doc="how far a second layer's normals lean, 1 as stored", low=0.0, high=4.0
+    )
+
+
+# --- base colour and opacity ------------------------------------------------------------------
+
+
+@slot
+def base_color_of(map: Texture, spot: Spot) -> Vec4:
+    """Linear colour, and opacity."""
+
+
+@shader
+def mapped_base_color(map: Texture, spot: Spot) -> Vec4:
+    """From the map."""
+    return trilinear(map, spot.uv, spot.footprint)
+
+
+@shader
+def pixelated_base_color(map: Texture, spot: Spot) -> Vec4:
+    """From the map, texel by texel, where texels are boxes."""
+    return pixelated(map, spot.uv, spot.footprint)
+
+
+@shader
+def plain_base_color(map: Texture, spot: Spot) -> Vec4:
+    """Light grey, so that a material of heights alone shows its relief."""
+    return Vec4(0.6, 0.6, 0.6, 1.0)
+
+
+@shader
+def triplanar_base_color(map: Texture, spot: Spot) -> Vec4:
+    """From the map laid on from three sides of tangent space, weighed by how they face the relief:
+    on a steep slope its texels are no longer drawn out.
+
+    S. Halliwell, Parallax Offset, 2014, suggests it; R. Geiss, Generating Complex Procedural
+    Terrains Using the GPU, 2007, for the blending.
+    """
+    squared = spot.slope * spot.slope
+    weight = squared * squared
+    # the height runs along u on slopes that face along u, along v on the others
+    beside = Vec2(spot.deep, spot.uv.y)
+    # from the tile's lower edge up, so that it is within the tile where tiles do not repeat
+    above = Vec2(spot.uv.x, 1.0 - spot.deep * spot.aspect)
+    total = trilinear(map, spot.uv, spot.footprint) * weight.z
+    total = total + trilinear(map, beside, spot.footprint) * weight.x
+    total = total + trilinear(map, above, spot.footprint) * weight.y
+    return total / (weight.x + weight.y + weight.z)
+
+
+# --- normal -----------------------------------------------------------------------------------
+
+
+@slot
+def normal_of(map: Texture, spot: Spot, strength: float) -> Vec3:
+    """The unit normal in tangent space, green up."""
+
+
+@shader
+def mapped_normal(map: Texture, spot: Spot, strength: float) -> Vec3:
+    """From the map, leaning more or less than is stored."""
+    stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
+    leaning = stored.xy * strength
+    return normalize(Vec3(leaning, max(stored.z, FLATTEST)))
+
+
+@shader
+def plain_normal(map: Texture, spot: Spot, strength: float) -> Vec3:
+    """The surface's own."""
+    return Vec3(0.0, 0.0, 1.0)
+
+
+# --- occlusion, roughness, metallic, the layer's mask ---------------------------------------------
+
+
+@slot
+def response_of(map: Texture, spot: Spot) -> Vec4:
+    """Occlusion, roughness, metallic, and how much of a second layer there is."""
+
+
+@shader
+def mapped_response(map: Texture, spot: Spot) -> Vec4:
+    """From the map in which they are packed, the first three as in glTF 2.0."""
+    return trilinear(map, spot.uv, spot.footprint)
+
+
+@shader
+def plain_response(map: Texture, spot: Spot) -> Vec4:
+    """Not occluded, fairly rough, no metal, the layer everywhere."""
+    return Vec4(1.0, 0.8, 0.0, 1.0)
+
+
+# --- emission ------------------------------------------------------------------------------------
+
+
+@slot
+def emission_of(map: Texture, spot: Spot) -> Vec3:
+    """The light that the surface sends out by itself, linear."""
+
+
+@shader
+def mapped_emission(map: Texture, spot: Spot) -> Vec3:
+    """From the map."""
+    return trilinear(map, spot.uv, spot.footprint).xyz
+
+
+@shader
+def plain_emission(map: Texture, spot: Spot) -> Vec3:
+    """None."""
+    return Vec3(0.0)
+
+
+# --- opacity -------------------------------------------------------------------------------------
+
+
+@slot
+def opacity_of(opacity: float, finish: Finish) -> float:
+    """How much of what lies behind is hidden."""
+
+
+@shader
+def blended(opacity: float, finish: Finish) -> float:
+    """As much as the map says."""
+    return opacity
+
+
+@shader
+def masked(opacity: float, finish: Finish) -> float:
+    """All or nothing: a cut-out (glTF 2.0, alphaMode MASK)."""
+    return 1.0 if opacity >= finish.cutoff else 0.0
+
+
+@shader
+def opaque(opacity: float, finish: Finish) -> float:
+    """All, whatever the map says."""
+    return 1.0
+
+
+# --- a second layer ------------------------------------------------------------------------------
+
+
+@slot
+def layer_color_of(map: Texture, spot: Spot) -> Vec3:
+    """The layer's linear colour."""
+
+
+@shader
+def mapped_layer_color(map: Texture, spot: Spot) -> Vec3:
+    """From the map."""
+    return trilinear(map, spot.uv, spot.footprint).xyz
+
+
+@shader
+def plain_layer_color(map: Texture, spot: Spot) -> Vec3:
+    """The grey that leaves what lies below as it is."""
+    return Vec3(MIDDLE_GREY)
+
+
+@slot
+def layer_normal_of(map: Texture, spot: Spot) -> Vec3:
+    """The unit normal of the layer in tangent space."""
+
+
+@shader
+def mapped_layer_normal(map: Texture, spot: Spot) -> Vec3:
+    """From the map."""
+    stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
+    return normalize(Vec3(stored.xy, max(stored.z, FLATTEST)))
+
+
+@shader
+def plain_layer_normal(map: Texture, spot: Spot) -> Vec3:
+    """The surface's own."""
+    return Vec3(0.0, 0.0, 1.0)
+
+
+@slot
+def layered(
+    surface: Surface,
+    mask: float,
+    spot: Spot,
+    finish: Finish,
+    places: MapPlaces,
+    layer_color: Texture,
+    layer_normal: Texture,
+) -> Surface:
+    """The surface with what lies over it."""
+
+
+@shader
+def bare(
+    surface: Surface,
+    mask: float,
+    spot: Spot,
+    finish: Finish,
+    places: MapPlaces,
+    layer_color: Texture,
+    layer_normal: Texture,
+) -> Surface:
+    """Nothing lies over it."""
+    return surface
+
+
+@shader
+def with_details(
+    surface: Surface,
+    mask: float,
+    spot: Spot,
+    finish: Finish,
+    places: MapPlaces,
+    layer_color: Texture,
+    layer_normal: Texture,
+) -> Surface:
+    """Detail maps: a colour that multiplies, a normal that leans further, where the mask allows.
+
+    Middle grey leaves the colour as it is, what is brighter makes it brighter. Slopes are added
+    (C. Barré-Brisebois and S. Hill, Blending in Detail, 2012, "whiteout").
+    """
+    over = apart(spot, places.layer)
+    tint = layer_color_of(layer_color, over) / MIDDLE_GREY
+    tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
+    finer = mirrored_with(layer_normal_of(layer_normal, over), places.layer)
+    leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * finish.layer_normal)
+    # of unit length again: what leans less is also flatter, and where nothing leans it is level
+    over_it = normalize(Vec3(leaning, finer.z))
+    below = surface.normal
+    return Surface(
+        base_color=surface.base_color * tint,
+        opacity=surface.opacity,
+        normal=normalize(Vec3(below.xy + over_it.xy, below.z * over_it.z)),
+        occlusion=surface.occlusion,
+        roughness=surface.roughness,
+        metallic=surface.metallic,
+        emission=surface.emission,
+    )
+
+
+# --- all of it -----------------------------------------------------------------------------------
+
+
+@shader
+def standard_surface(
+    spot: Spot,
+    finish: Finish,
+    places: MapPlaces,
+    base_color: Texture,
+    normal: Texture,
+    response: Texture,
+    emission: Texture,
+    layer_color: Texture,
+    layer_normal: Texture,
+) -> Surface:
+    """Read the maps at a place and apply the finish."""
+    color = base_color_of(base_color, spot_of(spot, places.base_color))
+    packed = response_of(response, spot_of(spot, places.response))
+    glow = emission_of(emission, spot_of(spot, places.emission))
+    leaning = normal_of(normal, spot_of(spot, places.normal), finish.normal_strength)
+    surface = Surface(
+        base_color=color.xyz * finish.base_color,
+        opacity=opacity_of(color.w, finish),
+        normal=turned(leaning, places.normal),
+        occlusion=mix(1.0, packed.x, finish.occlusion),
+        roughness=packed.y * finish.roughness,
+        metallic=packed.z * finish.metallic,
+        emission=glow * finish.emission,
+    )
+    return layered(surface, packed.w, spot, finish, places, layer_color, layer_normal)

@@ -1,0 +1,42 @@
+"""The true view ray of a pixel in the height map's texture space, without any technique.
+
+What the ruler goes by (`basrelief.measure.truth`): the same camera, shape, frame and depth as those
+of `shading.pixel`, up to where a technique would take over.
+"""
+
+from __future__ import annotations
+
+from basrelief.lang import IVec2, Vec2, shader, struct
+from basrelief.shading.camera import primary_ray
+from basrelief.shading.intersection import Placement, View, meet
+from basrelief.shading.relief import Depth, beyond, depth_seen, relief_ray
+from basrelief.techniques.ray import Hit
+
+
+@struct
+class ViewRay:
+    """Where a pixel's ray meets the polygon, and how it goes on.
+
+    `uv` and `fall` are those of `techniques.Ray`; `distance` is the polygon's along the ray, in
+    world units, and `per_height` how much further the ray goes while it falls through all heights.
+    """
+
+    found: bool
+    uv: Vec2
+    fall: Vec2
+    distance: float
+    per_height: float
+
+
+@shader
+def view_ray(at: IVec2, view: View, placement: Placement, depth: Depth) -> ViewRay:
+    """The ray of one pixel."""
+    ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
+    met = meet(ray, placement)
+    if not met.point.found:
+        return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
+    deep = depth_seen(depth, met.point.distance)
+    seen = relief_ray(met, deep, 0.0, 0.0)
+    lowest = beyond(met, deep, Hit(seen.uv, 0.0, True, 0))
+    highest = beyond(met, deep, Hit(seen.uv, 1.0, True, 0))
+    return ViewRay(True, seen.uv, seen.fall, met.point.distance, lowest - highest)

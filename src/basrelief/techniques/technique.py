@@ -1,0 +1,91 @@
+"""What a technique is: one function, `(field, ray, settings) -> Hit`, and the slot it is bound to.
+
+Mark your own with `@technique` in a file of its own and name it with `--technique FILE.py:NAME`:
+
+    @technique()
+    def top_half(field: HeightField, ray: Ray, settings: Halving) -> Hit: ...
+
+`settings` is a record (`@struct`) whose fields users turn; a technique without any takes `Nothing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, ParamSpec, TypeVar
+
+from basrelief.lang import HeightField, Shader, Texture, TypeSlot, slot, struct
+from basrelief.techniques.ray import Hit, Ray
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Projection = Literal["full", "biased", "limited"]
+
+
+class Settings(TypeSlot):
+    """The settings record of whichever technique is bound."""
+
+
+@struct
+class Nothing:
+    """The settings of a technique that has none."""
+
+
+@slot
+def displace(field: HeightField, baked: Texture, ray: Ray, settings: Settings) -> Hit:
+    """Find where the view ray ends in the height field, by what is baked where that is needed."""
+
+
+class Technique(Shader[P, R]):
+    """A technique with what it prefers where nothing else is said."""
+
+    level: float = 1.0
+    """The height that lies on the polygon."""
+    projection: Projection = "full"
+    most_reads: int = 0
+    """Heights read at most with the default settings, a first idea of the cost."""
+    bake: str | None = None
+    """What has to be baked from the heights for it, by its name in `basrelief.baking`."""
+    boxes: bool = False
+    """Whether it takes each texel for a box (`shaders.boxes`), and no bilinear surface."""
+
+    mips: bool = False
+    """Whether what is baked for it covers the lower levels of the map too."""
+
+    @property
+    def takes_heights(self) -> tuple[str, ...]:
+        """The ways to read heights that it can be drawn with."""
+        if self.mips:
+            return ("sharp", "mip")
+        return ("sharp",) if self.bake or self.boxes else ("sharp", "smooth", "mip")
+
+    @property
+    def settings(self) -> Any:
+        """The record of its settings."""
+        parameters, _ = self.signature
+        return list(parameters.values())[-1]
+
+
+def technique(
+    *,
+    level: float = 1.0,
+    projection: Projection = "full",
+    most_reads: int = 0,
+    bake: str | None = None,
+    boxes: bool = False,
+    mips: bool = False,
+) -> Callable[[Callable[P, R]], Technique[P, R]]:
+    """Mark a shader as a technique; `level` and `projection` are its defaults.
+
+    `most_reads` says how many heights it reads at most with its default settings, `bake` what is
+    baked for it: such a technique takes `(field, baked, ray, settings)`. With `boxes` the object's
+    normals and shadows are those of boxes, one for each texel. With `mips` all levels are baked,
+    and it goes by `level_under` and `patch_of`.
+    """
+
+    def mark(function: Callable[P, R]) -> Technique[P, R]:
+        made: Technique[P, R] = Technique(function)
+        made.level, made.projection, made.most_reads = level, projection, most_reads
+        made.bake, made.boxes, made.mips = bake, boxes, mips
+        return made
+
+    return mark

@@ -1,0 +1,425 @@
+"""The viewer in a notebook: the page of `basrelief view` as a widget, live from Python.
+
+    viewer = Viewer("FOLDER", scale=0.08)
+    viewer                              # the page
+    viewer.technique = "offset"         # changes the picture
+    viewer.camera                       # where the mouse has left it
+    basrelief.render(viewer.scene())    # the same picture
+
+In Jupyter and in marimo, by anywidget (the extra `notebook`).
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from basrelief.engine import Engine
+from basrelief.errors import InputError
+from basrelief.material import Material
+from basrelief.rendering.render import scene_of
+from basrelief.scene import SURFACES, Object, Orbit, Scene
+from basrelief.scene.checks import one_of, record_of, within
+from basrelief.shading.brdf import Shading
+from basrelief.shading.fog import Fog
+from basrelief.shading.lights import Light
+from basrelief.shading.self_shadow import Shadowing
+from basrelief.techniques.height import Smoothing
+from basrelief.viewer.layouts import plain
+from basrelief.viewer.page import Progress, page_of
+from basrelief.viewer.printed import MENUS
+from basrelief.viewer.shown import camera_of, said_light, shown_scene, tiling_of
+from basrelief.viewer.state import (
+    SHOWS,
+    Sources,
+    check_shown,
+    plain_tiling,
+    state_of,
+    techniques_of,
+)
+
+try:
+    import anywidget
+    import traitlets
+except ImportError:
+    raise InputError(
+        "the viewer in a notebook needs anywidget; pip install 'basrelief[notebook]'"
+    ) from None
+
+__all__ = ["Viewer"]
+
+_RECORDS = {
+    "shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing,
+}  # fmt: skip
+
+
+class _Setting(traitlets.TraitType):
+    """A setting, held to what its check makes of a value: `check(viewer, name, value)`.
+
+    The check is run whenever a value is set, held notifications or not.
+    """
+
+    def __init__(self, check: Callable[[Any, str, Any], Any]) -> None:
+        super().__init__()
+        self.check = check
+
+    def validate(self, viewer: Any, value: Any) -> Any:
+        return self.check(viewer, str(self.name), value)
+
+    def get(self, viewer: Any, cls: Any = None) -> Any:
+        """A copy: what is changed in place would change nothing."""
+        return copy.deepcopy(super().get(viewer, cls))
+
+
+# --- checks: the library's own -------------------------------------------------------------------
+
+
+def _choice(viewer: Viewer, name: str, value: Any) -> Any:
+    one_of(name, value, MENUS[name])
+    return value
+
+
+def _technique(viewer: Viewer, name: str, value: Any) -> Any:
+    one_of(name, value, tuple(viewer._techniques))
+    Object(viewer._material, technique=viewer._techniques[value])
+    return value
+
+
+def _other_technique(viewer: Viewer, name: str, value: Any) -> Any:
+    return "" if value in (None, "") else _technique(viewer, name, value)
+
+
+def _show(viewer: Viewer, name: str, value: Any) -> Any:
+    one_of(name, value, SHOWS)
+    if value == "missed":
+        _technique(viewer, "technique", "exact")
+    return value
+
+
+def _number(viewer: Viewer, name: str, value: Any) -> float:
+    if value is None:
+        raise InputError(f"{name} is None: give a number")
+    thing = Object(viewer._material, **{name: value})
+    return float(getattr(thing, name))
+
+
+def _share(viewer: Viewer, name: str, value: Any) -> float:
+    within(name, value, 0.0, 1.0)
+    return float(value)
+
+
+def _pixels(viewer: Viewer, name: str, value: Any) -> int:
+    return _whole(name, value, 100, 10_000)
+
+
+def _whole(name: str, value: Any, low: int, high: int | None) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{name} is {value!r}: give a whole number")
+    within(name, int(value), low, high)
+    return int(value)
+
+
+def _pair(viewer: Viewer, name: str, value: Any) -> Any:
+    return getattr(Object(viewer._material, **{name: _two_numbers(name, value)}), name)
+
+
+def _two_numbers(name: str, value: Any) -> Any:
+    try:
+        u, v = map(float, value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}: give two numbers") from None
+    return u, v
+
+
+def _record(viewer: Viewer, name: str, value: Any) -> Any:
+    return plain(record_of(_RECORDS[name], value, f"the {name}"))
+
+
+def _air(viewer: Viewer, name: str, value: Any) -> Any:
+    air = record_of(Fog, value, "the fog")
+    if air.fog_start > air.fog_end:
+        raise InputError(
+            f"fog from {air.fog_start:g} to {air.fog_end:g}: "
+            "give a fog_end no nearer than fog_start"
+        )
+    return plain(air)
+
+
+def _settings(viewer: Viewer, name: str, value: Any) -> Any:
+    return viewer._settings_checked(viewer.technique, value)
+
+
+def _settings_of(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
+    return _each(name, value, viewer._all_settings, viewer._settings_checked, "technique")
+
+
+def _finish(viewer: Viewer, name: str, value: Any) -> Any:
+    return _finish_checked(viewer.surface, value)
+
+
+def _finish_of(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
+    return _each(name, value, viewer._all_finishes, _finish_checked, "surface")
+
+
+def _finish_checked(surface: str, value: Any) -> Any:
+    return plain(record_of(SURFACES[surface], value, f"the {surface} surface"))
+
+
+def _each(
+    name: str, value: Any, held: Mapping[str, Any], check: Callable[[str, Any], Any], what: str
+) -> dict[str, Any]:
+    """Records by the name of what has them, those that are not given as they are held."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} is {value!r}: give numbers by the name of their {what}")
+    for each in value:
+        one_of(what, each, tuple(held))
+    return {**held, **{each: check(each, numbers) for each, numbers in value.items()}}
+
+
+def _flag(viewer: Viewer, name: str, value: Any) -> bool:
+    one_of(name, value, (True, False))
+    return bool(value)
+
+
+def _layer(viewer: Viewer, name: str, value: Any) -> bool:
+    if _flag(viewer, name, value) and viewer._began.objects[0].layer is None:
+        raise InputError("layer is True: there is none; make the viewer of a scene with a layer")
+    return bool(value)
+
+
+def _fade(viewer: Viewer, name: str, value: Any) -> Any:
+    pair = _two_numbers(name, value)
+    return Object(viewer._material, fade=pair).fade
+
+
+def _background(viewer: Viewer, name: str, value: Any) -> Any:
+    try:
+        color: Any = tuple(map(float, value))
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}: give three numbers") from None
+    return Scene((), background=color).background
+
+
+def _tiling(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
+    return plain_tiling(tiling_of(value))
+
+
+def _tilings(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
+    return _each(name, value, viewer._all_tilings, lambda _, each: _tiling(viewer, "", each), "map")
+
+
+def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
+    if isinstance(value, Light):
+        value = (value,)
+    if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
+        raise InputError(f"lights is {value!r}: give several, as (basrelief.directional(),)")
+    return [said_light(each) for each in value]
+
+
+def _camera(viewer: Viewer, name: str, value: Any) -> Orbit:
+    return camera_of(value)
+
+
+def _camera_as_plain(camera: Orbit, viewer: Any) -> dict[str, Any]:
+    return asdict(camera)
+
+
+def _shared(check: Callable[[Any, str, Any], Any], **how: Any) -> Any:
+    """A setting that page and Python share."""
+    return _Setting(check).tag(sync=True, **how)
+
+
+# --- the widget ----------------------------------------------------------------------------------
+
+
+class Viewer(anywidget.AnyWidget):
+    """The viewer's page in a notebook, its settings both ways.
+
+    `what` and the settings are those of `basrelief.render`: a folder, a material, an object or a
+    scene; `technique`, `scale`, `camera`, `preset` and so on. Maps are scaled to at most `texels`
+    a side; `height` is that of the widget, in pixels of the screen.
+
+    Every setting of the page is an attribute, checked when it is set, that `observe` and marimo
+    follow: `technique`, `shape`, `projection`, `heights`, `edge`, `mapping`, `alpha`, `surface`,
+    `shadows`, `shading_model`, `occlusion_kind`, `fog` (names); `scale`, `level`, `bias`, `divider`
+    (numbers); `tiling`, `shift`, and `fade` where `fades` is True (two numbers); `settings` (of the
+    technique), `finish` (of the surface), `smoothing`, `shading`, `shadowing`, `air` (set by a
+    mapping of what differs from the defaults, read as a whole); where `apart` is True `tilings` of
+    single maps, and where there is a `layer` its `layer_tiling` (set by `Tiling`s, read as
+    mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights` (set by lights, read
+    as mappings); `compare` (a technique beside it, or ""), `show` ("color", "reads", "missed",
+    "depth"). `settings_of` and `finish_of` hold those of all techniques and surfaces by name. As in
+    the page, another technique brings its own level and projection, another shape its own tiling.
+
+    Raises InputError for a value that is none of these, and for a scene that the page's programs
+    do not draw.
+    """
+
+    _esm = (files("basrelief.viewer") / "web" / "widget.js").read_text("utf-8")
+    _page = traitlets.Bytes().tag(sync=True)
+    height = _shared(_pixels)
+
+    technique = _shared(_technique)
+    shape = _shared(_choice)
+    projection = _shared(_choice)
+    heights = _shared(_choice)
+    edge = _shared(_choice)
+    mapping = _shared(_choice)
+    alpha = _shared(_choice)
+    surface = _shared(_choice)
+    shadows = _shared(_choice)
+    shading_model = _shared(_choice)
+    occlusion_kind = _shared(_choice)
+    fog = _shared(_choice)
+    scale = _shared(_number)
+    level = _shared(_number)
+    bias = _shared(_number)
+    tiling = _shared(_pair)
+    shift = _shared(_pair)
+    settings = _Setting(_settings)
+    settings_of = _shared(_settings_of)
+    finish = _Setting(_finish)
+    finish_of = _shared(_finish_of)
+    smoothing = _shared(_record)
+    shading = _shared(_record)
+    shadowing = _shared(_record)
+    air = _shared(_air)
+    fades = _shared(_flag)
+    fade = _shared(_fade)
+    apart = _shared(_flag)
+    tilings = _shared(_tilings)
+    layer = _shared(_layer)
+    layer_tiling = _shared(_tiling)
+    background = _shared(_background)
+    lights = _shared(_lights)
+    camera = _shared(_camera, to_json=_camera_as_plain)
+    compare = _shared(_other_technique)
+    divider = _shared(_share)
+    show = _shared(_show)
+
+    def __init__(
+        self,
+        what: Scene | Object | Material | str | Path,
+        *,
+        texels: int = 512,
+        height: int = 560,
+        compare: str = "",
+        show: str = "color",
+        engine: str | Engine = "auto",
+        progress: Progress | None = None,
+        **settings: Any,
+    ) -> None:
+        scene = scene_of(what, settings)
+        check_shown(scene)
+        texels = _whole("texels", texels, 1, None)
+        height = _whole("height", height, 100, 10_000)
+        thing = scene.objects[0]
+        self._material = thing.material
+        self._began = scene
+        self._techniques = techniques_of(thing)
+        self._heard: frozenset[str] = frozenset()
+        state = state_of(scene, thing)
+        self._all_settings = state.pop("settings")
+        self._all_finishes = state.pop("finish")
+        self._all_tilings = state["tilings"]
+        sources = Sources(str(what) if isinstance(what, str | Path) else None)
+        made = page_of(scene, texels, sources, engine, progress or (lambda what, share: None))
+        super().__init__(
+            _page=made.html.encode(),
+            height=height,
+            compare=compare,
+            show=show,
+            divider=0.5,
+            settings_of=self._all_settings,
+            finish_of=self._all_finishes,
+            **state,
+        )
+        self.settings = self.settings_of[self.technique]
+        self.finish = self.finish_of[self.surface]
+        self._follow()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # what the base class puts in place of its own methods is its affair
+        method = name == "observe" or callable(vars(Viewer).get(name))
+        if not name.startswith("_") and (method or not hasattr(type(self), name)):
+            names = sorted(n for n, trait in self.traits().items() if isinstance(trait, _Setting))
+            raise InputError(f"a viewer has no setting {name!r}; it has {', '.join(names)}")
+        super().__setattr__(name, value)
+
+    def scene(self) -> Scene:
+        """What is shown, as a scene: `basrelief.render(viewer.scene())` draws it.
+
+        Its material is the one that the viewer was made of, with maps as large as they are; a map
+        that was dropped on the page is not in it.
+        """
+        names = state_of(self._began, self._began.objects[0])
+        state = {name: getattr(self, name) for name in names}
+        both = {"settings": self.settings_of, "finish": self.finish_of}
+        return shown_scene({**state, **both}, self._began)
+
+    def _settings_checked(self, technique: str, value: Any) -> Any:
+        return plain(record_of(self._techniques[technique].settings, value, technique))
+
+    def set_state(self, sync_data: Mapping[str, Any]) -> None:
+        """Take what the page says; what cannot be is told back to it as it is here."""
+        self._heard = frozenset(sync_data)
+        refused: dict[str, InputError] = {}
+        try:
+            for name, value in sync_data.items():
+                try:
+                    super().set_state({name: value})
+                except InputError as error:
+                    refused[name] = error
+        finally:
+            self._heard = frozenset()
+        if refused:
+            self.send_state([*refused])
+            raise next(iter(refused.values()))
+
+    def _follow(self) -> None:
+        """Let settings follow one another; what the page says itself it has made follow."""
+        self.observe(self._follow_technique, "technique")
+        self.observe(self._follow_shape, "shape")
+        self.observe(self._follow_settings, "settings")
+        self.observe(self._follow_settings_of, "settings_of")
+        self.observe(self._follow_surface, "surface")
+        self.observe(self._follow_finish, "finish")
+        self.observe(self._follow_finish_of, "finish_of")
+        self.observe(self._follow_tilings, "tilings")
+
+    def _follow_technique(self, change: Any) -> None:
+        if "technique" not in self._heard:
+            made = self._techniques[self.technique]
+            self.level, self.projection = made.level, made.projection
+        self.settings = self.settings_of[self.technique]
+
+    def _follow_shape(self, change: Any) -> None:
+        if "shape" not in self._heard:
+            self.tiling = Object(self._material, shape=self.shape, technique="flat").tiles
+            self.camera = replace(self.camera, distance=None, target=(0.0, 0.0, 0.0))
+
+    def _follow_settings(self, change: Any) -> None:
+        self.settings_of = {self.technique: self.settings}
+
+    def _follow_settings_of(self, change: Any) -> None:
+        self._all_settings = self.settings_of
+        self.settings = self.settings_of[self.technique]
+
+    def _follow_surface(self, change: Any) -> None:
+        self.finish = self.finish_of[self.surface]
+
+    def _follow_finish(self, change: Any) -> None:
+        self.finish_of = {self.surface: self.finish}
+
+    def _follow_finish_of(self, change: Any) -> None:
+        self._all_finishes = self.finish_of
+        self.finish = self.finish_of[self.surface]
+
+    def _follow_tilings(self, change: Any) -> None:
+        self._all_tilings = self.tilings

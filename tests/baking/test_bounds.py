@@ -1,0 +1,128 @@
+"""The bounds of `exact`: nothing rises above a record, at any size, bit depth and edge."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from basrelief import baking
+from basrelief.engine import choose_engine
+from basrelief.techniques.exact import (
+    BLOCK,
+    FAR,
+    FAR_2,
+    FAR_3,
+    FAR_4,
+    FAR_BLOCK,
+    HIGHEST,
+    LOWEST,
+    PLANE,
+    STEEPEST,
+    WINDOW,
+)
+
+SIZES = st.integers(1, 23)
+
+
+def heights_of(rows: int, columns: int, levels: int, seed: int) -> np.ndarray:
+    random = np.random.default_rng(seed)
+    return (random.integers(0, levels + 1, (rows, columns)) / levels).astype(np.float32)
+
+
+def ahead(heights: np.ndarray, edge: str, block: tuple[int, int], side: int, cells: int, back):
+    """The heights of the window of a block, v then u, from the block's back corner on."""
+    places = []
+    for number, count, turned in zip(block, heights.shape, back, strict=True):
+        steps = np.arange(cells + 1)
+        along = (number + 1) * side - steps if turned else number * side + steps
+        places.append(along % count if edge == "wrap" else np.clip(along, 0, count - 1))
+    return heights[np.ix_(*places)]
+
+
+def parts(made: np.ndarray, shape: tuple[int, int]):
+    """The near and the far records, by quadrant: (v back, u back) -> (rows, columns, 4)."""
+    found = []
+    top = 0
+    for side in (BLOCK, FAR_BLOCK):
+        rows, columns = (-(-n // side) for n in shape)
+        found.append(
+            {
+                (v, u): made[top + v * rows : top + (v + 1) * rows, u * columns : (u + 1) * columns]
+                for v in (0, 1)
+                for u in (0, 1)
+            }
+        )
+        top += 2 * rows
+    assert made.shape[0] == top
+    return found
+
+
+@settings(max_examples=40)
+@given(
+    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 4, 255, 65535]),
+    st.integers(0, 10_000),
+)  # fmt: skip
+def test_near_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+    heights = heights_of(rows, columns, levels, seed)
+    near, _ = parts(baking.bounds(heights, edge), heights.shape)
+    for back, records in near.items():
+        block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
+        room, *codes, window = records[block].astype(np.float32) / np.float32(65535)
+        highest = ahead(heights, edge, block, BLOCK, WINDOW, back).max()
+        assert 1.0 - window - 4 / 65535 <= highest <= 1.0 - window
+        below = ahead(heights, edge, block, BLOCK, PLANE, back).astype(float)
+        slope_u, slope_v = ((float(code) * 2 - 1) * STEEPEST for code in codes)
+        away = np.arange(PLANE + 1)
+        corner = 1.0 - (LOWEST + float(room) * (HIGHEST - LOWEST))
+        plane = corner + slope_u * away[None, :] + slope_v * away[:, None]
+        assert (below <= plane).all()
+        # nor is it higher than it must be
+        assert (plane - below).min() < 0.003
+
+
+@settings(max_examples=40)
+@given(
+    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 255, 65535]),
+    st.integers(0, 10_000),
+)  # fmt: skip
+def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+    heights = heights_of(rows, columns, levels, seed) * np.float32(0.7)
+    _, far = parts(baking.bounds(heights, edge), heights.shape)
+    for back, records in far.items():
+        block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
+        for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
+            cells = blocks * FAR_BLOCK
+            highest = ahead(heights, edge, block, FAR_BLOCK, cells, back).max()
+            room = code / np.float32(65535)
+            assert 1.0 - room - 4 / 65535 <= highest <= 1.0 - room
+
+
+def test_a_plane_is_its_own_bound() -> None:
+    """A ramp's slopes are those of the records, for each way to go."""
+    heights = np.broadcast_to(np.linspace(0.2, 0.8, 33, dtype=np.float32), (16, 33)).copy()
+    near, _ = parts(baking.bounds(heights, "clamp"), heights.shape)
+    for (_, u), records in near.items():
+        inner = records[2:-3, 3:-4].astype(float)
+        slope = (inner[..., 1] / 65535 * 2 - 1) * STEEPEST
+        np.testing.assert_allclose(slope, (-1 if u else 1) * 0.6 / 32, atol=1e-5)
+        np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * STEEPEST, 0.0, atol=1e-5)
+
+
+def test_a_map_with_nothing_in_it_leaves_all_room() -> None:
+    made = baking.bounds(np.zeros((5, 7), np.float32), "wrap")
+    near, far = parts(made, (5, 7))
+    for records in near.values():
+        assert (records[..., 3] >= 65534).all()
+    for records in far.values():
+        assert (records >= 65534).all()
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+def test_engines_bake_alike(edge) -> None:
+    """To one step of 65535: what rounds the other way on the other engine is safe on both."""
+    heights = heights_of(37, 53, 65535, 1)
+    cpu, gpu = (baking.bounds(heights, edge, choose_engine(name)) for name in ("cpu", "gpu"))
+    np.testing.assert_allclose(cpu.astype(int), gpu.astype(int), atol=1)

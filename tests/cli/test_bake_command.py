@@ -1,0 +1,157 @@
+"""`basrelief bake`: what is in its files, where they go, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import basrelief
+from basrelief import baking
+from basrelief.baking.files import BAKES
+from basrelief.images import read_picture, write_data
+from helpers.command_line import done, refused, write_heights
+
+HEIGHTS = (np.random.default_rng(4).random((20, 28, 1)) * 65535).astype(np.uint16)
+FLAGS = [f"--{name.replace('_', '-')}" for name in BAKES]
+
+
+@pytest.fixture
+def bumps(tmp_path: Path) -> Path:
+    """A folder with a height map alone."""
+    return write_heights(tmp_path / "bumps", HEIGHTS)
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def linear(folder: Path) -> np.ndarray:
+    height = basrelief.load(folder).height
+    assert height is not None
+    return height.linear()[:, :, 0]
+
+
+def codes(path: Path, bits: int = 16) -> np.ndarray:
+    pixels = read_picture(path).pixels
+    assert pixels.dtype == f"uint{bits}"
+    return pixels
+
+
+def test_files_hold_what_is_baked(bumps: Path) -> None:
+    flags = ("--normal", "--occlusion", "--horizon", "--bounds")
+    out = done("bake", bumps, *flags, "--scale", "0.2", "--edge", "clamp")
+    folder, heights = bumps / "baked", linear(bumps)
+    assert all(str(folder / name) in out for name in names(folder))
+    assert "scale 0.2" in out
+    (start,) = {name.split("_")[0] for name in names(folder)}
+    assert len(names(folder)) == 5
+    horizon = [codes(folder / f"{start}_horizon_{k}.png") for k in (0, 1)]
+    np.testing.assert_array_equal(
+        np.concatenate(horizon, 2), baking.horizon_map(heights, "clamp", 0.2)
+    )
+    np.testing.assert_array_equal(
+        codes(folder / f"{start}_bounds.png"), baking.bounds(heights, "clamp")
+    )
+    seen = baking.ambient_occlusion(heights, "clamp", 0.2)
+    assert np.abs(codes(folder / f"{start}_ao.png")[:, :, 0] - seen * 65535.0).max() <= 0.51
+    normals = baking.normal_map(heights, "clamp", 0.2)
+    stored = codes(folder / f"{start}_normal_gl.png")
+    assert np.abs(stored - (normals * 0.5 + 0.5) * 65535.0).max() <= 0.51
+
+
+def test_green_and_bits(bumps: Path) -> None:
+    for green in ("gl", "dx"):
+        done("bake", bumps, "--normal", "--green", green, "--bits", "8")
+    up, down = (codes(next((bumps / "baked").glob(f"*{g}.png")), 8) for g in ("gl", "dx"))
+    np.testing.assert_array_equal(up[:, :, [0, 2]], down[:, :, [0, 2]])
+    assert np.abs(up[:, :, 1].astype(int) + down[:, :, 1] - 255).max() <= 1
+    assert np.abs(up[:, :, 1].astype(int) - down[:, :, 1]).max() > 50
+
+
+def test_a_baked_normal_map_draws_as_the_computed_one(bumps: Path) -> None:
+    plain = basrelief.render(bumps, scale=0.1, size=(32, 20), engine="cpu").color
+    for green in ("gl", "dx"):
+        done("bake", bumps, "--normal", "--scale", "0.1", "--green", green, "-o", bumps)
+        (file,) = bumps.glob(f"*_normal_{green}.png")
+        assert basrelief.load(bumps).normal is not None
+        drawn = basrelief.render(bumps, scale=0.1, size=(32, 20), engine="cpu").color
+        np.testing.assert_allclose(drawn, plain, atol=2e-3)
+        file.unlink()
+
+
+def test_heights_from_a_folder_with_normals_alone(tmp_path: Path) -> None:
+    heights = (HEIGHTS / 65535).astype(np.float32)[:, :, 0]
+    normals = baking.normal_map(heights, "wrap", 0.1)
+    folder = tmp_path / "wall"
+    folder.mkdir()
+    write_data(folder / "wall_normal.png", np.rint((normals * 0.5 + 0.5) * 65535).astype("uint16"))
+    out = done("bake", folder, "--height", "-o", folder)
+    assert "scale 0.1" in out or "scale 0.09" in out
+    made = linear(folder)
+    assert np.corrcoef(made.ravel(), heights.ravel())[0, 1] > 0.95
+
+
+def test_the_loader_leaves_records_alone(bumps: Path) -> None:
+    done("bake", bumps, "--horizon", "--bounds", "-o", bumps)
+    assert [kind for kind, _ in basrelief.load(bumps).maps()] == ["height"]
+
+
+def test_samples_go_to_a_folder_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done("bake", "sample:grid", "--height")
+    assert names(tmp_path / "baked") == ["grid_height.png"]
+
+
+def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
+    done("bake", bumps, "--normal")
+    (file,) = (bumps / "baked").iterdir()
+    before = file.read_bytes()
+    line = refused("bake", bumps, "--normal", "--bounds", "--scale", "0.3")
+    assert file.name in line
+    assert "--overwrite" in line
+    assert file.read_bytes() == before
+    assert names(bumps / "baked") == [file.name]
+    done("bake", bumps, "--normal", "--bounds", "--scale", "0.3", "--overwrite")
+    assert file.read_bytes() != before
+    assert len(names(bumps / "baked")) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "nothing to bake"),
+        (("--height",), "has no normal map"),
+        (("--normal", "--edge", "clip"), "--edge clip: choose wrap or clamp"),
+        (("--normal", "--green", "up"), "--green up: choose gl or dx"),
+        (("--normal", "--bits", "32"), "--bits 32: choose 8 or 16"),
+        (("--normal", "--scale", "-1"), "scale"),
+        (("--horizon", "--directions", "6"), "--directions 6"),
+        (("--horizon", "--directions", "0"), "at least one direction"),
+        (("--normal", "-o", "{file}"), "cannot be written"),
+    ],
+)
+def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], said: str) -> None:
+    (file,) = bumps.iterdir()
+    line = refused("bake", bumps, *(each.format(file=file) for each in arguments))
+    assert said in line
+    assert names(bumps) == [file.name]
+
+
+def test_all_or_none(bumps: Path) -> None:
+    """The normals could be made; the heights cannot."""
+    refused("bake", bumps, *FLAGS)
+    assert not (bumps / "baked").exists()
+
+
+def test_what_there_is_to_bake_is_told(bumps: Path) -> None:
+    line = refused("bake", bumps)
+    assert all(flag in line for flag in FLAGS)
+
+
+def test_without_heights(tmp_path: Path) -> None:
+    folder = tmp_path / "flat"
+    folder.mkdir()
+    write_data(folder / "flat_Color.png", np.zeros((4, 4, 3), np.uint8))
+    assert "has no height map" in refused("bake", folder, "--bounds")

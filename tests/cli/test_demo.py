@@ -1,0 +1,129 @@
+"""The demo's pictures; and what the README and the documentation show runs as it stands there."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import basrelief
+from basrelief.cli import demo
+from basrelief.images import read_picture
+from basrelief.techniques import TECHNIQUES
+from helpers.command_line import done, environment, write_heights
+from helpers.repository import blocks, commands
+
+PAGES = ("README.md", "docs/command-line.md", "docs/presets.md", "docs/bake.md")
+DRAWS_MANY = re.compile("basrelief (demo|gallery|compare|tune)")
+SMALL = ["--size", "24x18", "--samples", "1"]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with FOLDER, a material, and my.py, the README's own technique."""
+    monkeypatch.chdir(tmp_path)
+    write_heights(tmp_path / "FOLDER")
+    (own,) = (block for block in blocks("README.md") if "@technique" in block)
+    Path("my.py").write_text(own)
+    return tmp_path
+
+
+# --- the demo -------------------------------------------------------------------------------------
+
+
+def heights_alone(name: str) -> basrelief.Material:
+    return basrelief.Material(name, height=basrelief.sample(name, 16).height)
+
+
+def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(demo, "_SHOWN", ["flat", "offset"])
+    monkeypatch.setattr(demo, "_SHAPES", (("cobbles", "sphere"),))
+    monkeypatch.setattr(demo, "_SIZE", (24, 18))
+    monkeypatch.setattr(demo, "sample", heights_alone)
+    names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
+    printed = done("demo", "--engine", "cpu", "-o", "some/where")
+    assert printed.splitlines()[:3] == [f"some/where/{name}" for name in names]
+    assert "The pictures are in some/where. Next: basrelief render" in printed
+    assert sorted(os.listdir("some/where")) == names
+    pictures = [read_picture(f"some/where/{name}").pixels for name in names]
+    assert all(each.shape == (18, 24, 3) for each in pictures)
+    assert not (pictures[0] == pictures[1]).all()
+    # a second time, over the first, into the folder of the default
+    assert "basrelief-demo/bricks-flat.png" in done("demo", "--engine", "cpu")
+    assert sorted(os.listdir("basrelief-demo")) == names
+
+
+def test_demo_knows_how_many_pictures_there_are() -> None:
+    samples = {name: basrelief.sample(name, 4) for name in basrelief.material.SAMPLES}
+    scenes = dict(demo._scenes(samples))
+    assert len(scenes) == demo.COUNT == len(TECHNIQUES) - 1 + 4
+    assert {scene.objects[0].shape for scene in scenes.values()} == set(basrelief.scene.SHAPES)
+
+
+# --- what pages show ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line", [line for page in PAGES for line in commands(page) if not DRAWS_MANY.search(line)]
+)
+def test_commands_that_pages_show(line: str, here: Path) -> None:
+    """Each runs, and those that draw leave their picture; small, since all are many."""
+    words = shlex.split(line)[1:]
+    printed = done(*words, *(SMALL if words[0] == "render" else []))
+    assert printed
+    if words[0] in ("explain", "view"):
+        assert not words.count("-o") or Path(words[words.index("-o") + 1]).is_file()
+        return
+    pictures = sorted(each for each in os.listdir() if each != "my.py" and Path(each).is_file())
+    assert len(pictures) == (words[0] == "render") * pictures_of(words)
+    assert not pictures or printed.startswith(pictures[0])
+    for name in pictures:
+        if Path(name).suffix not in (".mp4", ".gif"):
+            assert read_picture(name).pixels.shape[:2] == (18, 24)
+
+
+def pictures_of(words: list[str]) -> int:
+    """How many files a command writes: several where its film is pictures with numbers."""
+    file = words[words.index("-o") + 1] if "-o" in words else ".png"
+    as_one = file.endswith((".mp4", ".gif", ".webp"))
+    return 1 if as_one or "--frames" not in words else int(words[words.index("--frames") + 1])
+
+
+def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(demo, "pictures", lambda *given: asked.append(given) or [Path("a.png")])
+    for line in commands("docs/command-line.md"):
+        if "demo" in line:
+            done(*shlex.split(line)[1:])
+    assert asked == [(Path("basrelief-demo"), "auto"), (Path("pictures"), "cpu")]
+
+
+def test_every_command_is_shown() -> None:
+    shown = {line.split()[1] for line in commands("docs/command-line.md")}
+    assert shown == {
+        "render", "bake", "compare", "tune", "explain", "view", "info", "techniques", "presets",
+        "demo", "gallery",
+    }  # fmt: skip
+    assert len(commands("README.md")) >= 5
+
+
+def test_the_python_example_of_the_readme(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As it stands, but for the size of the picture."""
+    (example,) = (block for block in blocks("README.md") if "image.save" in block)
+    monkeypatch.setenv("BASRELIEF_CACHE", environment()["BASRELIEF_CACHE"])
+    small = example.replace("(1280, 720)", "(24, 18)")
+    assert small != example
+    scope: dict[str, object] = {}
+    exec(compile(small, "README.md", "exec"), scope)
+    assert isinstance(scope["image"], basrelief.Frame)
+    assert read_picture("rock.png").pixels.shape == (18, 24, 3)
+
+
+def test_the_films_of_the_command_line_page(here: Path) -> None:
+    (example,) = blocks("docs/command-line.md")
+    exec(compile(example, "docs/command-line.md", "exec"), {})
+    assert sorted(set(os.listdir()) - {"FOLDER", "my.py"}) == [f"rock-000{k}.png" for k in "1234"]

@@ -1,0 +1,116 @@
+"""`basrelief view`: the page that it writes, opens, and says; and what it copies back."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from basrelief.images import write_data
+from helpers.command_line import refused, run
+
+
+def told(page: Path) -> dict[str, Any]:
+    """What a page is made with."""
+    found = re.search(r'id="data">([^<]*)</script>', page.read_text("utf-8"))
+    assert found is not None
+    data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(found[1])))
+    return data
+
+
+def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = run(
+        "view", "sample:bricks", "-o", page, "--texels", "64", "--technique", "steep", "--set",
+        "steps=9", "--shape", "cylinder", "--heights", "smooth", "--edge", "clamp", "--fog",
+        "linear", "--set", "fog_end=7", "--surface", "landscape", "--map-tiling", "normal=2x3",
+        "--shadows", "soft", "--light", "spot,position=1/2/1,angle=50,intensity=3", "--camera",
+        "azimuth=10,elevation=20", "--engine", "cpu",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    assert done.out.strip() == str(page)
+    assert "scaled to 64 × 64" in done.err
+    state = told(page)["state"]
+    assert state["technique"] == "steep"
+    assert state["settings"]["steep"]["steps"] == 9
+    assert (state["shape"], state["heights"], state["edge"]) == ("cylinder", "smooth", "clamp")
+    assert (state["fog"], state["air"]["fog_end"]) == ("linear", 7.0)
+    assert (state["surface"], state["shadows"]) == ("landscape", "soft")
+    assert state["tilings"]["normal"]["tiles"] == [2.0, 3.0]
+    (light,) = state["lights"]
+    assert (light["kind"], light["angle"], light["intensity"]) == ("spot", 50.0, 3.0)
+    assert (state["camera"]["azimuth"], state["camera"]["elevation"]) == (10.0, 20.0)
+
+
+def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
+    ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
+    write_data(tmp_path / "wall_height.png", ramp)
+    page = tmp_path / "page.html"
+    done = run(
+        "view", tmp_path, "-o", page, "--height-polarity", "depth", "--stretch-height",
+        "--layer", "sample:gravel", "--engine", "cpu",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    data = told(page)
+    assert data["source"] == str(tmp_path)
+    assert data["reading"] == {"height_polarity": "depth", "stretch_height": True}
+    assert data["layerSource"] == "sample:gravel"
+    assert data["state"]["layer"] is True
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (["--texels", "0"], "--texels 0: give at least 1"),
+        (["--light", "none", "--light", "point,position=1/1/1"], "or none, alone"),
+        (["-o", "page.png"], "--output page.png: name a page, as page.html"),
+        (["--add", "sphere"], "No such option"),
+        (["--technique", "warp"], "warp"),
+        (["--camera", "distance=0"], "distance"),
+    ],
+)
+def test_what_cannot_be_is_one_line(tmp_path: Path, given: list[str], line: str) -> None:
+    page = tmp_path / "page.html"
+    assert line in refused("view", "sample:bricks", "-o", page, *given)
+    assert not page.exists()
+
+
+def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = run(
+        "view", "sample:noise", "-o", page, "--preset", "habrador", "--texels", "64", "--light",
+        "none", "--engine", "cpu",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    data = told(page)
+    assert (data["source"], data["layerSource"]) == ("sample:noise", "sample:stone")
+    assert data["state"]["lights"] == []
+
+
+@pytest.mark.parametrize("opens", [True, False])
+def test_without_a_file_the_page_is_opened(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], opens: bool
+) -> None:
+    import webbrowser
+
+    from basrelief.cli import main
+
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda url: opened.append(url) or opens)
+    monkeypatch.setattr(
+        "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--engine", "cpu"]
+    )
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+    assert not ended.value.code
+    heard = capsys.readouterr()
+    said = Path(heard.out.strip())
+    assert said.is_file()
+    assert ("no browser could be opened" in heard.err) != opens
+    assert opened == [said.resolve().as_uri()]

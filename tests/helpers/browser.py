@@ -1,0 +1,73 @@
+"""A headless Chromium with its own software WebGPU adapter, for tests of pages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import pytest
+
+from basrelief.rendering.frame import Frame
+from basrelief.shading.pixel import SOLID
+
+SOFTWARE = (
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--enable-unsafe-swiftshader",
+    # the canvas too is drawn by SwiftShader's Vulkan, or its buffers cannot be shared
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+    "--use-angle=swiftshader",
+)
+PATIENCE = 120_000
+"""Milliseconds that a page is waited for: machines that test are slow, and do much at once."""
+WITHOUT = ("--disable-gpu", "--disable-features=WebGPU", "--disable-blink-features=WebGPU")
+
+
+def find_chromium() -> str | None:
+    """The system's Chromium, or Chrome."""
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    return None
+
+
+@contextmanager
+def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
+    """The browser; skips where there is none, or no Playwright to drive it."""
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = find_chromium()
+    if found is None:
+        pytest.skip("no Chromium on the path; on Debian: apt-get install chromium")
+    # root, as in a container, may not use the browser's sandbox
+    root = ("--no-sandbox",) if hasattr(os, "getuid") and os.getuid() == 0 else ()
+    with api.sync_playwright() as driver:
+        try:
+            browser = driver.chromium.launch(executable_path=found, args=[*flags, *root])
+        except api.Error as error:
+            pytest.skip(f"{found} does not start here: {str(error).splitlines()[0]}")
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def planes(words: list[int], size: tuple[int, int], background: Sequence[float]) -> Frame:
+    """The planes of a page's picture, (width, height), as the library's frame."""
+    width, height = size
+    whole = np.array(words, np.uint32).reshape(9, height, width)
+    real = whole.view(np.float32)
+    share = np.where(whole[7] != 0, real[3], 0.0)[:, :, None]
+    hit = share[:, :, 0] >= SOLID
+    color = np.zeros((height, width, 4), np.float32)
+    behind = np.array(background, np.float32)
+    color[:, :, :3] = behind * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
+    color[:, :, 3] = 1.0
+    depth = np.where(hit, real[4], np.inf).astype(np.float32)
+    uv = real[5:7].transpose(1, 2, 0)
+    return Frame(color, depth, uv, hit, whole[8].astype(np.int32), "browser")

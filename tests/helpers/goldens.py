@@ -1,0 +1,71 @@
+"""The golden pictures of the gallery: one strip a page, all panels side by side, drawn small.
+
+Run as a program it draws them anew, on the CPU, and writes docs/gallery.md: `scripts/goldens`.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.gallery import PAGES, Page
+from basrelief.gallery.document import text
+from basrelief.gallery.drawing import picture_of
+from basrelief.images import read_picture, srgb_encode, write_data
+from basrelief.rendering.render import render
+from helpers.repository import REPOSITORY
+
+GOLDEN = REPOSITORY / "tests" / "golden"
+DOCUMENT = REPOSITORY / "docs" / "gallery.md"
+SIZE = (192, 108)
+TEXELS = 256
+Strip = NDArray[np.uint8]
+
+
+@functools.cache
+def engine(name: str) -> Any:
+    from basrelief.engine import choose_engine
+
+    return choose_engine(name)
+
+
+def strip(page: Page, on: str) -> Strip:
+    """All panels of a page side by side, as 8-bit codes (height, panels · width, 3)."""
+    pictures = []
+    for panel in page.panels(TEXELS):
+        frame = render(panel.scene, size=SIZE, samples=1, engine=engine(on))
+        pictures.append(picture_of(panel, frame, engine(on)).image.pixels[:, :, :3])
+    colors = np.concatenate(pictures, axis=1)
+    return np.rint(srgb_encode(np.clip(colors, 0.0, 1.0)) * 255.0).astype(np.uint8)
+
+
+def golden(name: str) -> Strip:
+    """The strip that is kept; fails with what to do where there is none."""
+    file = GOLDEN / f"{name}.png"
+    assert file.is_file(), f"{name} has no golden picture; look at what `scripts/goldens` draws"
+    return np.asarray(read_picture(file).pixels[:, :, :3], np.uint8)
+
+
+def share_apart(one: Strip, other: Strip, steps: int = 2) -> float:
+    """The share of pixels of which any channel differs by more than some steps of 255."""
+    apart = np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=2)
+    return float((apart > steps).mean())
+
+
+def draw_all() -> None:
+    """Draw every strip, drop those without a page, and write the document."""
+    GOLDEN.mkdir(exist_ok=True)
+    for file in GOLDEN.glob("*.png"):
+        if file.stem not in PAGES:
+            file.unlink()
+    for page in PAGES.values():
+        print(write_data(GOLDEN / f"{page.name}.png", strip(page, "cpu")))
+    DOCUMENT.write_text(text(), encoding="utf-8")
+    print(DOCUMENT)
+
+
+if __name__ == "__main__":
+    draw_all()

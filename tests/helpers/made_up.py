@@ -1,0 +1,93 @@
+"""Materials made up of numbers, and rays and pictures of them in float64: no shaders here."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from basrelief.material import Map, Material
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import render
+from basrelief.scene import LookAt, Object, Scene
+
+SIZE = (97, 61)
+
+
+def unit(v) -> np.ndarray:
+    v = np.asarray(v, np.float64)
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def rays(camera: LookAt, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and unit directions through the middles of all pixels, (H, W, 3)."""
+    width, height = size
+    position = np.asarray(camera.position, np.float64)
+    forward = unit(np.asarray(camera.target) - position)
+    right = unit(np.cross(forward, camera.up))
+    up = np.cross(right, forward)
+    x = (np.arange(width) + 0.5 - width / 2) / height
+    y = (height / 2 - np.arange(height) - 0.5) / height
+    across = right * x[None, :, None] + up * y[:, None, None]
+    if camera.orthographic_height is not None:
+        origins = position + across * camera.orthographic_height
+        return origins, np.broadcast_to(forward, origins.shape)
+    tall = 2 * math.tan(math.radians(camera.field_of_view) / 2)
+    directions = unit(forward + across * tall)
+    return np.broadcast_to(position, directions.shape), directions
+
+
+def map_of(values, *, srgb: bool = False) -> Map:
+    values = np.asarray(values, np.float32)
+    return Map(values if values.ndim == 3 else values[:, :, None], srgb, "made up")
+
+
+def noise(seed: int, shape=(24, 36), channels: int = 3, low=0.2, high=0.9) -> np.ndarray:
+    """Smooth periodic noise: a few waves along each axis."""
+    random = np.random.default_rng(seed)
+    v, u = np.meshgrid(*[(np.arange(n) + 0.5) / n for n in shape], indexing="ij")
+    total = np.zeros((*shape, channels))
+    for _ in range(5):
+        i, j = random.integers(-2, 3, 2)
+        turn = random.random(channels)
+        total += np.cos(2 * np.pi * (i * u + j * v)[:, :, None] + 2 * np.pi * turn)
+    total = (total - total.min()) / (total.max() - total.min())
+    return low + (high - low) * total
+
+
+def plain(color=0.6, height: float | None = None, **maps) -> Material:
+    """A material of one colour, and of one height where that is said."""
+    whole = np.broadcast_to(np.asarray(color, np.float64), 3).reshape(1, 1, 3)
+    if height is not None:
+        maps["height"] = map_of(np.full((1, 1), height))
+    return Material("made up", **{"base_color": map_of(whole), **maps})
+
+
+def bilinear(values, uv, edge: str = "wrap") -> np.ndarray:
+    """An array's value between texel centres, (…, channels), for uv of (…, 2)."""
+    values = np.asarray(values, np.float64)
+    values = values if values.ndim == 3 else values[:, :, None]
+    count = np.array(values.shape[1::-1])
+    place = np.asarray(uv) * count - 0.5
+    first = np.floor(place).astype(int)
+    share = place - first
+    total = 0.0
+    for x in (0, 1):
+        for y in (0, 1):
+            at = first + np.array([x, y])
+            at = at % count if edge == "wrap" else np.clip(at, 0, count - 1)
+            weight = np.abs(1 - x - share[..., 0]) * np.abs(1 - y - share[..., 1])
+            total = total + weight[..., None] * values[at[..., 1], at[..., 0]]
+    return total
+
+
+def on_plane(camera: LookAt, z: float = 0.0, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    """Where rays meet the plane at a height z, as the unit plane's own uv, and how far away."""
+    origins, directions = rays(camera, size)
+    distance = (z - origins[..., 2]) / directions[..., 2]
+    met = origins + directions * distance[..., None]
+    return np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1), distance
+
+
+def drawn(*objects: Object, camera, size=SIZE, engine: str = "cpu", **scene) -> Frame:
+    return render(Scene(objects, camera=camera, **scene), size=size, samples=1, engine=engine)

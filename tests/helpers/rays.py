@@ -1,0 +1,50 @@
+"""Rays scattered over a tile, and height maps to follow them on."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from basrelief.lang import shader, struct
+from basrelief.material import sample
+
+LATE = 0.05
+"""Texels."""
+
+
+@struct
+class Fan:
+    """Rays that start anywhere on a tile and fall any way, each component up to `reach` tiles."""
+
+    reach: float
+    seed: int
+
+
+@shader
+def scattered(n: int) -> float:
+    """A number from 0 to 1 for every int."""
+    x = n * 747796405 + 891336453
+    y = ((x >> 15) ^ x) * 277803737
+    return float(((y >> 11) ^ y) & 16777215) / 16777216.0
+
+
+@functools.cache
+def maps() -> dict[str, np.ndarray]:
+    random = np.random.default_rng(0)
+    posts = np.zeros((96, 128))
+    posts[random.integers(0, 96, 60), random.integers(0, 128, 60)] = 1.0
+    seam = np.zeros((33, 31))
+    seam[0], seam[:, -1] = 1.0, 0.9
+    return {
+        "noise": random.random((64, 64)),
+        "odd noise": random.random((37, 53)),
+        "posts": posts,
+        "saddles": np.indices((32, 32)).sum(0) % 2 * 1.0,
+        "seams": seam,
+        "one texel": np.array([[0.3]]),
+        "one row": random.random((1, 17)),
+        "one column": random.random((13, 1)),
+        "bricks": sample("bricks", 256).height.linear()[:, :, 0],
+        "gravel": sample("gravel", (200, 256)).height.linear()[:, :, 0],
+    }

@@ -1,0 +1,373 @@
+"""`compare`: its numbers are those computed directly; its page stands alone; its JSON is stable."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import sys
+
+import numpy as np
+import pytest
+
+import basrelief
+from basrelief.errors import InputError
+from basrelief.material import Material
+from basrelief.measure.advice import Advice, advice
+from basrelief.measure.compare import Comparison, compare
+from basrelief.measure.debug import debug_picture
+from basrelief.measure.errors import errors, flip, missed, overshoot
+from basrelief.measure.page import error_picture
+from basrelief.measure.plot import Point, front, plot
+from basrelief.measure.truth import truth
+from basrelief.measure.views import at_angle
+from basrelief.rendering.render import render
+from basrelief.techniques import TECHNIQUES
+from helpers.command_line import done, refused, write_heights, write_material
+from helpers.made_up import map_of, noise, plain
+from helpers.repository import blocks, commands
+
+SIZE = (48, 27)
+ANGLES = (0.0, 60.0)
+CHOSEN = ("flat", "steep", "offset", "steep,steps=40")
+
+
+@pytest.fixture(scope="module")
+def waves() -> Material:
+    return Material(
+        "waves & <sea>",
+        base_color=map_of(noise(3, (32, 32))),
+        height=map_of(noise(7, (32, 32), 1)),
+    )
+
+
+@pytest.fixture(scope="module")
+def found(waves) -> Comparison:
+    return compare(
+        waves, CHOSEN, angles=ANGLES, size=SIZE, samples=1, engine="cpu", runs=1, scale=0.2
+    )
+
+
+# --- what is compared ----------------------------------------------------------------------------
+
+
+def test_every_technique_takes_part(waves) -> None:
+    """B4: those of the library, found by themselves, `exact` among them, without missed hits; but
+    for those that draw another surface, boxes, which are refused when they are asked for."""
+    heard: list[float] = []
+    whole = compare(
+        waves, angles=[70], size=(16, 9), samples=1, engine="cpu", runs=1,
+        progress=lambda what, share: heard.append(share),
+    )  # fmt: skip
+    boxes = {name for name, each in TECHNIQUES.items() if each.boxes}
+    assert set(whole.objects) == set(TECHNIQUES) - boxes
+    for name in boxes:
+        with pytest.raises(InputError, match=f"{name} draws heights as boxes"):
+            compare(waves, [name], angles=[70], size=(16, 9), engine="cpu")
+    assert heard == sorted(heard)
+    assert heard[-1] == 1.0
+    (exact,) = whole.of("exact")
+    assert exact.errors.missed == 0.0
+    assert exact.flip == 0.0
+
+
+def test_numbers_are_those_computed_directly(waves, found) -> None:
+    """B4: each row again, from the library's parts."""
+    assert {each.technique for each in found.results} == {
+        "flat", "steep", "offset", "exact", "steep steps=40",
+    }  # fmt: skip
+    for angle in ANGLES:
+        scenes = {
+            name: at_angle(
+                waves, angle, SIZE, {"technique": name.split()[0], "settings": more, "scale": 0.2}
+            )
+            for name, more in (
+                ("exact", {}), ("flat", {}), ("offset", {}), ("steep", {}),
+                ("steep steps=40", {"steps": 40}),
+            )
+        }  # fmt: skip
+        frames = {n: render(s, size=SIZE, samples=1, engine="cpu") for n, s in scenes.items()}
+        true = truth(scenes["exact"], SIZE, engine="cpu")
+        for each in found.at(angle):
+            assert each.errors == errors(frames[each.technique], true)
+            assert each.flip == flip(frames["exact"], frames[each.technique])
+            assert each.seconds > 0.0
+    by_name = {each.technique: each for each in found.at(60.0)}
+    assert by_name["flat"].errors.short > 0.8
+    assert by_name["steep steps=40"].errors.uv.median < by_name["steep"].errors.uv.median
+    assert all(each.flip == 0.0 for each in found.at(0.0))
+
+
+def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None:
+    tiny = {"angles": [50], "size": (16, 9), "samples": 1, "engine": "cpu", "runs": 1}
+    made = compare(waves, ["relief,max_steps=12,search_steps=1", "steep"],
+                   settings={"steps": 5, "search_steps": 3}, **tiny)  # fmt: skip
+    settings = {each["name"]: each["settings"] for each in made.to_dict()["techniques"]}
+    assert settings["steep"] == {"steps": 5}
+    relief = settings["relief max_steps=12 search_steps=1"]
+    assert relief == {"min_steps": 8, "max_steps": 12, "search_steps": 1}
+    for wrong, words in (
+        (["steep", "steep"], "twice"),
+        (["steep,depth=3"], "no setting 'depth'; there are steps"),
+        (["steep,steps"], "write a technique and its settings"),
+        (["leap"], "no technique is called 'leap'"),
+    ):
+        with pytest.raises(InputError, match=words):
+            compare(waves, wrong, **tiny)
+    with pytest.raises(InputError, match="none of these techniques"):
+        compare(waves, ["steep"], settings={"search_steps": 3}, **tiny)
+    with pytest.raises(InputError, match="shape: a comparison sets it itself"):
+        compare(waves, ["steep"], shape="box", **tiny)
+
+
+def test_a_material_without_heights_is_one_clear_line(tmp_path) -> None:
+    with pytest.raises(InputError, match="no height map"):
+        compare(plain())
+    folder = write_material(tmp_path / "wall")
+    (folder / "wall_Height.png").unlink()
+    for command in (["compare"], ["tune", "--missed", "1%"]):
+        told = refused(*command, folder, "-o", tmp_path / "out.toml")
+        assert "has no height map" in told
+        assert "--height FILE" in told
+    assert not (tmp_path / "out.toml").exists()
+
+
+# --- what is written -----------------------------------------------------------------------------
+
+KEYS = {
+    "format", "version", "basrelief", "material", "texels", "scale", "engine", "size", "samples",
+    "time", "angles", "visible", "techniques", "results", "advice",
+}  # fmt: skip
+RESULT = {
+    "angle", "technique", "pixels", "missed", "passed", "short", "uv_error", "depth_error", "flip",
+    "reads", "seconds",
+}  # fmt: skip
+
+
+def test_the_json_has_its_keys_and_the_numbers(found, tmp_path) -> None:
+    """B4: version 1 of compare.json."""
+    found.save(tmp_path / "out")
+    read = json.loads((tmp_path / "out" / "compare.json").read_text("utf-8"))
+    assert set(read) == KEYS
+    assert (read["format"], read["version"]) == ("basrelief compare", 1)
+    assert read["basrelief"] == basrelief.__version__
+    assert (read["texels"], read["size"], read["angles"]) == ([32, 32], [48, 27], [0.0, 60.0])
+    assert read["time"] == {"size": [48, 27], "by": "clock", "runs": 1}
+    assert len(read["results"]) == len(found.results) == 10
+    for said, each in zip(read["results"], found.results, strict=True):
+        assert set(said) == RESULT
+        assert set(said["uv_error"]) == set(said["depth_error"])
+        assert set(said["uv_error"]) == {"median", "percentile_99", "worst"}
+        assert (said["angle"], said["technique"]) == (each.angle, each.technique)
+        assert said["missed"] == each.errors.missed
+        assert said["uv_error"]["percentile_99"] == each.errors.uv.percentile_99
+        assert (said["flip"], said["seconds"]) == (each.flip, each.seconds)
+    assert {each["name"] for each in read["techniques"]} == set(found.objects)
+    assert set(read["techniques"][0]) == {"name", "technique", "settings", "level", "projection"}
+    assert read["advice"]["technique"] in found.objects
+
+
+def test_the_page_stands_alone(found, tmp_path) -> None:
+    """B4: it needs no network, every picture is there, and names are not taken for HTML."""
+    page = found.save(tmp_path / "out")
+    text = page.read_text("utf-8")
+    assert "http" not in text.replace("http-equiv", "")
+    assert "<script" not in text
+    assert "waves &amp; &lt;sea&gt;" in text
+    pictures = set(re.findall(r'src="([^"]+)"', text))
+    assert len(pictures) == 2 * len(found.results)
+    assert all((page.parent / each).is_file() for each in pictures)
+    for name in found.objects:
+        shown = re.findall(rf"<h3[^>]*>{name}(?:, the true picture)?</h3>", text)
+        assert len(shown) == len(ANGLES)
+    again = found.save(tmp_path / "out")
+    assert again == page
+    page.write_text("my own")
+    with pytest.raises(InputError, match="is there, and not a comparison's page"):
+        found.save(tmp_path / "out")
+
+
+def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "flip_evaluator", None)
+    made = compare(waves, ["flat"], angles=[60], size=(16, 9), samples=1, engine="cpu", runs=1)
+    assert [each.flip for each in made.results] == [None, None]
+    assert "FLIP" not in made.save(tmp_path / "out").read_text("utf-8").split("<footer>")[0]
+    assert advice(made).technique == "exact"
+
+
+def test_error_pictures_are_dark_where_all_is_right() -> None:
+    low, middle, high, beyond, nothing = error_picture(
+        np.array([[0.01, 3.0, 100.0, 1e4, np.nan]], np.float16)
+    )[0]
+    assert low.sum() < middle.sum() < high.sum()
+    np.testing.assert_array_equal(low, nothing)
+    np.testing.assert_array_equal(high, beyond)
+
+
+def test_the_front_is_what_nothing_beats() -> None:
+    points = [
+        Point("slow and good", 9.0, 0.1), Point("fast", 1.0, 0.9), Point("beaten", 5.0, 0.6),
+        Point("middling", 4.0, 0.5), Point("as slow and worse", 9.0, 0.2),
+    ]  # fmt: skip
+    assert [p.name for p in front(points)] == ["fast", "middling", "slow and good"]
+    drawn = plot(points, "error", 0.2)
+    assert drawn.count("<circle") == 5
+    assert drawn.count('<circle class="on"') == 3
+    # one dot alone, at no error, is drawn too
+    assert "<circle" in plot([Point("only", 1.0, 0.0)], "error")
+
+
+# --- the advice ----------------------------------------------------------------------------------
+
+
+def test_the_advice_is_the_cheapest_that_passes_everywhere(found) -> None:
+    """B5: by hand: what is fast fails at 75, what is slower passes; the slowest passes too."""
+    errors_of = found.results[0].errors
+    cost = {"flat": 1.0, "offset": 2.0, "steep": 3.0, "steep steps=40": 4.0, "exact": 5.0}
+    passing = {
+        "flat": (0.0, 0.9), "offset": (0.02, 0.5), "steep": (0.01, 0.2),
+        "steep steps=40": (0.0, 0.03), "exact": (0.0, 0.0),
+    }  # fmt: skip
+
+    def made(passing) -> Comparison:
+        from dataclasses import replace
+
+        return replace(
+            found,
+            results=tuple(
+                replace(
+                    each, errors=errors_of, seconds=cost[each.technique],
+                    flip=passing[each.technique][ANGLES.index(each.angle)],
+                )
+                for each in found.results
+            ),
+        )  # fmt: skip
+
+    assert advice(made(passing)) == Advice("steep steps=40", 4.0, None, None, None)
+    worse = {**passing, "steep steps=40": (0.0, 0.031)}
+    assert advice(made(worse)) == Advice("exact", 5.0, None, None, None)
+    said = made(passing).summary()
+    assert said.startswith("Ship steep steps=40: ")
+    assert "up to 60°" in said
+
+
+# --- debug pictures ------------------------------------------------------------------------------
+
+
+def test_debug_pictures_show_what_they_say(waves) -> None:
+    """B9: pixels of missed hits have their colours, reads grow paler, overshoot has a sign."""
+    size = (64, 48)
+    scene = at_angle(waves, 65.0, size, {"technique": "steep", "scale": 0.3})
+    frame, true = render(scene, size=size, samples=1, engine="cpu"), truth(scene, size)
+    lost, behind = missed(frame, true), overshoot(frame, true) > 0.0
+    shown = debug_picture("missed", frame, true)
+    orange = shown.image.pixels[:, :, 0] > 2.0 * shown.image.pixels[:, :, 2]
+    np.testing.assert_array_equal(orange, lost & behind)
+    assert f"{errors(frame, true).missed:.2%}" in shown.meaning
+
+    reads = debug_picture("reads", frame)
+    body = np.s_[:44]
+    light = reads.image.pixels[body].sum(-1)
+    counts = frame.reads[body]
+    means = [light[counts == n].mean() for n in np.unique(counts)]
+    assert len(means) > 3
+    assert means == sorted(means)
+    assert "from 0 (dark) to" in reads.meaning
+
+    late = debug_picture("overshoot", frame, true).image.pixels[body]
+    far = behind[body] & (np.abs(overshoot(frame, true)[body]) > 2.0)
+    assert (late[far][:, 0] > late[far][:, 2]).all()
+    deep = debug_picture("depth-error", frame, true)
+    assert "world units" in deep.meaning
+    # the scale: both ends of it along the lower edge
+    left, right = deep.image.pixels[-1, 0], deep.image.pixels[-1, -1]
+    assert left[2] > left[0]
+    assert right[0] > right[2]
+
+
+def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
+    size = (40, 40)
+    scene = at_angle(waves, 65.0, size, {"technique": "exact", "scale": 0.3})
+    frame, true = render(scene, size=size, samples=1, engine="cpu"), truth(scene, size)
+    assert "0.00%" in debug_picture("missed", frame, true).meaning
+    for wrong in (("colour", true), ("missed", None)):
+        with pytest.raises(InputError):
+            debug_picture(wrong[0], frame, wrong[1])
+
+
+# --- what the documentation shows ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("page", ["docs/compare.md", "docs/command-line.md"])
+def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
+    """Each comparison and each search runs as it stands, but small and with few techniques."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
+    write_heights(tmp_path / "FOLDER")
+    (tmp_path / "my.py").write_text(
+        next(block for block in blocks("README.md") if "@technique" in block)
+    )
+    ran = 0
+    for line in commands(page):
+        words = shlex.split(line.replace("sample:cobbles", "FOLDER"))[1:]
+        if words[0] not in ("compare", "tune"):
+            continue
+        words += ["--size", "16x9", "--engine", "cpu"]
+        if "--technique" not in words:
+            words += ["--technique", "exact", "--technique", "flat"]
+        if words[0] == "compare":
+            words += ["--samples", "1", "--angles", "60"]
+        printed = done(*words)
+        written = re.search(r"^(\S+)  \(cpu", printed, flags=re.MULTILINE)
+        assert written is not None
+        assert (tmp_path / written[1]).is_file()
+        ran += 1
+    assert ran >= 2
+
+
+def test_python_that_the_page_shows(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.measure.tune.APART", 40.0)
+    scope: dict[str, object] = {}
+    for block in blocks("docs/compare.md"):
+        exec(compile(block, "docs/compare.md", "exec"), scope)
+    assert {each.name for each in tmp_path.iterdir()} == {"OUT", "cobbles.toml", "overshoot.png"}
+
+
+# --- the command line ----------------------------------------------------------------------------
+
+
+def test_compare_on_the_command_line(tmp_path) -> None:
+    folder = write_heights(tmp_path / "hills")
+    out = done(
+        "compare", folder, "-o", tmp_path / "out", "--technique", "steep", "--technique",
+        "relief,max_steps=9", "--set", "steps=7", "--angles", "30,60", "--size", "20x12",
+        "--samples", "1", "--scale", "0.2", "--engine", "cpu",
+    )  # fmt: skip
+    assert out.startswith("Ship ")
+    assert str(tmp_path / "out" / "index.html") in out
+    read = json.loads((tmp_path / "out" / "compare.json").read_text())
+    assert [each["name"] for each in read["techniques"] if each["settings"] == {"steps": 7}] == [
+        "steep"
+    ]
+    assert read["angles"] == [30.0, 60.0]
+    assert read["scale"] == 0.2
+    assert "0 × 9: give 1 to" in refused("compare", folder, "--size", "0x9")
+    assert "an angle of 95" in refused("compare", folder, "--angles", "95", "--engine", "cpu")
+
+
+def test_show_on_the_command_line(tmp_path) -> None:
+    """B9: every debug picture, and what its colours mean."""
+    folder = write_heights(tmp_path / "hills")
+    small = ["--size", "32x24", "--samples", "1", "--engine", "cpu"]
+    for what, words in (
+        ("reads", "heights read a pixel"), ("missed", "missed hits: "),
+        ("overshoot", "texels"), ("depth-error", "world units"),
+    ):  # fmt: skip
+        target = tmp_path / f"{what}.png"
+        out = done("render", folder, "--show", what, "-o", target, *small)
+        assert words in out
+        assert target.is_file()
+    assert "color, reads, missed" in refused("render", folder, "--show", "depth", *small)
+    assert "one plane" in refused("render", folder, "--show", "missed", "--shape", "box", *small)
+    assert "--frames" in refused("render", folder, "--show", "reads", "--frames", "3", *small)

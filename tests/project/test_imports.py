@@ -1,0 +1,61 @@
+"""Imports point one way, and the contract that says so can fail."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import grimp
+import pytest
+
+from helpers.repository import REPOSITORY
+
+LINT_IMPORTS = "from importlinter.cli import lint_imports_command; lint_imports_command()"
+
+
+def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
+    """Check the contracts of the pyproject.toml in a folder on the package that lies there."""
+    command = [sys.executable, "-c", LINT_IMPORTS, "--no-cache", "--no-logo"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """A folder with a copy of the package and of the contracts."""
+    shutil.copytree(REPOSITORY / "src" / "basrelief", tmp_path / "basrelief")
+    shutil.copy(REPOSITORY / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_contracts_hold(copy: Path) -> None:
+    result = lint_imports(copy)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+@pytest.mark.parametrize(
+    ("module", "planted", "broken"),
+    [
+        ("lang/planted.py", "import basrelief.engine", "Imports point one way"),
+        ("engine/planted.py", "from basrelief import images", "Imports point one way"),
+        ("material/planted.py", "import wgpu", "Only engine.gpu imports wgpu"),
+        ("lang/planted.py", "import wgpu.utils", "Only engine.gpu imports wgpu"),
+        ("material/planted.py", "import av.filter", "Only rendering.film imports av"),
+        ("lang/planted.py", "import llvmlite", "Only engine.cpu imports llvmlite"),
+        ("planted.py", "", "Imports point one way"),
+    ],
+)
+def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: str) -> None:
+    (copy / "basrelief" / module).write_text(f"def late() -> None:\n    {planted or 'pass'}\n")
+    result = lint_imports(copy)
+    assert result.returncode == 1
+    assert f"{broken} BROKEN" in result.stdout
+
+
+def test_lang_stands_alone() -> None:
+    """The shader subset knows nothing of the rest of the package but its errors."""
+    graph = grimp.build_graph("basrelief")
+    within = {"basrelief.lang"} | graph.find_descendants("basrelief.lang")
+    imported = {i for module in within for i in graph.find_modules_directly_imported_by(module)}
+    assert imported - within <= {"basrelief.errors"}

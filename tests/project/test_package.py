@@ -1,0 +1,69 @@
+"""The package as its users get it: its version, its names, and what lies in the wheel."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import basrelief
+from basrelief._version import __version__
+from helpers.repository import REPOSITORY
+
+HEAVY = ("numpy", "llvmlite", "wgpu", "OpenImageIO", "rich")
+
+
+def test_version() -> None:
+    assert basrelief.__version__ == __version__ == importlib.metadata.version("basrelief")
+
+
+def test_all_is_what_is_public() -> None:
+    """Every name in `__all__` can be had, and nothing of ours is public without being listed."""
+    for name in basrelief.__all__:
+        assert getattr(basrelief, name) is not None
+    ours = {
+        name
+        for name, value in vars(basrelief).items()
+        if not name.startswith("_")
+        and not isinstance(value, ModuleType)
+        and getattr(value, "__module__", "").startswith("basrelief")
+    }
+    assert ours <= set(basrelief.__all__)
+    assert set(basrelief.__all__) <= set(dir(basrelief))
+    assert len(set(basrelief.__all__)) == len(basrelief.__all__)
+
+
+def test_unknown_name() -> None:
+    with pytest.raises(AttributeError, match="no_such_name"):
+        _ = basrelief.no_such_name
+
+
+def test_import_is_light() -> None:
+    """`import basrelief` waits for nothing heavy."""
+    code = f"import sys, basrelief; print([m for m in {HEAVY} if m in sys.modules])"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
+def test_wheel(tmp_path: Path) -> None:
+    """The wheel has every module, the type marker and the licence, and nothing else of ours."""
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(build, cwd=REPOSITORY, check=True, capture_output=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = set(zipfile.ZipFile(wheel).namelist())
+    source = REPOSITORY / "src"
+    modules = {path.relative_to(source).as_posix() for path in source.rglob("*.py")}
+    assert modules <= names
+    data = {path.relative_to(source).as_posix() for path in source.rglob("*.toml")}
+    assert len(data) == len(basrelief.PRESETS)
+    assert data <= names
+    assert "basrelief/py.typed" in names
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"basrelief"}

@@ -1,0 +1,569 @@
+"""Presets say what their articles say, give way to what is said explicitly, and can be written."""
+
+from __future__ import annotations
+
+import string
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
+
+import basrelief
+from basrelief import PRESETS, InputError, Material, Object, Orbit, Preset, Scene, preset
+from basrelief.images import write_data
+from basrelief.lang import Vec3
+from basrelief.material import Map
+from basrelief.scene import Tiling, technique_named
+from basrelief.scene.presets.toml import written
+from basrelief.shading.lights import DIRECTIONAL, POINT
+from helpers.command_line import done, refused, write_heights
+from helpers.repository import REPOSITORY
+
+SMALL = {"size": (24, 18), "samples": 1, "engine": "cpu"}
+SAMPLES = {"habrador": "noise", "habrador-hole": "hole", "habrador-bricks": "bricks"}
+NAMES = (
+    "catlike", "catlike-limited", "catlike-march", "gamedev", "habrador", "habrador-bricks",
+    "habrador-hole", "halliwell", "halliwell-stock", "wikibooks",
+)  # fmt: skip
+
+
+def bumpy(value: float | None = None, **maps: Any) -> Material:
+    """A material of heights, random or all of one value."""
+    heights = np.random.default_rng(4).random((8, 12, 1), np.float32)
+    if value is not None:
+        heights = np.full((8, 12, 1), value, np.float32)
+    return Material("bumpy", height=Map(heights, False, "made up"), **maps)
+
+
+def drawn(name: str, **options: Any) -> tuple[Object, Scene]:
+    """The object and the scene that a preset makes."""
+    scene = preset(name).scene(bumpy(), **options)
+    return scene.objects[0], scene
+
+
+def refusal(make: Any) -> str:
+    with pytest.raises(InputError) as caught:
+        make()
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+# --- each of them ---------------------------------------------------------------------------------
+
+
+def test_there_are_these() -> None:
+    assert PRESETS == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_draws(name: str) -> None:
+    """On its sample, by name, as its tables say; not as without it."""
+    made = preset(name)
+    assert made.name == name
+    assert len(made.about) > 80
+    assert made.source
+    path = f"sample:{SAMPLES.get(name, 'bricks')}"
+    frame = basrelief.render(path, preset=name, **SMALL)
+    assert frame.hit.any()
+    assert np.isfinite(frame.color).all()
+    plain = basrelief.render(path, **SMALL)
+    assert not np.allclose(frame.color, plain.color)
+    again = made.scene(basrelief.load(path, **made.maps))
+    assert (basrelief.render(again, **SMALL).color == frame.color).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_number_says_where_it_is_from(name: str) -> None:
+    """Every number in a preset's file has a comment: the article's, the landscape's, or chosen."""
+    file = Path(basrelief.__file__).parent / "scene" / "presets" / f"{name}.toml"
+    for line in file.read_text().splitlines():
+        _, sign, rest = line.partition(" = ")
+        if sign and rest[0] in "0123456789[":
+            comment = rest.partition("#")[2]
+            assert "article's" in comment or "chosen" in comment or "landscape's" in comment, line
+
+
+# --- with that article's defaults -----------------------------------------------------------------
+
+
+def test_catlike_says_what_catlike_says() -> None:
+    thing, scene = drawn("catlike")
+    assert (thing.drawn_with.name, thing.relief_projection) == ("offset", "biased")
+    assert (thing.bias, thing.scale, thing.level) == (0.42, 0.03, 0.5)
+    assert scene.shading_model == "ggx"
+    assert preset("catlike").maps == {"height_channel": "g"}
+    thing, _ = drawn("catlike-limited")
+    assert (thing.drawn_with.name, thing.relief_projection) == ("offset_limited", "limited")
+    assert (thing.scale, thing.level) == (0.03, 0.5)
+    thing, _ = drawn("catlike-march")
+    assert (thing.drawn_with.name, thing.relief_projection) == ("relief", "biased")
+    assert (thing.bias, thing.scale, thing.level) == (0.0, 0.03, 1.0)
+    assert (thing.settings.min_steps, thing.settings.max_steps) == (10, 10)
+    assert thing.settings.search_steps == 3
+
+
+def test_wikibooks_says_what_wikibooks_says() -> None:
+    thing, scene = drawn("wikibooks")
+    assert (thing.drawn_with.name, thing.relief_projection) == ("offset", "full")
+    assert (thing.scale, thing.level, thing.settings.max_offset) == (0.01, 0.5, np.float32(0.01))
+    assert scene.shading_model == "phong"
+    assert scene.shading.shininess == 10.0
+    assert scene.shading.specular == scene.shading.diffuse * Vec3(1.0)
+    (lamp,) = scene.lights
+    assert (lamp.kind, lamp.falloff) == (POINT, 1.0)
+    # the mesh's coordinates are shifted: a tile of a quarter of the shape moves four times as far
+    thing, _ = drawn("wikibooks", tiling=(4.0, 4.0))
+    assert thing.scale == pytest.approx(0.04)
+    assert thing.settings.max_offset == pytest.approx(0.04)
+    thing, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
+    assert (thing.scale, thing.settings.max_offset) == (0.1, 0.5)
+    # the tiled coordinates are shifted
+    assert drawn("catlike", tiling=(4.0, 4.0))[0].scale == 0.03
+
+
+def test_gamedev_says_what_gamedev_says() -> None:
+    thing, scene = drawn("gamedev")
+    assert (thing.drawn_with.name, thing.relief_projection) == ("parallax_occlusion", "full")
+    assert (thing.settings.min_steps, thing.settings.max_steps) == (4, 20)
+    assert (thing.scale, thing.level) == (0.1, 1.0)
+    assert scene.shading_model == "phong"
+    assert scene.shading.ambient == Vec3(0.1)
+    assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))
+
+
+def test_halliwell_says_what_halliwell_says() -> None:
+    stock, _ = drawn("halliwell-stock")
+    assert (stock.drawn_with.name, stock.relief_projection) == ("offset", "biased")
+    assert (stock.bias, stock.level) == (0.42, 0.5)
+    thing, scene = drawn("halliwell")
+    assert (thing.drawn_with.name, thing.heights, thing.level) == ("relief", "smooth", 1.0)
+    assert thing.settings.min_steps < thing.settings.max_steps
+    assert thing.settings.search_steps > 0
+    assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
+    assert thing.scale == stock.scale
+
+
+def test_habrador_says_what_habrador_says() -> None:
+    thing, scene = drawn("habrador")
+    assert (thing.drawn_with.name, thing.surface, thing.level) == ("fixed_length", "landscape", 1.0)
+    # a quad's width is five tiles of the noise: a height of 1 and a step of 0.01, in fifths
+    assert thing.tiling == (0.2, 0.2)
+    assert thing.scale / thing.tiling[0] == pytest.approx(1.0)
+    assert thing.settings.steps == 300
+    assert thing.settings.step_length / thing.tiling[0] == pytest.approx(0.01)
+    assert thing.tilings == {"base_color": Tiling((0.4, 0.4))}
+    assert thing.layer is not None
+    assert (thing.layer.material.name, thing.layer.tiling.tiles) == ("stone", (0.4, 0.4))
+    assert thing.finish.water_level == np.float32(0.4)
+    assert (thing.finish.sky_color, thing.finish.normal_strength) == (Vec3(1.0), 0.0)
+    assert (scene.shading_model, scene.shading.specular) == ("phong", Vec3(0.0))
+    assert preset("habrador").scroll == (0.25, 0.0)
+    assert preset("gamedev").scroll == (0.0, 0.0)
+    for name in ("habrador-hole", "habrador-bricks"):
+        thing, _ = drawn(name)
+        assert (thing.drawn_with.name, thing.settings.steps) == ("fixed_length", 300)
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+
+def shift_seen(name: str, value: float, **options: Any) -> tuple[np.ndarray, np.ndarray]:
+    """How far texture coordinates move on a plane whose heights are all of one value, and the unit
+    view vectors of tangent space, (height, width, 2) and (height, width, 3)."""
+    camera = basrelief.LookAt((0.6, 0.5, 0.9))
+    options = {"camera": camera, "transform": np.eye(4), **options}
+    standing = {"lights": [basrelief.directional()], **options}
+    frame = basrelief.render(bumpy(value), preset=name, **SMALL, **standing)
+    flat = basrelief.render(bumpy(value), **SMALL, **{**standing, "technique": "flat"})
+    flat_uv = flat.uv.astype(np.float64)
+    points = np.stack([flat_uv[..., 0] - 0.5, 0.5 - flat_uv[..., 1], 0.0 * flat_uv[..., 0]], -1)
+    view = np.array(camera.position) - points
+    view /= np.linalg.norm(view, axis=-1, keepdims=True)
+    seen = frame.hit & flat.hit
+    return (frame.uv - flat_uv)[seen], view[seen]
+
+
+def of_texture(move: np.ndarray) -> np.ndarray:
+    """v runs down where y runs up."""
+    return move * (1.0, -1.0)
+
+
+@pytest.mark.parametrize("height", [0.1, 0.5, 1.0])
+def test_the_stock_offset(height: float) -> None:
+    """C8 and H1: h · height − height ÷ 2, over z + 0.42."""
+    for name, depth in (("catlike", 0.03), ("halliwell-stock", 0.08)):
+        moved, view = shift_seen(name, height)
+        h = height * depth - depth / 2.0
+        wanted = of_texture(h * view[:, :2] / (view[:, 2:] + 0.42))
+        assert moved == pytest.approx(wanted, abs=2e-6)
+    moved, view = shift_seen("catlike-limited", height)
+    assert moved == pytest.approx(of_texture((height - 0.5) * 0.03 * view[:, :2]), abs=2e-6)
+
+
+def test_the_clamped_offset() -> None:
+    """W2 and W3: max height · (h − ½) · xy ÷ z, each component within its greatest."""
+    moved, view = shift_seen("wikibooks", 0.9)
+    wanted = of_texture(0.01 * (0.9 - 0.5) * view[:, :2] / view[:, 2:])
+    assert moved == pytest.approx(wanted, abs=2e-6)
+    moved, view = shift_seen("wikibooks", 1.0, scale=0.2)
+    wanted = np.clip(of_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
+    assert (np.abs(wanted) == 0.01).any()
+    assert moved == pytest.approx(wanted, abs=2e-6)
+
+
+@pytest.mark.parametrize("elevation", [90.0, 40.0, -20.0])
+def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
+    """G9: (0.1 + 0.5 · n·l) times the colour, on a flat surface in a light of intensity 1."""
+    material = bumpy(1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white"))
+    said = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
+    # within the 16 bits of the normals that are made from the heights
+    tinted = {"finish": {"base_color": (1.0, 0.5, 0.25)}}
+    frame = basrelief.render(material, preset="gamedev", **said, **tinted, **SMALL)
+    facing = max(0.0, np.sin(np.radians(elevation)))
+    wanted = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
+    assert frame.color[frame.hit][:, :3] == pytest.approx(
+        np.tile(wanted, (frame.hit.sum(), 1)), abs=1e-5
+    )
+
+
+def test_gamedev_takes_the_lamp_as_it_is() -> None:
+    """Its own lamp neither fades nor is it brighter than 1."""
+    _, scene = drawn("gamedev")
+    (lamp,) = scene.lights
+    assert (lamp.kind, lamp.falloff, lamp.color) == (POINT, 0.0, Vec3(1.0))
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+
+def test_presets_read_maps_as_they_say(tmp_path: Path) -> None:
+    """Heights in G; in A, or else in R; normals in A and G, or else as they are."""
+    noise = np.random.default_rng(6).integers(0, 255, (6, 6, 4), np.uint8)
+    solid = noise.copy()
+    solid[..., 3] = 255
+    write_data(tmp_path / "four_Height.png", noise)
+    write_data(tmp_path / "solid_Height.png", solid)
+    write_data(tmp_path / "three_Height.png", noise[..., :3].copy())
+    for file, name, channel in (
+        ("four", "catlike", 1), ("four", "wikibooks", 3), ("solid", "wikibooks", 0),
+        ("three", "halliwell-stock", 0),
+    ):  # fmt: skip
+        material = basrelief.load(height=tmp_path / f"{file}_Height.png", **preset(name).maps)
+        assert material.height is not None
+        assert (material.height.pixels[..., 0] == noise[..., channel]).all()
+    for pixels, x in ((noise, 3), (solid, 0)):
+        write_data(tmp_path / "n.png", pixels)
+        found = basrelief.load(normal=tmp_path / "n.png", **preset("wikibooks").maps)
+        assert found.normal is not None
+        assert (found.normal.pixels[..., 0] == pixels[..., x]).all()
+        assert (found.height is None) or x == 0
+
+
+def test_maps_of_samples(tmp_path: Path) -> None:
+    grass = basrelief.sample("grass").base_color
+    assert grass is not None
+    noise = basrelief.load("sample:noise", **preset("habrador").maps)
+    assert noise.base_color is not None
+    assert (noise.base_color.pixels == grass.pixels).all()
+    folder = write_heights(tmp_path / "hill", np.zeros((8, 8, 1), np.uint16))
+    found = basrelief.load(folder, base_color="sample:grass")
+    assert found.base_color is not None
+    assert found.name == "hill"
+    assert "base_color from sample:grass: asked for" in map(str, found.notes)
+    assert basrelief.load(height="sample:grass").name == "grass"
+    message = refusal(lambda: basrelief.load(folder, metallic="sample:grass"))
+    assert message == "sample:grass has no metallic map; choose another sample, or a file"
+
+
+# --- what is said explicitly wins -----------------------------------------------------------------
+
+
+def test_options_win_over_a_preset() -> None:
+    thing, scene = drawn(
+        "gamedev", scale=0.3, settings={"max_steps": 50}, shading={"diffuse": 0.9},
+        shading_model="ggx", lights=[basrelief.directional()], camera=Orbit(10.0),
+    )  # fmt: skip
+    assert (thing.scale, thing.settings.min_steps, thing.settings.max_steps) == (0.3, 4, 50)
+    assert (scene.shading.diffuse, scene.shading.ambient) == (np.float32(0.9), Vec3(0.1))
+    assert (scene.shading_model, scene.camera) == ("ggx", Orbit(10.0))
+    assert [each.kind for each in scene.lights] == [DIRECTIONAL]
+    # another technique keeps the settings that it has too
+    thing, _ = drawn("gamedev", technique="relief")
+    assert (thing.settings.min_steps, thing.settings.max_steps) == (4, 20)
+    thing, _ = drawn("gamedev", technique="steep")
+    assert (thing.drawn_with.name, thing.settings.steps) == ("steep", 10)
+    thing, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
+    assert (thing.surface, thing.finish.normal_strength) == ("standard", 0.0)
+    assert {*thing.tilings} == {"base_color", "normal"}
+    # None stands for the material's own
+    assert drawn("gamedev", scale=None)[0].scale is None
+
+
+def test_an_object_or_a_scene_takes_no_preset() -> None:
+    thing = Object(bumpy())
+    for what in (thing, Scene((thing,))):
+        message = refusal(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
+        assert "preset: already said by the" in message
+    assert "no option 'colour'; there are air, alpha, " in refusal(
+        lambda: drawn("gamedev", colour=1)
+    )
+
+
+def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    small = ("--size", "24x18", "--samples", "1", "--engine", "cpu")
+    assert "bricks-parallax_occlusion-" in done("render", "sample:bricks", "--preset", "gamedev",
+                                                *small)  # fmt: skip
+    Path("mine.toml").write_text('[object]\ntechnique = "steep"\nscale = 0.2\n')
+    assert "bricks-steep-" in done("render", "sample:bricks", "--preset", "mine.toml", *small)
+    assert "bricks-offset-" in done(
+        "render", "sample:bricks", "--preset", "mine.toml", "--technique", "offset", *small
+    )
+    line = refused("render", "sample:bricks", "--preset", "mine", *small)
+    assert line.startswith("no preset is called 'mine'; use one of catlike, ")
+    assert line.endswith(", wikibooks, or a .toml file")
+    # a depth that is given comes before the preset's scale
+    done("render", "sample:bricks", "--preset", "gamedev", "--depth", "0.2", "--tile", "1", *small,
+         "-o", "a.tif", "--bits", "32")  # fmt: skip
+    wanted = basrelief.render("sample:bricks", preset="gamedev", scale=0.2, **SMALL).color
+    found = basrelief.images.read_picture("a.tif").pixels
+    assert found == pytest.approx(wanted[..., : found.shape[2]])
+
+
+def test_a_film_scrolls_as_its_preset_says() -> None:
+    from basrelief.cli.arguments import motions_from
+    from basrelief.scene.motion import Lighting, Orbiting, Scrolling
+
+    assert motions_from([], 9, preset("habrador")) == (Scrolling(0.25, 0.0),)
+    assert motions_from(["light"], 9, preset("habrador")) == (Lighting(),)
+    assert motions_from([], 9, preset("gamedev")) == (Orbiting(),)
+    frames = basrelief.frames("sample:bricks", [Orbiting()], count=2, preset="gamedev", **SMALL)
+    assert len(list(frames)) == 2
+
+
+# --- files of one's own ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("about = 3", "about is 3: give a text"),
+        ("nothing = 1", "no key 'nothing'; there are name, about, source, maps, object, scene"),
+        ("object = 3", "object is 3: make it a table, [object]"),
+        ("[object]\nscal = 1", "object has no key 'scal'; it has technique, shape"),
+        ("[object]\nscale = 'deep'", "object.scale is 'deep': give a number"),
+        ("[object]\nscale = true", "object.scale is True: give a number"),
+        ("[object]\nscale = 20", "scale is 20: give a number from 0 to 10"),
+        ("[object]\nscale = nan", "scale is nan: give a number from 0 to 10"),
+        ("[object]\nscale = 1e999", "scale is inf: give a number from 0 to 10"),
+        ("[object]\ntechnique = 'bump'", "no technique is called 'bump'; use one of flat"),
+        ("[object]\ntechnique = 'my.py:bump'", "my.py: there is no such file"),
+        ("[object]\nheights = 'soft'", "heights is one of sharp, smooth, mip, not 'soft'"),
+        ("[object]\nlengths = 'm'", "object.lengths is one of tile, shape, not 'm'"),
+        ("[object]\nsurface = 'sea'", "surface is one of standard, landscape, not 'sea'"),
+        ("[object]\ntiling = 2", "object.tiling is 2: give two numbers, as [1, 2]"),
+        ("[object]\nfade = [3, 1]", "fade 3 to 1: give two distances, the nearer first"),
+        ("[object.settings]\nstep = 3", "relief has no setting 'step'; it has min_steps"),
+        ("[object.settings]\nmax_steps = 'many'", "object.settings.max_steps is 'many': give a"),
+        ("[object.settings]\nmax_steps = 0", "max_steps is 0: give a number from 1 to 4096"),
+        ("[object.settings]\nmax_steps = 2.5", "max_steps is a whole number, not 2.5"),
+        ("[object.finish]\nbase_color = [1, 2]", "object.finish.base_color is (1, 2): give a num"),
+        ("[object.tilings.height]\ntiles = [1, 2]", "a tiling of its own is one of base_color"),
+        ("[object.tilings.normal]\ntile = [1, 2]", "object.tilings.normal has no key 'tile'"),
+        ("[object.layer]\ntiles = [1, 2]", "object.layer needs a material: a path, or sample:"),
+        ("[maps]\nheight_channel = 'x'", "height_channel is one of auto, r, g, b, a"),
+        ("[maps]\nstretch_height = 1", "maps.stretch_height is 1: give true or false"),
+        ("[scene]\nshadows = 3", "scene.shadows is 3: give a text"),
+        ("[scene]\nfog = 'thick'", "fog is one of none, linear"),
+        ("[scene]\nbackground = 'red'", "scene.background is 'red': give three numbers"),
+        ("[scene.camera]\nazimut = 3", "scene.camera has no key 'azimut'; it has azimuth"),
+        ("[scene.camera]\ndistance = -1", "a camera at distance -1"),
+        ("[[scene.lights]]\nkind = 'lamp'", "scene.lights: give each a kind: directional, point"),
+        ("[[scene.lights]]\nkind = 'point'", "scene.lights (point): give it a position"),
+        ("[scene.lights]\nkind = 'point'", "scene.lights is a table: give tables, each [[scene"),
+        ("[scene.shading]\nambient = -1", "ambient is -1: give a number from 0"),
+        ("[motion]\nscroll = 1", "motion.scroll is 1: give two numbers"),
+        ("[object\nscale = 1", "is not TOML: "),
+        ("[object]\nscale = 2024-01-01", "object.scale is datetime.date(2024, 1, 1): give a text"),
+    ],
+)
+def test_what_does_not_fit_is_one_line(text: str, told: str, tmp_path: Path) -> None:
+    """File, key, what to do."""
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    message = refusal(lambda: preset(path))
+    assert message.startswith(f"{path}: ")
+    assert told in message
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    assert refusal(lambda: preset(path)) == f"{path}: there is no such file; check the name"
+    path.write_bytes(b"about = '\xff'")
+    assert "is not TOML: not UTF-8" in refusal(lambda: preset(path))
+    path.unlink()
+    path.mkdir()
+    assert "cannot be read" in refusal(lambda: preset(path))
+    assert "is a folder" in refusal(lambda: Preset("a").save(path))
+    assert "a preset is a .toml file" in refusal(lambda: Preset("a").save(tmp_path / "a.txt"))
+    assert "does not exist" in refusal(lambda: Preset("a").save(tmp_path / "no" / "a.toml"))
+
+
+def test_paths_are_from_the_folder_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever it is read from, and wherever one works."""
+    home = tmp_path / "home"
+    home.mkdir()
+    write_data(home / "moss.png", np.full((8, 8, 3), 90, np.uint8))
+    (home / "my.py").write_text(OWN)
+    (home / "mine.toml").write_text(
+        '[maps]\nbase_color = "moss.png"\n[object]\ntechnique = "my.py:half"\n'
+        '[object.layer]\nmaterial = "moss.png"\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    write_heights(tmp_path / "hill", np.zeros((8, 8, 1), np.uint16))
+    made = preset("home/mine.toml")
+    material = basrelief.load("hill", **made.maps)
+    assert material.base_color is not None
+    scene = made.scene(material)
+    assert scene.objects[0].drawn_with.name == "half"
+    assert scene.objects[0].layer is not None
+
+
+OWN = """
+from basrelief.lang import HeightField
+from basrelief.techniques import Hit, Nothing, Ray, at, technique
+
+@technique()
+def half(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
+    return Hit(at(ray, 0.5), 0.5, True, 0)
+"""
+
+
+def test_nobody_can_change_a_preset() -> None:
+    made = preset("gamedev")
+    with pytest.raises(TypeError):
+        made.values["object"]["scale"] = 3.0  # type: ignore[index]
+    given: dict[str, Any] = {"object": {"scale": 0.1}}
+    kept = Preset("a", values=given)
+    given["object"]["scale"] = 3.0
+    assert kept.values["object"]["scale"] == 0.1
+
+
+# --- written and read back ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_is_written_as_it_is_read(name: str, tmp_path: Path) -> None:
+    made = preset(name)
+    saved = made.save(tmp_path / "other.toml")
+    assert saved == tmp_path / "other.toml"
+    assert preset(saved) == made
+
+
+def test_numbers_of_numpy_and_shaders_are_plain(tmp_path: Path) -> None:
+    made = Preset(
+        "tuned",
+        values={
+            "object": {"scale": np.float32(0.1), "settings": {"max_steps": np.int64(7)},
+                       "tiling": np.array([1.0, 2.0])},
+            "scene": {"shading": {"ambient": Vec3(0.1, 0.2, 0.3)}},
+        },
+    )  # fmt: skip
+    back = preset(made.save(tmp_path / "tuned.toml"))
+    assert back == made
+    assert isinstance(back.values["object"]["settings"]["max_steps"], int)
+    assert back.scene(bumpy()).shading.ambient == Vec3(0.1, 0.2, 0.3)
+
+
+NUMBERS = st.floats(0.0, 1.0)
+TEXTS = st.text(st.characters(exclude_categories=("Cs",)), max_size=20)
+PRESET_VALUES = st.fixed_dictionaries(
+    {},
+    optional={
+        "object": st.fixed_dictionaries(
+            {"technique": st.just("relief")},
+            optional={
+                "scale": NUMBERS,
+                "level": NUMBERS,
+                "projection": st.sampled_from(["full", "biased", "limited"]),
+                "fade": st.tuples(st.floats(0, 1), st.floats(2, 3)),
+                "settings": st.fixed_dictionaries(
+                    {}, optional={"min_steps": st.integers(1, 64), "search_steps": st.just(3)}
+                ),
+                "tilings": st.dictionaries(
+                    st.sampled_from(["normal", "base_color"]),
+                    st.fixed_dictionaries({"tiles": st.tuples(st.just(2), st.floats(1, 9))}),
+                ),
+            },
+        ),
+        "scene": st.fixed_dictionaries(
+            {},
+            optional={
+                "shadows": st.sampled_from(["none", "hard"]),
+                "shading": st.fixed_dictionaries({"ambient": st.tuples(*[NUMBERS] * 3)}),
+                "lights": st.lists(
+                    st.fixed_dictionaries(
+                        {"kind": st.just("point"), "position": st.tuples(*[NUMBERS] * 3)}
+                    ),
+                    max_size=3,
+                ),
+            },
+        ),
+        "maps": st.fixed_dictionaries({"stretch_height": st.booleans()}),
+    },
+)
+
+
+@given(TEXTS, TEXTS, PRESET_VALUES)
+@examples(max_examples=60)
+def test_any_preset_is_written_and_read_back(
+    tmp_path_factory: pytest.TempPathFactory, about: str, source: str, values: dict[str, Any]
+) -> None:
+    made = Preset("any", about, source, values)
+    assert preset(made.save(tmp_path_factory.getbasetemp() / "any.toml")) == made
+
+
+LEAVES = st.one_of(
+    TEXTS, st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False)
+)
+KEYS = st.one_of(st.text(string.ascii_letters, min_size=1, max_size=4), TEXTS)
+TREES = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.lists(LEAVES, max_size=3),
+        st.dictionaries(KEYS, inner, max_size=3),
+        st.lists(st.dictionaries(KEYS, inner, max_size=2), max_size=3),
+    ),
+    max_leaves=12,
+)
+
+
+@given(st.dictionaries(KEYS, TREES, max_size=4))
+@examples(max_examples=150)
+def test_any_table_is_written_as_toml(values: dict[str, Any]) -> None:
+    import tomllib
+
+    assert tomllib.loads(written(values)) == values
+
+
+def test_techniques_of_presets_are_those_of_the_library() -> None:
+    for name in NAMES:
+        thing = preset(name).values["object"]
+        assert technique_named(thing["technique"]).name == thing["technique"]
+
+
+def test_the_example_of_the_page(tmp_path: Path) -> None:
+    page = (REPOSITORY / "docs" / "presets.md").read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(page.partition("```toml\n")[2].partition("```")[0])
+    scene = preset(path).scene(bumpy())
+    assert scene.objects[0].tilings == {"base_color": Tiling((2, 2))}
+    assert scene.camera == Orbit(20, 25)
+    for name in NAMES:
+        assert f"| `{name}` |" in page

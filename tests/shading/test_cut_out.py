@@ -1,0 +1,163 @@
+"""Cut-outs: opacity read where the offset ends, what shows through, what light falls through.
+
+The relief is a plane of one height, so that the places are known in float64.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.programs import program_of, reach_of
+from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
+from basrelief.shading.brdf import Shading
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import bilinear, drawn, map_of, noise, on_plane, plain, rays
+
+SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.35)
+UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}
+OPACITY = np.random.default_rng(5).random((5, 7, 1))
+FRONT, BACK = np.array([0.9, 0.2, 0.1]), np.array([0.1, 0.3, 0.8])
+SUNKEN = {
+    "technique": "parallax_occlusion",
+    "settings": {"min_steps": 8, "max_steps": 8},
+    "scale": 0.3,
+    "level": 1.0,
+}
+
+
+def holed(**options) -> Object:
+    """A plane pushed in by 0.225, with holes in it."""
+    material = plain(FRONT, opacity=map_of(OPACITY), height=0.25)
+    return Object(material, transform=np.eye(4), **{**SUNKEN, **options})
+
+
+def behind() -> Object:
+    """Another, larger plane below it."""
+    return Object(plain(BACK), transform=placed((0.0, 0.0, -0.5), (4.0, 4.0, 1.0)))
+
+
+def opacity_seen() -> np.ndarray:
+    """The opacity at each pixel, where the ray meets the sunken plane."""
+    return bilinear(OPACITY, on_plane(SLANTED, -0.225)[0])[..., 0]
+
+
+@pytest.mark.parametrize("cutoff", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize("other", ["an object", "the background"])
+def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
+    """C16: all or nothing, by the opacity at the displaced place; exactly the colour behind."""
+    things = [holed(alpha="mask", finish={"cutoff": cutoff})]
+    if other == "an object":
+        things.append(behind())
+    frame = drawn(*things, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
+    opacity = opacity_seen()
+    hole, solid = opacity < cutoff - 2e-3, opacity > cutoff + 2e-3
+    assert min(hole.mean(), solid.mean()) > 0.1
+    np.testing.assert_allclose(
+        frame.color[solid][:, :3], np.tile(FRONT, (solid.sum(), 1)), atol=1e-4
+    )
+    if other == "an object":
+        wanted = drawn(behind(), camera=SLANTED, **UNLIT)
+        np.testing.assert_array_equal(frame.color[hole], wanted.color[hole])
+        np.testing.assert_array_equal(frame.depth[hole], wanted.depth[hole])
+    else:
+        np.testing.assert_array_equal(
+            frame.color[hole], np.float32([[0.3, 0.6, 0.2, 1.0]] * hole.sum())
+        )
+        assert not frame.hit[hole].any()
+    # read on the polygon the holes would be elsewhere
+    polygon = bilinear(OPACITY, on_plane(SLANTED)[0])[..., 0]
+    assert ((polygon < cutoff) != (opacity < cutoff)).mean() > 0.1
+
+
+def test_opaque_takes_no_notice_and_blend_mixes() -> None:
+    whole = drawn(holed(alpha="opaque"), behind(), camera=SLANTED, **UNLIT)
+    np.testing.assert_allclose(
+        whole.color[:, :, :3], np.broadcast_to(FRONT, (61, 97, 3)), atol=1e-4
+    )
+    mixed = drawn(holed(alpha="blend"), behind(), camera=SLANTED, **UNLIT)
+    share = opacity_seen()[..., None]
+    np.testing.assert_allclose(mixed.color[:, :, :3], FRONT * share + BACK * (1 - share), atol=1e-3)
+
+
+# --- the light that falls through -----------------------------------------------------------------
+
+LIGHT = directional(90.0, 45.0)
+ABOVE = LookAt((0.0, 3.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.8)
+MATTE = {"shading": Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))}
+RAISED = 0.6
+FLOOR = Object(plain(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
+
+
+def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
+    """Which pixels of a floor are dark below a plane with holes, and where they lie."""
+    smooth = Material("smooth", base_color=map_of(np.full((16, 16, 3), 0.6)),
+                      opacity=map_of(noise(11, (16, 16), 1, 0.0, 1.0)))  # fmt: skip
+    roof = Object(smooth, transform=placed((0.0, RAISED, 0.0)) @ LYING, **options)
+    scene = {"camera": ABOVE, "lights": (LIGHT,), "shading_model": "phong", **MATTE}
+    frame = drawn(FLOOR, roof, **scene, shadows="hard", shadow_map=512)
+    origins, directions = rays(ABOVE)
+    met = origins + directions * np.where(frame.hit, frame.depth, 0.0)[..., None]
+    floor = frame.hit & (np.abs(met[..., 1]) < 1e-3)
+    return np.where(floor, frame.color[:, :, 0] < 0.2, False), np.where(
+        floor[..., None], met, np.nan
+    )
+
+
+def under_roof(met: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the light's way from a point of the floor passes the roof, and its opacity there."""
+    with np.errstate(invalid="ignore"):
+        uv = np.stack([0.5 + met[..., 0] + RAISED, 0.5 + met[..., 2]], -1)
+        inside = np.abs(uv - 0.5).max(-1)
+    opacity = bilinear(noise(11, (16, 16), 1, 0.0, 1.0), np.nan_to_num(uv))[..., 0]
+    return np.nan_to_num(inside, nan=0.5), opacity
+
+
+@pytest.mark.parametrize("casts", ["shape", "opaque", "none"])
+def test_light_falls_through_a_hole_if_it_is_to(casts: str) -> None:
+    """C16: the shadow has the holes of the mask, or none, or there is no shadow."""
+    dark, met = shadow_on_floor(alpha="mask", casts=casts)
+    inside, opacity = under_roof(met)
+    seen = np.isfinite(met[..., 0])
+    below, beside = seen & (inside < 0.48), seen & (inside > 0.52)
+    holes, solid = below & (opacity < 0.42), below & (opacity > 0.58)
+    assert min(holes.sum(), solid.sum(), beside.sum()) > 100
+    assert not dark[beside].any()
+    assert dark[solid].all() == (casts != "none")
+    assert dark[holes].all() == (casts == "opaque")
+    assert dark[holes].any() == (casts == "opaque")
+
+
+def test_what_is_drawn_opaque_casts_no_holes() -> None:
+    dark, met = shadow_on_floor(alpha="opaque")
+    inside, _ = under_roof(met)
+    assert dark[np.isfinite(met[..., 0]) & (inside < 0.48)].all()
+
+
+# --- what is in a program, and both engines ------------------------------------------------------
+
+
+def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
+    material = replace(sample("tiles", 16), opacity=map_of(np.ones((16, 16))))
+    words = {"blend": "blended", "mask": "masked", "opaque": "fn opaque("}
+    for alpha in words:
+        thing = Object(material, alpha=alpha)
+        text = print_wgsl(program_of(thing).module, "wrap")
+        assert [word in text for word in words.values()] == [each == alpha for each in words]
+        for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
+            program = reach_of(replace(thing, casts=casts))
+            assert ("masked" in print_wgsl(program.module, "wrap")) == cut
+
+
+@pytest.mark.gpu
+def test_cpu_and_gpu_agree() -> None:
+    hole = map_of(noise(11, (64, 64), 1, 0.0, 1.0))
+    lattice = replace(sample("bricks", 64), opacity=hole)
+    roof = Object(lattice, alpha="mask", technique="relief", transform=placed((0, 0.3, 0)) @ LYING)
+    floor = Object(plain(), transform=LYING @ placed(scale=(2.0, 2.0, 1.0)))
+    scene = Scene((floor, roof), Orbit(25.0, 40.0, 2.0), shadows="hard", shadow_map=128)
+    assert_engines_agree(scene, 64)

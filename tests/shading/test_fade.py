@@ -1,0 +1,128 @@
+"""A relief that fades with distance: whole near by, gone far away, and cheaper on the way."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.programs import program_of
+from basrelief.rendering.render import render
+from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
+from basrelief.shading.relief import Depth, fading
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import drawn, map_of, on_plane, plain
+
+STEPS = {"min_steps": 8, "max_steps": 8}
+HEIGHT, SCALE = 0.5, 0.3
+ALONG = LookAt((0.0, -3.2, 1.2), up=(0.0, 0.0, 1.0), field_of_view=40.0)
+"""Along a plane four units long, whose distances run from 1.6 to 5."""
+NEAR, FAR = 2.4, 4.0
+
+
+def test_the_shader_halves_the_depth_in_the_middle() -> None:
+    deep = Depth(0.4, 0.7, 0.42, NEAR, FAR)
+    for distance, left in ((0.0, 1.0), (2.4, 1.0), (3.2, 0.5), (4.0, 0.0), (90.0, 0.0)):
+        found = fading(deep, np.float32(distance))
+        assert float(found.scale) == pytest.approx(0.4 * left, abs=1e-6)
+        assert (found.level, found.bias) == (deep.level, deep.bias)
+    assert fading(deep, np.float32(4.0)).scale == 0.0
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0])
+def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
+    """G10: on a plane of one height it is in proportion; from far on nothing is read."""
+    thing = Object(
+        plain(height=HEIGHT),
+        technique="parallax_occlusion",
+        settings=STEPS,
+        scale=SCALE,
+        level=level,
+        fade=(NEAR, FAR),
+        transform=placed(scale=(4.0, 4.0, 1.0)),
+    )
+    frame = drawn(thing, camera=ALONG)
+    met, distance = on_plane(ALONG)
+    left = np.clip((FAR - distance) / (FAR - NEAR), 0.0, 1.0)
+    # the plane that the relief is at each pixel, as if it were the whole
+    _, further = on_plane(ALONG, -1.0)
+    deeper = (level - HEIGHT) * SCALE * left * (further - distance)
+    ours = frame.hit & (np.abs(met - 0.5).max(-1) < 1.99)
+    for part in (distance < NEAR, (distance > NEAR) & (distance < FAR), distance > FAR):
+        assert (ours & part).sum() > 100
+    np.testing.assert_allclose(frame.depth[ours], (distance + deeper)[ours], rtol=2e-4)
+    # in object space x and y are a quarter of the world's, and the range is 0.3 of a tile there
+    polygon = (met - 0.5) / 4.0 + 0.5
+    slope = (on_plane(ALONG, -1.0)[0] - met) / 4.0
+    moved = polygon + slope * ((level - HEIGHT) * SCALE * left)[..., None]
+    np.testing.assert_allclose(frame.uv[ours], moved[ours], atol=2e-4)
+    gone = ours & (distance >= FAR * 1.0001)
+    assert frame.reads[gone].max() == 0
+    assert frame.reads[ours & (distance < FAR * 0.999)].min() > 0
+
+
+def test_shadows_fade_too() -> None:
+    """Half way the shadow of a wall is half as long, and from far on there is none."""
+    heights = np.zeros((8, 64, 1))
+    heights[:, 24:32] = 1.0
+    material = Material(
+        "wall", height=map_of(heights), normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0)))
+    )
+    camera = LookAt((0.0, 0.0, 2.0), orthographic_height=0.5)
+    light = directional(-60.0, 0.0)
+
+    def columns(fade) -> tuple[int, int]:
+        """Dark pixels across the shadow, and reads."""
+        thing = Object(
+            material, technique="offset", level=1.0, scale=0.1, edge="clamp", fade=fade,
+            transform=np.eye(4),
+        )  # fmt: skip
+        frames = [
+            drawn(thing, camera=camera, size=(192, 96), lights=(light,), shadows=shadows,
+                  shadowing={"shadow_steps": 256, "shadow_offset": 0.0})
+            for shadows in ("hard", "none")
+        ]  # fmt: skip
+        dark = frames[0].color[48, :, 0] < 0.7 * frames[1].color[48, :, 0]
+        return int(dark.sum()), int(frames[0].reads.max())
+
+    # 192 pixels to a unit; the light falls at 30 degrees
+    length = 0.1 * np.tan(np.radians(60.0)) * 192
+    whole, half, none = columns((2.5, 3.0)), columns((1.0, 3.0)), columns((1.0, 1.5))
+    assert abs(whole[0] - length) <= 4
+    assert abs(half[0] - length / 2) <= 4
+    assert none == (0, 0)
+
+
+def test_the_cost_falls_with_distance() -> None:
+    """G10: with the part of the picture that is covered; to nothing where the relief is gone."""
+    thing = Object(sample("bricks", 32), technique="steep", settings={"steps": 10}, fade=(3.0, 5.0))
+    costs, covered = [], []
+    for distance in (1.5, 2.9, 4.2, 7.0):
+        scene = Scene((thing,), Orbit(20.0, 40.0, distance))
+        frame = render(scene, size=(96, 54), samples=1, engine="cpu")
+        costs.append(frame.reads.mean())
+        covered.append(frame.hit.mean())
+    assert all(more > 1.5 * less for more, less in pairwise(costs))
+    assert costs[-1] == 0.0
+    assert covered[-1] > 0.01
+    # while the relief is whole a pixel costs the same
+    assert costs[0] / covered[0] == pytest.approx(costs[1] / covered[1], rel=0.1)
+
+
+def test_without_fading_there_is_no_code_for_it() -> None:
+    material = sample("tiles", 16)
+    texts = [
+        print_wgsl(program_of(Object(material, fade=fade)).module, "wrap")
+        for fade in (None, (1.0, 2.0))
+    ]
+    assert ["fn fading(" in text for text in texts] == [False, True]
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("technique", ["offset", "parallax_occlusion", "relief"])
+def test_cpu_and_gpu_agree(technique: str) -> None:
+    thing = Object(sample("bricks", 64), technique=technique, fade=(1.2, 2.0))
+    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.6), shadows="soft"), 64)

@@ -1,0 +1,94 @@
+"""Fog against its closed forms, with the distance of the displaced point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import sample
+from basrelief.rendering.programs import program_of
+from basrelief.scene import LookAt, Object, Orbit, Scene, turned
+from basrelief.shading.brdf import Shading
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import drawn, on_plane, plain
+
+AIR = {
+    "fog_color": (0.2, 0.5, 0.9),
+    "fog_density": 0.45,
+    "fog_start": 1.5,
+    "fog_end": 3.0,
+}
+CAMERA = LookAt((0.2, -1.9, 0.9), up=(0.0, 0.0, 1.0), field_of_view=30.0)
+OWN = 0.7
+UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}
+
+FORMS = {
+    "linear": lambda d: np.clip((3.0 - d) / 1.5, 0.0, 1.0),
+    "exponential": lambda d: np.exp(-0.45 * d),
+    "exponential_squared": lambda d: np.exp(-((0.45 * d) ** 2)),
+}
+
+
+def sunken() -> Object:
+    """A plane that lies 0.6 below its polygon, so that its distance is another."""
+    settings = {"min_steps": 8, "max_steps": 8}
+    material = plain(OWN, height=0.25)
+    return Object(
+        material, technique="parallax_occlusion", settings=settings, scale=0.8, transform=np.eye(4)
+    )
+
+
+@pytest.mark.parametrize("fog", FORMS)
+def test_fog_takes_its_share_by_the_displaced_distance(fog: str) -> None:
+    """C21."""
+    background = (0.9, 0.1, 0.0)
+    frame = drawn(sunken(), camera=CAMERA, fog=fog, air=AIR, background=background, **UNLIT)
+    _, distance = on_plane(CAMERA, -0.6)
+    _, polygon = on_plane(CAMERA)
+    through = FORMS[fog](distance)[..., None]
+    wanted = OWN * through + np.array(AIR["fog_color"]) * (1.0 - through)
+    hit = frame.hit
+    assert 0.2 < hit.mean() < 0.9
+    np.testing.assert_allclose(frame.color[hit][:, :3], wanted[hit], atol=2e-4)
+    # the polygon's own distance would show
+    assert np.abs(FORMS[fog](polygon) - FORMS[fog](distance))[hit].max() > 0.05
+    # what is not there has no distance
+    np.testing.assert_array_equal(
+        frame.color[~hit], np.broadcast_to(np.float32([*background, 1.0]), frame.color[~hit].shape)
+    )
+
+
+def test_before_it_begins_linear_fog_takes_nothing_and_after_its_end_all() -> None:
+    near, far = (
+        drawn(sunken(), camera=CAMERA, fog="linear", air=air, **UNLIT)
+        for air in (
+            {**AIR, "fog_start": 50.0, "fog_end": 51.0},
+            {**AIR, "fog_start": 0.0, "fog_end": 0.0},
+        )
+    )
+    np.testing.assert_allclose(near.color[near.hit][:, :3], OWN, atol=1e-5)
+    for channel, value in enumerate(AIR["fog_color"]):
+        np.testing.assert_allclose(far.color[far.hit][:, channel], value, atol=1e-6)
+
+
+def test_without_fog_there_is_no_code_for_it() -> None:
+    thing = Object(sample("tiles", 16))
+
+    def text(fog: str) -> str:
+        program = program_of(thing, Scene((thing,), fog=fog))
+        return print_wgsl(program.module, program.edge)
+
+    clear, thick = text("none"), text("exponential")
+    for word in ("fn exponential(", "fog_color"):
+        assert word not in clear
+        assert word in thick
+    assert "fn exponential_squared(" not in thick
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("fog", FORMS)
+def test_cpu_and_gpu_agree(fog: str) -> None:
+    thing = Object(sample("bricks", 64), transform=turned("x", -90.0))
+    scene = Scene((thing,), Orbit(20.0, 25.0, 1.7), fog=fog, air={**AIR, "fog_start": 1.0})
+    assert_engines_agree(scene, 64)

@@ -1,0 +1,275 @@
+"""A landscape: marches of fixed length, ground by height, water, sky, and maps that scroll."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from basrelief.lang import HeightField, Vec2
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Map, Material, sample
+from basrelief.rendering.programs import program_of
+from basrelief.rendering.render import render
+from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
+from basrelief.shading.brdf import Shading
+from basrelief.techniques import Hit, fixed_length, march
+from basrelief.techniques.march import FixedLength
+from basrelief.techniques.ray import Ray, at
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import bilinear, drawn, map_of, noise, plain
+
+EMPTY = HeightField([np.zeros((1, 1))])
+
+# --- L1, L2: steps of one length ------------------------------------------------------------------
+
+
+def view_ray(polar: float, around: float, scale: float) -> Ray:
+    """A ray as a camera gives it: its fall is scale · V.xy ÷ V.z, against the view."""
+    view = np.array([math.sin(polar) * math.cos(around), math.sin(polar) * math.sin(around),
+                     math.cos(polar)])  # fmt: skip
+    fall = -scale * view[:2] / view[2] * (1.0, -1.0)
+    return Ray(Vec2(0.3, 0.6), Vec2(*fall), 1.0, np.float32(view[2]), np.float32(scale))
+
+
+def traced(form, ray: Ray, settings: FixedLength) -> tuple[Hit, np.ndarray]:
+    """The hit on a surface in closed form, and the places read: (n, 3), in tile widths."""
+    places: list[tuple[float, ...]] = []
+
+    def read(field: HeightField, ray: Ray, height: float) -> np.float32:
+        uv = at(ray, height)
+        places.append((float(uv.x), float(uv.y), float(height) * float(ray.scale)))
+        return np.float32(form(float(uv.x), float(uv.y)))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(march, "height_under", read)
+        hit = fixed_length(EMPTY, ray, settings)
+    assert hit.reads == len(places)
+    return hit, np.array(places)
+
+
+RAYS = st.tuples(st.floats(0.0, 1.4), st.floats(-3.1, 3.1), st.sampled_from([0.1, 1.0, 5.0]))
+
+
+@given(RAYS, st.sampled_from([0.01, 0.05]), st.integers(1, 60))
+def test_steps_are_of_one_length_along_the_ray(ray, step: float, steps: int) -> None:
+    """L1: places one step apart, along the unit direction, from the top; `steps` at most."""
+    ray = view_ray(*ray)
+    hit, places = traced(lambda u, v: -100.0, ray, FixedLength(steps, step))
+    assert len(places) == hit.reads == steps
+    np.testing.assert_allclose(places[0], [0.3, 0.6, ray.scale], atol=1e-6)
+    moves = np.diff(places, axis=0)
+    lengths = np.linalg.norm(moves, axis=1)
+    # a place is known to a few units in the last place of the height, and of the coordinates
+    np.testing.assert_allclose(lengths, step, atol=4e-6 * max(1.0, float(ray.scale)))
+    # beyond its reach nothing is found, and the last place stays
+    assert not hit.found
+    np.testing.assert_allclose([*hit.uv], places[-1, :2], atol=1e-6)
+    assert float(hit.height) * float(ray.scale) == pytest.approx(places[-1, 2], abs=1e-5)
+
+
+def test_by_default_there_are_three_hundred_steps_of_a_hundredth() -> None:
+    """L1: the article's numbers."""
+    assert (FixedLength().steps, FixedLength().step_length) == (300, pytest.approx(0.01))
+
+
+@given(RAYS, st.floats(-0.4, 0.4), st.floats(0.2, 0.8))
+def test_a_ramp_is_met_exactly(ray, slope: float, middle: float) -> None:
+    """L2: the average of the last two places, weighed by their distances from the surface."""
+    ray = view_ray(*ray)
+    fall = float(ray.fall.x)
+
+    def form(u: float, v: float) -> float:
+        return middle + slope * (u - 0.3)
+
+    # the ray has height h at u = 0.3 + fall · (1 − h)
+    wanted = (middle + slope * fall) / (1.0 + slope * fall)
+    assume(1.0 + slope * fall > 0.2)
+    assume(0.05 < wanted < 0.95)
+    hit, _ = traced(form, ray, FixedLength(4000, 0.01))
+    assume(hit.found)  # not so flat that it lies beyond the steps
+    assert float(hit.height) == pytest.approx(wanted, abs=2e-4)
+
+
+# --- L3, L4, L6: the ground -----------------------------------------------------------------------
+
+FRONT = LookAt((0.0, 0.0, 3.0), orthographic_height=0.5)
+UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}
+GRASS, STONE = np.array([0.2, 0.6, 0.1]), np.array([0.5, 0.45, 0.4])
+
+
+def land(height: float, water_level: float = 0.0, **options) -> Object:
+    finish = {"water_level": water_level, "water_color": (0.1, 0.3, 0.8), "sky_color": (1, 0.5, 0)}
+    options = {
+        "technique": "fixed_length",
+        "settings": {"steps": 300, "step_length": 0.01},
+        "layer": Layer(plain(STONE)),
+        "scale": 0.5,
+        **options,
+    }
+    return Object(plain(GRASS, height), surface="landscape", finish=finish, transform=np.eye(4),
+                  **options)  # fmt: skip
+
+
+def color(thing: Object, **scene) -> np.ndarray:
+    frame = drawn(thing, camera=FRONT, size=(9, 9), **{**UNLIT, **scene})
+    assert frame.hit.all()
+    return frame.color[4, 4, :3]
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 0.35, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize("water", [0.0, 0.4])
+def test_ground_is_blended_by_height_and_water_lies_below(height: float, water: float) -> None:
+    """L3, L4: grass in the valleys, stone on the mountains; below a level height × water colour."""
+    ground = GRASS * (1.0 - height) + STONE * height
+    wanted = np.array([0.1, 0.3, 0.8]) * height if height < water else ground
+    np.testing.assert_allclose(color(land(height, water)), wanted, atol=1e-4)
+
+
+def test_where_nothing_is_met_there_is_the_sky() -> None:
+    """L6: the steps end above the ground; a few more, and it is met."""
+    for steps, wanted in ((25, [1.0, 0.5, 0.0]), (27, GRASS * 0.5 + STONE * 0.5)):
+        settings = {"steps": steps, "step_length": 0.01}
+        np.testing.assert_allclose(color(land(0.5, settings=settings)), wanted, atol=1e-4)
+
+
+@pytest.mark.parametrize("elevation", [0.0, 40.0, 75.0])
+def test_it_is_lit_by_lamberts_law(elevation: float) -> None:
+    """L1."""
+    matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+    scene = {"lights": (directional(0.0, elevation),), "shading": matte, "shading_model": "phong"}
+    wanted = (GRASS * 0.5 + STONE * 0.5) * math.cos(math.radians(elevation))
+    np.testing.assert_allclose(color(land(0.5), **scene), wanted, atol=1e-4)
+
+
+def test_ground_and_mountains_have_their_own_tilings() -> None:
+    """L3: the article reads its noise at uv × 0.2 and its colours at uv × 0.4."""
+    low, high = noise(1, (32, 32)), noise(2, (32, 32))
+    material = Material("m", base_color=map_of(low), height=map_of(np.full((1, 1), 0.25)))
+    thing = Object(
+        material, surface="landscape", finish={"water_level": 0.0}, scale=0.05,
+        technique="parallax_occlusion", tiling=(0.2, 0.2), transform=np.eye(4),
+        tilings={"base_color": Tiling((0.4, 0.4))},
+        layer=Layer(Material("high", base_color=map_of(high)), Tiling((0.8, 0.8))),
+    )  # fmt: skip
+    frame = drawn(thing, camera=FRONT, **UNLIT)
+    place = frame.uv.astype(np.float64) / 0.2
+    wanted = 0.75 * bilinear(low, place * 0.4) + 0.25 * bilinear(high, place * 0.8)
+    np.testing.assert_allclose(frame.color[:, :, :3], wanted, atol=2e-3)
+
+
+# --- L5: scrolling --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("surface", ["landscape", "standard"])
+def test_scrolling_moves_all_maps_together(surface: str) -> None:
+    """L5: what was seen an eighth of the shape further along u, now is here, in every map."""
+    material = Material(
+        "m",
+        height=map_of(noise(3, (32, 32), 1)),
+        base_color=map_of(noise(4, (32, 32))),
+        normal=map_of(noise(5, (32, 32)) * [0.4, 0.4, 0.0] + [0.3, 0.3, 0.95]),
+        occlusion=map_of(noise(6, (32, 32), 1)),
+        emission=map_of(noise(7, (32, 32))),
+    )
+    thing = Object(
+        material,
+        surface=surface,
+        technique="parallax_occlusion",
+        tiling=(2.0, 3.0),
+        shift=(0.1, 0.2),
+        tilings={
+            "base_color": Tiling((1.0, 2.0), (0.3, 0.0)),
+            "normal": Tiling((-3.0, 2.0)),
+            "emission": Tiling((1.5, 1.0)),
+        },
+        layer=Layer(Material("over", base_color=map_of(noise(8, (32, 32)))), Tiling((2.5, 2.5))),
+        transform=np.eye(4),
+    )
+    camera = LookAt((0.0, -1.2, 2.0), up=(0.0, 0.0, 1.0), orthographic_height=0.5)
+    still, moved = (
+        drawn(each, camera=camera, size=(96, 64)) for each in (thing, thing.scrolled(0.125))
+    )
+    # 128 pixels to a unit
+    first, then = still.color[:, 24:88], moved.color[:, 8:72]
+    assert still.hit.all()
+    np.testing.assert_allclose(then, first, atol=2e-3)
+    assert np.abs(still.color[:, 8:72] - then).max() > 0.1
+    np.testing.assert_allclose(moved.uv[:, 8:72], still.uv[:, 24:88], atol=1e-4)
+
+
+def test_scrolling_there_and_back_or_a_whole_tile_changes_nothing() -> None:
+    thing = Object(sample("bricks", 16), tiling=(2.0, 3.0), shift=(0.5, 0.0),
+                   layer=Layer(sample("grid", 16)))  # fmt: skip
+    back = thing.scrolled(0.25, 0.5).scrolled(-0.25, -0.5)
+    assert back.shift == thing.shift
+    assert back.layer.tiling == thing.layer.tiling
+    assert thing.scrolled(0.25, 0.5).shift == (1.0, 1.5)
+    assert thing.scrolled(0.25, 0.5).layer.tiling.shift == (2.5, 5.0)
+
+
+# --- what is in a program, and both engines ------------------------------------------------------
+
+
+def test_only_the_chosen_surface_is_in_a_program() -> None:
+    material = sample("terrain", 16)
+    texts = [
+        print_wgsl(program_of(Object(material, surface=surface)).module, "wrap")
+        for surface in ("standard", "landscape")
+    ]
+    for word, wanted in (
+        ("landscape_surface", [False, True]),
+        ("water_level", [False, True]),
+        ("standard_surface", [True, False]),
+    ):
+        assert [word in text for text in texts] == wanted
+
+
+@pytest.mark.gpu
+def test_cpu_and_gpu_agree() -> None:
+    thing = Object(
+        sample("terrain", 64), surface="landscape", technique="fixed_length", scale=0.3,
+        layer=Layer(sample("stone", 64), Tiling((3.0, 3.0))),
+    ).scrolled(0.3)  # fmt: skip
+    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.8)), 64)
+
+
+def test_water_stays_water_where_the_relief_has_faded() -> None:
+    """What goes by the height reads it where nothing else does; the standard surface reads none."""
+    levels = np.full((4, 4, 1), 0.2, np.float32)
+    ground = Material("lake", height=Map(levels, False, "lake"))
+    options = {"technique": "fixed_length", "scale": 0.1, "transform": np.eye(4)}
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    colors = []
+    for fade in (None, (0.5, 1.0)):
+        thing = Object(ground, surface="landscape", fade=fade, **options)
+        frame = render(Scene((thing,), camera), size=(9, 9), samples=1, engine="cpu")
+        colors.append(frame.color[4, 4])
+    np.testing.assert_allclose(colors[0], colors[1], atol=1e-3)
+    flat = Object(ground, fade=(0.5, 1.0), **options)
+    assert render(Scene((flat,), camera), size=(9, 9), samples=1, engine="cpu").reads.max() == 0
+
+
+def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
+    colors = np.full((1, 1, 3), 0.4, np.float32)
+    height = Map(np.full((4, 4, 1), 0.8, np.float32), False, "high")
+    ground = Material("ground", height=height, base_color=Map(colors, False, "colour"))
+    thing = Object(ground, surface="landscape", transform=np.eye(4))
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    np.testing.assert_allclose(color, 0.4, atol=1e-3)
+
+
+@pytest.mark.parametrize("technique", ["steep", "parallax_occlusion", "relief"])
+def test_the_deepest_ground_is_water_and_no_sky(technique) -> None:
+    """A march that ends above the ground at the bottom has sunk below the water's level."""
+    ground = Material("pit", height=Map(np.zeros((4, 4, 1), np.float32), False, "pit"))
+    thing = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
+    camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
+    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    assert color.max() < 0.2

@@ -1,0 +1,111 @@
+"""Occlusion that has a direction: the map mixed with depth and N · L."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basrelief.lang import Vec3
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.programs import program_of
+from basrelief.scene import LookAt, Object, Orbit, Scene, directional
+from basrelief.shading.brdf import Shading, ShadingPoint
+from basrelief.shading.pixel import open_from_above
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import drawn, map_of, plain
+
+UNITS = st.floats(0.0, 1.0, width=32)
+
+
+def left(occlusion: float, height: float, facing: float, strength: float = 1.0) -> float:
+    """What a light at an angle leaves, of a surface that looks up."""
+    up = Vec3(0.0, 0.0, 1.0)
+    point = ShadingPoint(Vec3(0.0), up, up, Vec3(1.0), 0.5, 0.0, occlusion, Vec3(0.0))
+    facing = min(facing, 1.0)
+    towards = Vec3(np.sqrt(max(1.0 - facing * facing, 0.0)), 0.0, facing)
+    return float(
+        open_from_above(point, np.float32(height), towards, Shading(directional_occlusion=strength))
+    )
+
+
+@given(UNITS, UNITS, st.floats(-1.0, 1.0), UNITS)
+def test_the_formula(occlusion: float, height: float, facing: float, strength: float) -> None:
+    """H5: from occlusion × height at a light along the surface to 1 at one along the normal."""
+    up = max(facing, 0.0)
+    wanted = 1.0 - strength * (1.0 - (occlusion * height * (1.0 - up) + up))
+    assert left(occlusion, height, facing, strength) == pytest.approx(wanted, abs=2e-6)
+
+
+@given(UNITS, UNITS)
+def test_what_is_open_and_what_is_lit_from_above_stays(one: float, strength: float) -> None:
+    assert left(1.0, 1.0, one, strength) == pytest.approx(1.0, abs=1e-6)
+    assert left(one, 0.5, 1.0, strength) == pytest.approx(1.0, abs=1e-6)
+
+
+@given(st.lists(UNITS, min_size=2, max_size=2), UNITS, UNITS)
+def test_more_openness_height_or_facing_never_darken(pair, one: float, other: float) -> None:
+    low, high = sorted(pair)
+    assert left(low, one, other) <= left(high, one, other) + 1e-6
+    assert left(one, low, other) <= left(one, high, other) + 1e-6
+    assert left(one, other, low) <= left(one, other, high) + 1e-6
+
+
+FRONT = LookAt((0.0, 0.0, 3.0), orthographic_height=0.8)
+MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+STEPS = {"min_steps": 8, "max_steps": 8}
+
+
+def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) -> np.ndarray:
+    material = plain(0.6, height=height, occlusion=map_of(np.full((1, 1), 0.4)))
+    options = {"technique": "parallax_occlusion", "settings": STEPS, **options}
+    thing = Object(material, transform=np.eye(4), **options)
+    frame = drawn(
+        thing, camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
+        shading=shading, occlusion_kind=occlusion,
+    )  # fmt: skip
+    assert frame.hit.all()
+    return frame.color[:, :, :3]
+
+
+@pytest.mark.parametrize("elevation", [0.0, 30.0, 60.0, 80.0])
+def test_lights_take_occlusion_by_depth_and_angle(elevation: float) -> None:
+    """H5, in the picture: the height is that of the hit, the normal the relief's."""
+    light = directional(0.0, elevation)
+    facing = np.cos(np.radians(elevation))
+    np.testing.assert_allclose(lit("ambient", light), 0.6 * facing, atol=1e-4)
+    for height in (0.25, 0.5, 1.0):
+        share = 0.4 * height * (1.0 - facing) + facing
+        wanted = 0.6 * facing * share
+        np.testing.assert_allclose(lit("directional", light, height), wanted, atol=1e-4)
+
+
+def test_with_strength_0_it_is_the_occlusion_of_ambient_light_alone() -> None:
+    light = directional(50.0, 20.0)
+    none = Shading(ambient=(0.3, 0.3, 0.3), directional_occlusion=0.0)
+    np.testing.assert_array_equal(
+        lit("directional", light, shading=none), lit("ambient", light, shading=none)
+    )
+
+
+def test_a_height_below_all_is_the_lowest() -> None:
+    """A march of fixed length that meets nothing may end there; light is never below 0."""
+    assert left(0.5, -3.0, 0.1) == pytest.approx(0.1, abs=1e-6)
+
+
+def test_without_a_direction_there_is_no_code_for_it() -> None:
+    thing = Object(sample("tiles", 16))
+    texts = [
+        print_wgsl(program_of(thing, Scene((thing,), occlusion_kind=kind)).module, "wrap")
+        for kind in ("ambient", "directional")
+    ]
+    assert ["open_from_above" in text for text in texts] == [False, True]
+
+
+@pytest.mark.gpu
+def test_cpu_and_gpu_agree() -> None:
+    material: Material = sample("cobbles", 64)
+    scene = Scene((Object(material),), Orbit(40.0, 35.0, 1.6), occlusion_kind="directional")
+    assert_engines_agree(scene, 64)

@@ -1,0 +1,574 @@
+"""Mirrored, tiled, turned and stretched: ramps and bumps against answers in float64.
+
+A displaced point is, in world space and with M the object's transform,
+
+    M (corner + u · right + v · down) + (height − level) · M out · scale ÷ |tiles along u|
+
+so a ray is taken to (u, v, how far out) by one 3 × 3 system and followed there: no tangent, no
+handedness, no inverse transpose. Normals are the cross product of the surface's own derivatives.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from basrelief.material import Map, Material
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import render
+from basrelief.scene import LookAt, Object, Scene, directional, placed, turned
+from basrelief.shading.brdf import Shading
+from basrelief.shading.lights import Light
+from basrelief.shading.self_shadow import Shadowing
+from helpers.made_up import rays, unit
+
+SIZE = (60, 44)
+MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))
+STEPS = 256
+FINE = {
+    "parallax_occlusion": {"min_steps": STEPS, "max_steps": STEPS},
+    "relief": {"min_steps": STEPS, "max_steps": STEPS, "search_steps": 16},
+}
+
+# --- orientations ---------------------------------------------------------------------------------
+
+TRANSFORMS = {
+    "as it is": np.eye(4),
+    "turned about x": turned("x", -75.0),
+    "turned about y": turned("y", 130.0),
+    "turned about z": turned("z", 65.0),
+    "stretched": placed((0.3, -0.2, 0.5), (1.7, 0.6, 1.4)),
+    "turned and stretched": turned("y", 40.0) @ turned("x", -70.0) @ placed(scale=(0.6, 1.5, 2.0)),
+    "skewed": turned("x", 25.0) @ placed(scale=(1.5, 0.7, 1.1)) @ turned("y", 35.0),
+    "mirrored in x": placed(scale=(-1.3, 0.9, 1.0)),
+    "mirrored in y and turned": turned("z", 30.0) @ placed(scale=(0.8, -1.1, 1.0)),
+    "mirrored in z": placed(scale=(1.0, 0.8, -1.2)),
+    "mirrored in all": placed((0.0, 0.4, 0.0), (-1.0, -0.7, -1.2)),
+}
+AT_RIGHT_ANGLES = [name for name in TRANSFORMS if name != "skewed"]
+MIRRORINGS = [(1, 1), (-1, 1), (1, -1), (-1, -1)]
+TILINGS = {
+    (1, 1): (0.0, 0.0),
+    (-1, 1): (0.0, 0.0),
+    (1, -1): (0.3, -0.2),
+    (-1, -1): (0.0, 0.45),
+    (2, 3): (0.0, 0.0),
+    (-1, 2): (0.25, 0.0),
+    (2, -3): (-0.7, 0.1),
+}
+"""Tiles along u and v, and the shift that goes with each."""
+
+FACES = {
+    # out, right, and down in the picture
+    "front": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
+    "back": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
+    "right": ((1, 0, 0), (0, 0, -1), (0, -1, 0)),
+    "left": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "top": ((0, 1, 0), (1, 0, 0), (0, 0, 1)),
+    "bottom": ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
+}
+"""The faces of the box, the picture's sides as seen from outside; the first is the plane's too."""
+
+
+# --- forms ----------------------------------------------------------------------------------------
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Form:
+    """A height map as a formula in u and v from 0 to 1, with its slopes along both."""
+
+    height: Callable[[Array, Array], Array]
+    slope: Callable[[Array, Array], tuple[Array, Array]]
+    columns: int
+    rows: int
+
+    @functools.cached_property
+    def texels(self) -> Array:
+        u, v = [(np.arange(n) + 0.5) / n for n in (self.columns, self.rows)]
+        return self.height(*np.meshgrid(u, v))
+
+
+def bell(u: Array, v: Array) -> Array:
+    """Up and to the left of the middle, and not as wide as high."""
+    return np.exp(-(((u - 0.4) / 0.13) ** 2) - ((v - 0.42) / 0.17) ** 2)
+
+
+RAMP = Form(
+    lambda u, v: 0.5 + 0.55 * (u - 0.5) - 0.2 * (v - 0.5),
+    lambda u, v: (0.55 + 0 * u, -0.2 + 0 * v),
+    24,
+    16,
+)
+BUMP = Form(
+    lambda u, v: 0.15 + 0.7 * bell(u, v),
+    lambda u, v: (
+        0.7 * bell(u, v) * -2 * (u - 0.4) / 0.13**2,
+        0.7 * bell(u, v) * -2 * (v - 0.42) / 0.17**2,
+    ),
+    36,
+    24,
+)
+BLOCK = Form(
+    lambda u, v: 0.1 + 0.7 * ((abs(u - 0.45) < 0.1) & (abs(v - 0.55) < 0.08)),
+    lambda u, v: (0 * u, 0 * v),
+    48,
+    32,
+)
+COLORS = np.array(
+    # six across, four down, and no two corners or sides alike
+    [
+        [
+            (0.2 + 0.12 * x, 0.9 - 0.2 * y, 0.3 + 0.02 * x * y + 0.4 * (x == y == 0))
+            for x in range(6)
+        ]
+        for y in range(4)
+    ]
+)
+
+
+def map_of(values: Array) -> Map:
+    values = np.asarray(values, np.float32)
+    return Map(values if values.ndim == 3 else values[:, :, None], False, "made up")
+
+
+COLORED = {
+    form: Material("made up", height=map_of(form.texels), base_color=map_of(COLORS))
+    for form in (RAMP, BUMP)
+}
+GREY = {
+    BUMP: Material("made up", height=map_of(BUMP.texels)),
+    BLOCK: Material(
+        "made up",
+        height=map_of(BLOCK.texels),
+        normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0))),
+    ),
+}
+
+
+def bilinear(texels: Array, uv: Array) -> Array:
+    """The surface through the texel centres, repeated for ever."""
+    rows, columns = texels.shape[:2]
+    x, y = uv[..., 0] * columns - 0.5, uv[..., 1] * rows - 0.5
+    left, top = np.floor(x), np.floor(y)
+    more = (..., *(None,) * (texels.ndim - 2))
+    a, b = (x - left)[more], (y - top)[more]
+    i, j = left.astype(int) % columns, top.astype(int) % rows
+    # the texel to the right, the one below, and the two after the last
+    wide = np.pad(texels, [(0, 1), (0, 1), *[(0, 0)] * (texels.ndim - 2)], mode="wrap")
+    upper = wide[j, i] * (1 - a) + wide[j, i + 1] * a
+    lower = wide[j + 1, i] * (1 - a) + wide[j + 1, i + 1] * a
+    return upper * (1 - b) + lower * b
+
+
+# --- rays and displaced faces, in world space -----------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A displaced face: P(u, v, s) = corner + u · right + v · down + s · rise, s = height − level.
+
+    u and v are the shape's own, from 0 to 1.
+    """
+
+    corner: Array
+    right: Array
+    down: Array
+    rise: Array
+    level: float
+    tiles: Array
+    shift: Array
+    form: Form
+
+    @classmethod
+    def of(cls, thing: Object, name: str, form: Form) -> Face:
+        out, right, down = (np.array(way, np.float64) for way in FACES[name])
+        lift = 0.0 if thing.shape == "plane" else 0.5
+        linear, origin = thing.to_world[:3, :3], thing.to_world[:3, 3]
+        return cls(
+            corner=origin + linear @ (lift * out - right / 2 - down / 2),
+            right=linear @ right,
+            down=linear @ down,
+            rise=linear @ out * thing.scale / abs(thing.tiling[0]),
+            level=thing.level,
+            tiles=np.array(thing.tiling, np.float64),
+            shift=np.array(thing.shift, np.float64),
+            form=form,
+        )
+
+    @property
+    def normal(self) -> Array:
+        """The polygon's, on the side to which the relief rises."""
+        across = unit(np.cross(self.right, self.down))
+        return across * np.sign(across @ self.rise)
+
+    def at(self, u: float, v: float) -> Array:
+        """The polygon's point at texture coordinates."""
+        x, y = (np.array([u, v]) - self.shift) / self.tiles
+        return self.corner + x * self.right + y * self.down
+
+    def coordinates(self, way: Array) -> Array:
+        """A world vector as multiples of right, down and rise."""
+        return way @ np.linalg.inv(np.stack([self.right, self.down, self.rise]))
+
+    def tiled(self, place: Array) -> Array:
+        """Texture coordinates from the shape's own."""
+        return place[..., :2] * self.tiles + self.shift
+
+    def above(self, place: Array) -> Array:
+        """How far above the surface a place is, in heights."""
+        return place[..., 2] + self.level - bilinear(self.form.texels, self.tiled(place))
+
+    def normals(self, uv: Array) -> Array:
+        """Of the displaced surface, from the derivatives of its points."""
+        along_u, along_v = self.form.slope(*np.moveaxis(uv % 1.0, -1, 0))
+        one = self.right + (along_u * self.tiles[0])[..., None] * self.rise
+        other = self.down + (along_v * self.tiles[1])[..., None] * self.rise
+        across = unit(np.cross(one, other))
+        return across * np.sign(across @ self.rise)[..., None]
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a picture should hold: arrays over all pixels.
+
+    `sure` where it is hit, clear of the outline; `outside` where it is not. `grazing` where the ray
+    all but touches the surface before it meets it. `end` is the place in the coordinates of the
+    face, `footprint` how much of a tile the pixel sees along u and v, `travel` how many tiles the
+    ray runs over while it falls through all heights.
+    """
+
+    sure: Array
+    outside: Array
+    grazing: Array
+    uv: Array
+    depth: Array
+    normal: Array
+    end: Array
+    footprint: Array
+    travel: Array
+
+
+SAMPLES = 96
+NEAR = 1e-3
+CLOSE = 0.03
+
+
+def answer(faces: list[Face], camera: LookAt) -> Answer:
+    """Follow every ray to the first displaced face that it meets through its polygon."""
+    origins, directions = rays(camera, SIZE)
+    shape = origins.shape[:2]
+    found = Answer(
+        sure=np.zeros(shape, bool),
+        outside=np.ones(shape, bool),
+        grazing=np.zeros(shape, bool),
+        uv=np.zeros((*shape, 2)),
+        depth=np.zeros(shape),
+        normal=np.zeros((*shape, 3)),
+        end=np.zeros((*shape, 3)),
+        footprint=np.zeros((*shape, 2)),
+        travel=np.zeros(shape),
+    )
+    leave = np.full(shape, np.inf)
+    for face in faces:
+        start = face.coordinates(origins - face.corner)
+        way = face.coordinates(directions)
+        polygon = -start[..., 2] / way[..., 2]
+        np.minimum(leave, polygon, out=leave, where=way[..., 2] > 0.0)
+        place = start + way * polygon[..., None]
+        margin = 0.5 - np.abs(place[..., :2] - 0.5).max(axis=-1)
+        ahead = (way[..., 2] < 0.0) & (polygon > 0.0)
+        found.outside[ahead & (margin > -NEAR)] = False
+        meets = ahead & (margin > NEAR)
+        if not meets.any():
+            continue
+        found.sure[meets] = True
+        end, depth, found.grazing[meets] = followed(face, start[meets], way[meets])
+        found.end[meets], found.depth[meets] = end, depth
+        found.uv[meets] = face.tiled(end)
+        found.normal[meets] = face.normals(face.tiled(end))
+        slant = np.linalg.norm(way[..., :2] * face.tiles, axis=-1) / -way[..., 2]
+        found.travel[meets] = slant[meets]
+        spread = np.gradient(face.tiled(place), axis=(0, 1))
+        found.footprint[meets] = np.abs(spread).max(axis=0)[meets]
+    # the relief of a solid goes no further than the solid
+    np.minimum(found.depth, leave, out=found.depth)
+    return found
+
+
+def followed(face: Face, start: Array, way: Array) -> tuple[Array, Array, Array]:
+    """Where rays in a face's coordinates end, at what distance, and which pass a crest closely."""
+    heights = np.linspace(1.0 - face.level, 0.05 - face.level, SAMPLES)
+    t = (heights - start[:, 2:]) / way[:, 2:]
+    clearance = face.above(start[:, None] + way[:, None] * t[..., None])
+    first = np.argmax(clearance <= 0.0, axis=1)
+    here = clearance[:, 1:-1]
+    dips = (here < clearance[:, :-2]) & (here <= clearance[:, 2:]) & (here < CLOSE)
+    grazing = (dips & (np.arange(1, SAMPLES - 1) < first[:, None])).any(axis=1)
+    each = np.arange(len(start))
+    for further in (1, 2, 3):
+        # or that go in only to come out again
+        grazing |= clearance[each, np.minimum(first + further, SAMPLES - 1)] > 0.0
+    low, high = t[each, np.maximum(first - 1, 0)], t[each, first]
+    for _ in range(30):
+        middle = (low + high) / 2
+        under = face.above(start + way * middle[:, None]) <= 0.0
+        low, high = np.where(under, low, middle), np.where(under, middle, high)
+    return start + way * high[:, None], high, grazing
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+def seen(face: Face, lens: str = "perspective", slant: float = 0.6) -> LookAt:
+    """A tilted camera that sees about a tile of a face, near its middle."""
+    target = face.corner + 0.45 * face.right + 0.55 * face.down
+    tile = (face.right / abs(face.tiles[0]), face.down / abs(face.tiles[1]))
+    across = math.sqrt(math.prod(np.linalg.norm(way) for way in tile))
+    side = slant * (unit(face.right) * 0.8 + unit(face.down) * 0.6)
+    up = 0.6 * face.normal - unit(face.down) + 0.4 * unit(face.right)
+    return LookAt(
+        tuple(target + (side + face.normal) * across * 3.0),
+        tuple(target),
+        tuple(up),
+        field_of_view=24.0,
+        orthographic_height=1.4 * across if lens == "orthographic" else None,
+    )
+
+
+def light_towards(face: Face, side: Array, elevation: float = 40.0) -> Array:
+    """The unit vector to a light that stands to a side of a face."""
+    along = side - face.normal * (side @ face.normal)
+    angle = math.radians(elevation)
+    return unit(along) * math.cos(angle) + face.normal * math.sin(angle)
+
+
+def light_from(towards: Array) -> Light:
+    x, y, z = towards
+    return directional(math.degrees(math.atan2(x, z)), math.degrees(math.asin(y)))
+
+
+def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling, **more) -> Object:
+    technique = "parallax_occlusion" if form is RAMP else "relief"
+    given = {
+        "technique": technique,
+        "settings": FINE[technique],
+        "scale": 0.22,
+        "level": 1.0 if form is RAMP else 0.4,
+        "tiling": tiling,
+        "shift": TILINGS[tiling],
+        "transform": TRANSFORMS[transform],
+    }
+    return Object(materials[form], **{**given, **more})
+
+
+def drawn(thing: Object, camera: LookAt, towards: Array, engine: str = "cpu", **more) -> Frame:
+    given = {"background": None, "shading": MATTE, "shading_model": "phong"}
+    scene = Scene((thing,), camera=camera, lights=(light_from(towards),), **{**given, **more})
+    return render(scene, size=SIZE, samples=1, engine=engine)
+
+
+def assert_right(
+    thing: Object, faces: list[Face], camera: LookAt, towards: Array, engine: str = "cpu"
+) -> None:
+    """Outline, texture coordinates, depth and light are those of the displaced surface."""
+    frame, wanted = drawn(thing, camera, towards, engine), answer(faces, camera)
+    form = faces[0].form
+    # not where a step of the march is more than a part of a texel
+    sure = wanted.sure & (wanted.travel < 1.0)
+    ours = sure & ~wanted.grazing
+    assert ours.sum() > 150
+    assert ours.sum() > 0.95 * sure.sum()
+    assert frame.hit[wanted.sure].all()
+    assert not frame.hit[wanted.outside].any()
+    # within the chord of a step at the ramp's cliff, of rounding everywhere else
+    away = np.abs(frame.uv - wanted.uv)[ours].max(axis=-1)
+    assert away.max() < 2e-3
+    assert np.quantile(away, 0.95) < 5e-5
+    np.testing.assert_allclose(frame.depth[ours], wanted.depth[ours], rtol=1e-3)
+    facing = np.maximum(wanted.normal @ towards, 0.0)
+    shade = bilinear(COLORS, wanted.uv) * facing[..., None]
+    # coarser levels of a map mix in more of the tile: of the ramp's cliff, too
+    size = np.array([form.columns, form.rows])
+    texels = (wanted.footprint * size).max(axis=-1)
+    reach = 2.0 + 3.0 * np.where(texels > 0.7, texels, 0.0)
+    inner = (np.abs(wanted.uv % 1.0 - 0.5) < 0.5 - reach[..., None] / size).all(axis=-1)
+    plain = ours & (texels < 2.5) & (inner | (form is not RAMP))
+    assert plain.sum() > 30
+    off = np.abs(frame.color[..., :3] - shade)[plain].max(axis=-1)
+    if form is RAMP:
+        assert off.max() < 1e-3
+    else:
+        # the slopes of a map are those from one texel to the next but one
+        assert np.quantile(off, 0.9) < 0.02
+        assert off.max() < 0.12
+    assert shade[plain].max() > 0.2
+
+
+# --- ramps and bumps ------------------------------------------------------------------------------
+
+
+FORMS = {"a ramp, in perspective": (RAMP, "perspective"), "a bump": (BUMP, "orthographic")}
+
+
+@pytest.mark.parametrize("tiling", TILINGS, ids=str)
+@pytest.mark.parametrize("transform", TRANSFORMS)
+@pytest.mark.parametrize("name", FORMS)
+def test_on_a_plane_the_picture_is_that_of_the_displaced_surface(name, transform, tiling) -> None:
+    """Outline, uv, depth, colour and light, mirrored, tiled, shifted, turned, stretched."""
+    form, lens = FORMS[name]
+    thing = thing_of(form, COLORED, transform, tiling)
+    face = Face.of(thing, "front", form)
+    towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
+    assert_right(thing, [face], seen(face, lens), towards)
+
+
+@pytest.mark.parametrize("name", FACES)
+@pytest.mark.parametrize("tiling", [(1, 1), (-1, 2), (2, -3)], ids=str)
+@pytest.mark.parametrize("transform", ["turned and stretched", "skewed", "mirrored in all"])
+def test_on_each_face_of_a_box_the_picture_is_that_of_the_displaced_surface(
+    transform, tiling, name
+) -> None:
+    form = BUMP if name in ("front", "left", "top") else RAMP
+    thing = thing_of(form, COLORED, transform, tiling, shape="box")
+    faces = {each: Face.of(thing, each, form) for each in FACES}
+    face = faces[name]
+    towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
+    assert_right(thing, list(faces.values()), seen(face), towards)
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("form", [RAMP, BUMP], ids=["a ramp", "a bump"])
+@pytest.mark.parametrize(
+    ("transform", "tiling"),
+    [("turned and stretched", (-1, 2)), ("skewed", (2, -3)), ("mirrored in all", (-1, -1))],
+    ids=str,
+)
+def test_a_gpu_draws_the_same_answer(form, transform, tiling) -> None:
+    thing = thing_of(form, COLORED, transform, tiling)
+    face = Face.of(thing, "front", form)
+    towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
+    assert_right(thing, [face], seen(face), towards, "gpu")
+
+
+# --- light and shadow by the place in the world ---------------------------------------------------
+
+SIDES = {"u": (1, 0), "minus v": (0, -1)}
+
+
+def positions(frame: Frame, camera: LookAt) -> Array:
+    """Where in the world each pixel's point is, by its depth alone."""
+    origins, directions = rays(camera, SIZE)
+    return origins + directions * np.where(frame.hit, frame.depth, 0.0)[..., None]
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
+@pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
+def test_the_side_of_a_bump_that_faces_the_light_is_the_bright_one(transform, tiling, side) -> None:
+    """In the world's own space, with no texture coordinate in the question."""
+    thing = thing_of(BUMP, GREY, transform, tiling, level=0.0, shift=(0.0, 0.0), scale=0.15)
+    face = Face.of(thing, "front", BUMP)
+    a, b = SIDES[side]
+    towards = light_towards(face, a * unit(face.right) + b * unit(face.down), 25.0)
+    camera = seen(face, "orthographic", slant=0.2)
+    frame = drawn(thing, camera, towards)
+    middle = face.at(0.4 - (tiling[0] < 0), 0.42 - (tiling[1] < 0))
+    away = (positions(frame, camera) - middle) @ np.linalg.inv(
+        np.stack([face.right, face.down, face.normal])
+    )
+    # in widths and heights of the plane, towards the light and across
+    along, across = away[..., :2] @ (a, b), abs(away[..., :2] @ (b, a))
+    band = frame.hit & (across < 0.1) & (abs(along) > 0.03) & (abs(along) < 0.25)
+    shade = frame.color[..., 0]
+    bright, dark = band & (along > 0.0), band & (along < 0.0)
+    assert min(bright.sum(), dark.sum()) > 20
+    assert shade[bright].mean() > shade[dark].mean() + 0.15
+
+
+SHADOW_OFFSET = 0.004
+
+
+def stands_above(face: Face, start: Array, way: Array, samples: int) -> Array:
+    """How far the surface stands above ways to a light, at the most; in a face's coordinates."""
+    share = np.linspace(0.0, 1.0, samples + 1)[1:, None]
+    rise = (1.0 - face.level - start[:, None, 2:]) * share
+    return -face.above(start[:, None] + way / way[2] * rise).min(axis=1)
+
+
+@pytest.mark.parametrize("tiling", [(1, 1), (-1, 2), (2, -3)], ids=str)
+@pytest.mark.parametrize("transform", TRANSFORMS)
+def test_the_shadow_of_a_block_falls_away_from_the_light_and_ends_where_it_should(
+    transform, tiling
+) -> None:
+    """Dark where the way to the light, followed in float64, goes through the block."""
+    thing = thing_of(BLOCK, GREY, transform, tiling)
+    face = Face.of(thing, "front", BLOCK)
+    side = -0.5 * unit(face.right) + 0.9 * unit(face.down)
+    towards = light_towards(face, side, 35.0)
+    camera = seen(face, "orthographic", slant=0.25)
+    shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
+    frame = drawn(thing, camera, towards, shadows="hard", shadowing=shadowing)
+    wanted = answer([face], camera)
+    ours = wanted.sure & ~wanted.grazing
+    lit = 0.6 * float(face.normal @ towards)
+    shade = frame.color[..., 0][ours]
+    dark = shade < 0.5 * lit
+    np.testing.assert_allclose(shade, np.where(dark, 0.0, lit), atol=1e-3)
+    end, way = wanted.end[ours], face.coordinates(towards)
+    above = stands_above(face, end, way, SAMPLES)
+    # a way may cut a corner between two samples
+    doubted = dark != (above > SHADOW_OFFSET)
+    above[doubted] = stands_above(face, end[doubted], way, 48 * SAMPLES)
+    # between the two the offset and the steps decide
+    free, blocked = above < 0.5 * SHADOW_OFFSET, above > SHADOW_OFFSET + 2.0 / STEPS
+    assert (free | blocked).mean() > 0.9
+    assert not dark[free].any()
+    assert dark[blocked].all()
+    assert 0.03 < dark.mean() < 0.6
+
+
+@pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
+@pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
+def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
+    """By the places in the world of what is dark and of what is high."""
+    thing = thing_of(BLOCK, GREY, transform, tiling, shift=(0.0, 0.0), level=0.1, scale=0.2)
+    face = Face.of(thing, "front", BLOCK)
+    towards = light_towards(face, 0.7 * unit(face.right) + 0.5 * unit(face.down), 35.0)
+    camera = seen(face, "orthographic", slant=0.2)
+    shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
+    frame = drawn(thing, camera, towards, shadows="hard", shadowing=shadowing)
+    block = face.at(0.45 - (tiling[0] < 0), 0.55 - (tiling[1] < 0))
+    away = positions(frame, camera) - block
+    u, v, out = np.moveaxis(
+        away @ np.linalg.inv(np.stack([face.right, face.down, face.rise])), -1, 0
+    )
+    # the ground about this block; there are others in the tiles around
+    ground = frame.hit & (out < 0.1) & (abs(u) < 0.35) & (abs(v) < 0.35)
+    dark = ground & (frame.color[..., 0] < 1e-3)
+    along = away @ (towards - face.normal * (face.normal @ towards))
+    assert dark.sum() > 20
+    assert (along[dark] < 0.0).mean() > 0.9
+    assert (dark & (along < 0.0)).sum() < 0.7 * (ground & (along < 0.0)).sum()
+
+
+# --- clipped at the edge --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
+def test_a_clipped_plane_shows_the_whole_map_mirrored_or_not(tiling) -> None:
+    """Mirrored tiles lie before the map's own, where its border alone would go on."""
+    thing = thing_of(RAMP, COLORED, "as it is", tiling, shift=(0.0, 0.0), scale=0.05, edge="clip")
+    face = Face.of(thing, "front", RAMP)
+    camera = LookAt((0.0, 0.0, 3.0), orthographic_height=0.9)
+    frame, wanted = drawn(thing, camera, face.normal), answer([face], camera)
+    shade = bilinear(COLORS, wanted.uv) * (wanted.normal @ face.normal)[..., None]
+    inner = wanted.sure & (np.abs(wanted.uv % 1.0 - 0.5) < 0.37).all(axis=-1)
+    assert inner.sum() > 500
+    np.testing.assert_allclose(frame.color[..., :3][inner], shade[inner], atol=1e-3)

@@ -1,0 +1,737 @@
+"""The whole pixel against pictures worked out in float64: rays, planes and formulas, no shaders."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from basrelief.engine.cpu import CpuEngine
+from basrelief.lang.llvm import print_llvm
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.programs import program_of
+from basrelief.rendering.render import render
+from basrelief.scene import LookAt, Object, Scene, directional, placed, point, spot, turned
+from basrelief.shading.brdf import Shading
+from basrelief.techniques import TECHNIQUES
+from helpers.made_up import map_of, noise, rays, unit
+
+CPU = CpuEngine()
+SIZE = (97, 61)
+DARK = (0.0, 0.0, 0.0)
+
+
+# --- the same in float64 --------------------------------------------------------------------------
+
+
+def in_object(matrix: np.ndarray, origins, directions) -> tuple[np.ndarray, np.ndarray]:
+    """The same rays in object space; distances along them stay those of the world."""
+    inverse = np.linalg.inv(matrix)
+    return origins @ inverse[:3, :3].T + inverse[:3, 3], directions @ inverse[:3, :3].T
+
+
+def heights(values) -> Material:
+    return Material("made up", height=map_of(values))
+
+
+def drawn(thing: Object, camera: LookAt, size=SIZE, **scene) -> Frame:
+    scene = {"background": None, **scene}
+    return render(Scene((thing,), camera=camera, **scene), size=size, samples=1, engine=CPU)
+
+
+SLANTED = LookAt((1.1, -1.4, 1.7), (0.05, -0.1, 0.0), (0.2, 0.3, 1.0), field_of_view=35.0)
+PARALLEL = replace(SLANTED, orthographic_height=1.5)
+CAMERAS = {"perspective": SLANTED, "orthographic": PARALLEL}
+
+# The camera is moved with the object for these, so that the plane fills the picture.
+TRANSFORMS = {
+    "as it is": np.eye(4),
+    "scaled": placed((0.3, -0.2, 0.5), 3.0),
+    "stretched": placed((0.1, 0.2, -0.4), (1.6, 0.7, 0.35)),
+    "turned and stretched": turned("y", 40.0) @ turned("x", -70.0) @ placed(scale=(0.5, 1.5, 2.5)),
+    "mirrored": placed(scale=(-1.2, 0.8, 1.0)),
+}
+
+
+def seen_alike(matrix: np.ndarray, camera: LookAt) -> LookAt:
+    """A camera that stands to the transformed object much as this one to the plain one."""
+    stretch = matrix[:3, :3] / np.abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
+    position = matrix[:3, :3] @ np.array(camera.position) * 1.05 + matrix[:3, 3]
+    target = matrix[:3, :3] @ np.array(camera.target) + matrix[:3, 3]
+    tall = camera.orthographic_height
+    size = np.linalg.norm(matrix[:3, :3], 2)
+    return replace(
+        camera,
+        position=tuple(position),
+        target=tuple(target),
+        up=tuple(stretch @ np.array(camera.up)),
+        orthographic_height=None if tall is None else tall * size,
+    )
+
+
+# --- a plane of one height: the polygon, shifted --------------------------------------------------
+
+KNOWN = {
+    "offset": {},
+    "steep": {"steps": 8},
+    "parallax_occlusion": {"min_steps": 8, "max_steps": 8},
+    "relief": {"min_steps": 8, "max_steps": 8, "search_steps": 12},
+}
+HEIGHT = 0.625
+
+
+def assert_shifted(thing: Object, camera: LookAt, height: float = HEIGHT) -> None:
+    """Depth and uv are those of the plane at a height, within the polygon's outline."""
+    frame = drawn(thing, camera)
+    origins, directions = in_object(thing.to_world, *rays(camera))
+    polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
+    outline = np.abs(polygon[..., :2]).max(axis=-1)
+    within = outline < 0.499
+    assert within.sum() > 150
+    assert frame.hit[within].all()
+    assert not frame.hit[outline > 0.501].any()
+    # in object space the whole range is `scale` of the width of a tile, along u
+    tiles = np.array(thing.tiles, np.float64)
+    shift = (height - thing.relief_level) * thing.relief_scale / abs(tiles[0])
+    distance = (shift - origins[..., 2]) / directions[..., 2]
+    met = origins + directions * distance[..., None]
+    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1) * tiles + thing.shift
+    np.testing.assert_allclose(frame.depth[within], distance[within], rtol=1e-4)
+    np.testing.assert_allclose(frame.uv[within], uv[within], atol=2e-4 * np.abs(tiles).max())
+
+
+@pytest.mark.parametrize("technique", KNOWN)
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("lens", CAMERAS)
+def test_a_plane_of_one_height_is_the_polygon_shifted(technique, level, lens) -> None:
+    """C18, H6: depth and uv of the plane at (height − level) · scale."""
+    thing = Object(
+        heights(np.full((8, 12), HEIGHT)),
+        technique=technique,
+        settings=KNOWN[technique],
+        scale=0.3,
+        level=level,
+        transform=np.eye(4),
+    )
+    assert_shifted(thing, CAMERAS[lens])
+
+
+@pytest.mark.parametrize("name", TRANSFORMS)
+@pytest.mark.parametrize("technique", ["offset", "relief"])
+@pytest.mark.parametrize("lens", CAMERAS)
+def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> None:
+    """C15: set in object space, so a stretched object has a stretched relief, and no warp."""
+    matrix = TRANSFORMS[name]
+    thing = Object(
+        heights(np.full((8, 12), HEIGHT)),
+        technique=technique,
+        settings=KNOWN[technique],
+        scale=0.25,
+        level=0.75,
+        transform=matrix,
+    )
+    assert_shifted(thing, seen_alike(matrix, CAMERAS[lens]))
+
+
+@pytest.mark.parametrize(
+    ("tiling", "shift"),
+    [((3, 1), (0, 0)), ((1, 3), (0.25, 0.5)), ((2, 5), (0, 0)), ((-2, 3), (0, 0.1)),
+     ((2, -3), (-0.7, 0)), ((-1, -2), (0.2, 0.2))],
+)  # fmt: skip
+@pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
+def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None:
+    """W4, C4: the scale of each axis, mirrored too; the depth follows the width along u."""
+    thing = Object(
+        heights(np.full((5, 9), HEIGHT)),
+        technique=technique,
+        settings=KNOWN[technique],
+        scale=0.4,
+        tiling=tiling,
+        shift=shift,
+        transform=TRANSFORMS["turned and stretched"],
+    )
+    assert_shifted(thing, seen_alike(thing.to_world, SLANTED))
+
+
+@pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
+@pytest.mark.parametrize("projection", ["biased", "limited"])
+def test_a_bent_ray_has_the_depth_of_its_height(technique, projection) -> None:
+    """C18 with C6 and C8: uv by the bent ray, depth along the true one."""
+    thing = Object(
+        heights(np.full((8, 12), HEIGHT)),
+        technique=technique,
+        settings=KNOWN[technique],
+        projection=projection,
+        bias=0.42,
+        scale=0.3,
+        level=1.0,
+        transform=np.eye(4),
+    )
+    frame = drawn(thing, SLANTED)
+    origins, directions = rays(SLANTED)
+    polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
+    within = np.abs(polygon[..., :2]).max(axis=-1) < 0.499
+    cosine = -directions[..., 2]
+    travel = -directions[..., :2]
+    if projection == "biased":
+        travel = travel / (cosine + 0.42)[..., None]
+    fall = 0.3 * (HEIGHT - 1.0)
+    uv = np.stack([0.5 + polygon[..., 0], 0.5 - polygon[..., 1]], -1)
+    uv = uv + fall * travel * np.array([1.0, -1.0])
+    distance = (fall - origins[..., 2]) / directions[..., 2]
+    np.testing.assert_allclose(frame.uv[within], uv[within], atol=1e-4)
+    np.testing.assert_allclose(frame.depth[within], distance[within], rtol=1e-4)
+
+
+# --- a ramp from all sides ------------------------------------------------------------------------
+
+SIDES = {
+    "right": (1.8, 0.1, 1.5),
+    "left": (-1.8, -0.1, 1.5),
+    "top": (0.1, 1.8, 1.5),
+    "bottom": (-0.1, -1.8, 1.5),
+    "aslant": (-1.1, 1.3, 1.2),
+}
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("slope", [(0.8, 0.0), (0.0, 0.8), (-0.5, 0.3)])
+def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
+    """The exact meeting of ray and plane; a wrong sign in x or y is off by the whole offset."""
+    columns, rows = 40, 24
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    a, b = slope
+    scale = 0.12
+    thing = Object(
+        heights(0.5 + a * (u - 0.5) + b * (v - 0.5)),
+        technique="parallax_occlusion",
+        settings={"min_steps": 12, "max_steps": 24},
+        scale=scale,
+        level=1.0,
+        edge="clamp",
+        transform=np.eye(4),
+    )
+    camera = LookAt(SIDES[side], up=(0.0, 0.0, 1.0), field_of_view=26.0)
+    frame = drawn(thing, camera)
+    origins, directions = rays(camera)
+    # z = scale · (0.5 + a x − b y − 1) with u − ½ = x, v − ½ = −y
+    normal = np.array([-scale * a, scale * b, 1.0])
+    distance = (scale * (0.5 - 1.0) - origins @ normal) / (directions @ normal)
+    met = origins + directions * distance[..., None]
+    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1)
+    polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
+    entry = np.stack([0.5 + polygon[..., 0], 0.5 - polygon[..., 1]], -1)
+    # the surface goes on level beyond the outer texel centres
+    inner = [0.5 / columns, 0.5 / rows]
+    ours = frame.hit.copy()
+    # a step beyond the hit the march reads once more
+    for place in (entry, uv, uv + (uv - entry) / 2):
+        ours &= (place > inner).all(axis=-1) & (place < 1 - np.array(inner)).all(axis=-1)
+    assert ours.mean() > 0.1
+    np.testing.assert_allclose(frame.uv[ours], uv[ours], atol=1e-4)
+    np.testing.assert_allclose(frame.depth[ours], distance[ours], rtol=1e-4)
+    assert np.abs(uv - entry)[ours].max() > 0.03
+
+
+WALLS = {
+    # the hill's side, the axis that the place is read on, from where it hides
+    "right": (lambda u, v: u > 0.6, 0, +1, "right"),
+    "left": (lambda u, v: u < 0.4, 0, -1, "left"),
+    "bottom": (lambda u, v: v > 0.6, 1, +1, "bottom"),
+    "top": (lambda u, v: v < 0.4, 1, -1, "top"),
+}
+
+
+@pytest.mark.parametrize("hill", WALLS)
+def test_a_hill_hides_what_lies_behind_it(hill) -> None:
+    """A hill on the right hides the ground to the left of it from a viewer on the right."""
+    form, axis, sign, hiding = WALLS[hill]
+    columns, rows = 90, 60
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    thing = Object(
+        heights(form(u, v).astype(np.float32)),
+        technique="relief",
+        settings={"min_steps": 60, "max_steps": 60},
+        scale=0.1,
+        edge="clamp",
+        transform=np.eye(4),
+    )
+    away = np.array(
+        {"right": (1, 0, 0), "left": (-1, 0, 0), "top": (0, 1, 0), "bottom": (0, -1, 0)}[hiding]
+    )
+
+    def ground(direction) -> np.ndarray:
+        """How far before the hill's foot ground is seen, in uv, for a view at 45 degrees."""
+        position = tuple(2.0 * direction + np.array([0.0, 0.0, 2.0]))
+        frame = drawn(thing, LookAt(position, up=(0.0, 0.0, 1.0), orthographic_height=0.8))
+        along = frame.uv[frame.hit][:, axis]
+        foot = 0.6 if sign > 0 else 0.4
+        return (foot - along) * sign
+
+    hidden, seen = ground(away), ground(-away)
+    # at 45 degrees a wall of 0.1 hides 0.1 of ground, less a texel of its own slope
+    assert not ((hidden > 0.03) & (hidden < 0.08)).any()
+    assert ((seen > 0.03) & (seen < 0.08)).mean() > 0.02
+    assert (hidden > 0.12).mean() > 0.1
+
+
+# --- light on a bump ------------------------------------------------------------------------------
+
+FRONT = LookAt((0.0, 0.0, 3.0), orthographic_height=0.8)
+LIGHTS_FROM = {
+    "right": directional(60.0, 0.0),
+    "left": directional(-60.0, 0.0),
+    "above": directional(0.0, 60.0),
+    "below": directional(0.0, -60.0),
+}
+MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))
+
+
+def bump(u, v) -> np.ndarray:
+    """A hill in the middle of the map."""
+    return np.exp(-((u - 0.5) ** 2 + (v - 0.5) ** 2) / 0.02)
+
+
+def normals_of_bump(columns: int, rows: int, scale: float) -> np.ndarray:
+    """The bump's unit normals, encoded with green up; from its derivatives, in float64."""
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    along_u = bump(u, v) * -2 * (u - 0.5) / 0.02 * scale
+    along_v = bump(u, v) * -2 * (v - 0.5) / 0.02 * scale
+    # a square tile: x is u, y is −v
+    normal = unit(np.stack([-along_u, along_v, np.ones_like(u)], -1))
+    return normal * 0.5 + 0.5
+
+
+def bump_material(kind: str) -> Material:
+    columns, rows = 36, 24
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    if kind == "heights":
+        return heights(bump(u, v))
+    return Material("made up", normal=map_of(normals_of_bump(columns, rows, 0.15)))
+
+
+@pytest.mark.parametrize("kind", ["heights", "a normal map"])
+@pytest.mark.parametrize("model", ["phong", "ggx"])
+@pytest.mark.parametrize("light", LIGHTS_FROM)
+@pytest.mark.parametrize("tiling", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
+def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, tiling) -> None:
+    """In the picture's x and y, from a map or from heights, mirrored or not."""
+    thing = Object(
+        bump_material(kind), technique="flat", scale=0.15, tiling=tiling, transform=np.eye(4)
+    )
+    frame = drawn(
+        thing, FRONT, (60, 60), lights=(LIGHTS_FROM[light],), shading=MATTE, shading_model=model
+    )
+    shade = frame.color[:, :, 1]
+    # a band across the bump, its two halves on each axis
+    left, right = shade[24:36, 18:28].mean(), shade[24:36, 32:42].mean()
+    upper, lower = shade[18:28, 24:36].mean(), shade[32:42, 24:36].mean()
+    along_x = {"right": 1, "left": -1}.get(light, 0)
+    along_y = {"above": 1, "below": -1}.get(light, 0)
+    if along_x:
+        assert (right - left) * along_x > 0.1
+        assert abs(upper - lower) < 0.02
+    else:
+        assert (upper - lower) * along_y > 0.1
+        assert abs(right - left) < 0.02
+
+
+@pytest.mark.parametrize(
+    "matrix", [turned("z", 90.0), turned("z", 180.0), placed(scale=(-1, 1, 1))]
+)
+def test_a_turned_bump_is_lit_from_the_same_side(matrix) -> None:
+    thing = Object(bump_material("a normal map"), transform=matrix)
+    frame = drawn(thing, FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
+    shade = frame.color[:, :, 1]
+    assert shade[24:36, 32:42].mean() - shade[24:36, 18:28].mean() > 0.1
+    assert abs(shade[18:28, 24:36].mean() - shade[32:42, 24:36].mean()) < 0.02
+
+
+def test_lambert_on_a_normal_map_is_its_cosine() -> None:
+    """Each texel seen by one pixel: white · n·l, for a light from upper right."""
+    columns, rows = 36, 24
+    encoded = normals_of_bump(columns, rows, 0.1)
+    material = Material(
+        "made up",
+        normal=map_of(encoded),
+        base_color=map_of(np.full((1, 1, 3), 0.75)),
+    )
+    # one tile and a half down, so that texels are square on the object
+    thing = Object(material, tiling=(1.0, 1.5), transform=np.eye(4))
+    camera = LookAt((0.0, 0.0, 3.0), orthographic_height=1.0)
+    light = directional(50.0, 25.0, intensity=2.0)
+    frame = drawn(
+        thing, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
+    )
+    facing = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
+    wanted = 0.75 * 2.0 * np.maximum(facing, 0.0)
+    wanted = np.concatenate([wanted, wanted[: columns - rows]])
+    np.testing.assert_allclose(frame.color[:, :, 0], wanted, atol=2e-3)
+
+
+@pytest.mark.parametrize("name", TRANSFORMS)
+def test_normals_are_those_of_the_transformed_relief(name) -> None:
+    """C15: a stretched ramp is lit as the tilted plane that it has become."""
+    matrix = TRANSFORMS[name]
+    u, v = np.meshgrid((np.arange(32) + 0.5) / 32, (np.arange(32) + 0.5) / 32)
+    scale, a, b = 0.5, 0.6, -0.3
+    ramp = heights(0.5 + a * (u - 0.5) + b * (v - 0.5))
+    thing = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
+    light = directional(35.0, 50.0)
+    camera = seen_alike(matrix, SLANTED)
+    frame = drawn(thing, camera, lights=(light,), shading=MATTE, shading_model="phong")
+    # two directions on the ramp in object space, taken to the world; x is u and y is −v
+    along = [matrix[:3, :3] @ way for way in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
+    normal = unit(np.cross(*along)) * np.sign(np.linalg.det(matrix))
+    wanted = 0.6 * max(float(normal @ -np.array([*light.direction], np.float64)), 0.0)
+    inside = frame.hit & (np.abs(frame.uv - 0.5).max(axis=-1) < 0.4)
+    assert inside.sum() > 100
+    assert wanted > 0.05
+    # coarse levels mix in the border, where the ramp ends
+    assert np.median(frame.color[inside][:, 0]) == pytest.approx(wanted, abs=1e-3)
+
+
+# --- the offset acts everywhere -------------------------------------------------------------------
+
+LAMPS = {
+    "directional": directional(-30.0, 40.0, (0.9, 0.8, 1.0), 1.3),
+    "point": point((0.4, 0.5, 0.6), (1.0, 0.7, 0.5), 0.6),
+    "spot": spot((-0.5, 0.2, 0.9), (0.1, 0.0, 0.0), intensity=1.5, angle=50.0),
+}
+VARIED = {
+    "base_color": {"base_color": map_of(noise(1))},
+    "normal": {"normal": map_of(noise(2) * [0.5, 0.5, 0.0] + [0.2, 0.2, 0.95])},
+    "occlusion": {"occlusion": map_of(noise(3, channels=1))},
+    "roughness": {"roughness": map_of(noise(4, channels=1))},
+    "metallic": {"metallic": map_of(noise(5, channels=1))},
+    "emission": {"emission": map_of(noise(6))},
+    "opacity": {"base_color": map_of(noise(1)), "opacity": map_of(noise(7, channels=1))},
+}
+
+
+def pictures_of_the_shift(maps, lights, shading) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A relief of height ½, a flat plane where it lies, and a flat plane where the polygon is.
+
+    In parallel projection, so that a pixel covers as much of either.
+    """
+    matrix = TRANSFORMS["turned and stretched"]
+    camera = seen_alike(matrix, PARALLEL)
+    material = Material("made up", height=map_of(np.full((24, 36), 0.5)), **maps)
+    common = {"scale": 0.25, "tiling": (2.0, 3.0), "shift": (0.1, 0.3)}
+    steps = {"min_steps": 8, "max_steps": 8}
+    relief = Object(
+        material, technique="parallax_occlusion", settings=steps, transform=matrix, **common
+    )
+    lowered = matrix @ placed((0.0, 0.0, -0.5 * 0.25 / 2.0))
+    still = [Object(material, technique="flat", transform=m, **common) for m in (lowered, matrix)]
+    frames = [
+        drawn(each, camera, lights=lights, shading=shading, background=DARK)
+        for each in (relief, *still)
+    ]
+    both = frames[0].hit & frames[1].hit & frames[2].hit
+    assert both.sum() > 100
+    return tuple(frame.color[both] for frame in frames)  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("what", VARIED)
+def test_the_offset_acts_in_every_map(what) -> None:
+    """C5: each map alone varies, and is seen where the relief lies."""
+    relief, there, polygon = pictures_of_the_shift(
+        VARIED[what], tuple(LAMPS.values()), Shading(ambient=(0.3, 0.3, 0.3))
+    )
+    np.testing.assert_allclose(relief, there, atol=5e-3)
+    assert np.abs(relief - polygon).max() > 0.05
+
+
+@pytest.mark.parametrize("lamp", LAMPS)
+def test_the_offset_acts_in_every_light(lamp) -> None:
+    """C17: the light falls on the displaced point, not on the polygon."""
+    maps = {**VARIED["base_color"], **VARIED["roughness"]}
+    relief, there, polygon = pictures_of_the_shift(maps, (LAMPS[lamp],), MATTE)
+    np.testing.assert_allclose(relief, there, atol=5e-3)
+    assert np.abs(relief - polygon).max() > 0.05
+
+
+@pytest.mark.parametrize("model", ["phong", "ggx"])
+def test_lights_add_up_and_ambient_counts_once(model) -> None:
+    """C17, W10: all lights together are the sum of each alone, over ambient and emission."""
+    material = replace(sample("bricks", 64), emission=map_of(noise(6, (64, 64))))
+    thing = Object(material, technique="relief")
+    camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
+    more = (*LAMPS.values(), point((-0.6, 0.3, 0.2), intensity=0.4, falloff=1.0))
+
+    def color(lights, shading=None) -> np.ndarray:
+        chosen = {} if shading is None else {"shading": shading}
+        return drawn(thing, camera, lights=lights, shading_model=model, **chosen).color[:, :, :3]
+
+    nothing = color(())
+    assert nothing.max() > 0.1
+    alone = sum(color((light,)) - nothing for light in more)
+    np.testing.assert_allclose(color(more), nothing + alone, atol=2e-5)
+    unlit = Shading(ambient=(0.0, 0.0, 0.0))
+    assert color((), unlit).max() < nothing.max()
+
+
+# --- curved shapes --------------------------------------------------------------------------------
+
+
+def on_round(shape: str, met: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Normal, ∂P/∂u, ∂P/∂v and uv of a point of the unit-wide sphere or cylinder's side."""
+    x, y, z = np.moveaxis(met, -1, 0)
+    u = 0.5 + np.arctan2(x, z) / (2 * np.pi)
+    along_u = 2 * np.pi * np.stack([z, 0 * x, -x], -1)
+    if shape == "cylinder":
+        normal = unit(np.stack([x, 0 * y, z], -1))
+        return (
+            normal,
+            along_u,
+            np.broadcast_to([0.0, -1.0, 0.0], met.shape),
+            np.stack([u, 0.5 - y], -1),
+        )
+    ring = np.hypot(x, z)
+    v = np.arctan2(ring, y) / np.pi
+    along_v = np.pi * np.stack([x / ring * y, -ring, z / ring * y], -1)
+    return unit(met), along_u, along_v, np.stack([u, v], -1)
+
+
+def round_hits(shape: str, camera: LookAt) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where rays meet the sphere or the cylinder's endless side: distance, point, direction."""
+    origins, directions = rays(camera)
+    keep = np.array([1.0, 0.0, 1.0]) if shape == "cylinder" else np.ones(3)
+    o, d = origins * keep, directions * keep
+    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 0.25
+    with np.errstate(invalid="ignore"):
+        distance = (-b - np.sqrt(b * b - a * c)) / a
+    return distance, origins + directions * distance[..., None], directions
+
+
+def round_leaves(shape: str, camera: LookAt) -> np.ndarray:
+    """Where rays leave the sphere or the closed cylinder again."""
+    origins, directions = rays(camera)
+    keep = np.array([1.0, 0.0, 1.0]) if shape == "cylinder" else np.ones(3)
+    o, d = origins * keep, directions * keep
+    a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 0.25
+    with np.errstate(invalid="ignore"):
+        leave = (-b + np.sqrt(b * b - a * c)) / a
+    if shape == "sphere":
+        return leave
+    caps = (np.copysign(0.5, directions[..., 1]) - origins[..., 1]) / directions[..., 1]
+    return np.minimum(leave, caps)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("tiling", [(4.0, 2.0), (3.0, -1.0), (-2.0, 5.0)])
+def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling) -> None:
+    """C19: by the formula of the conventions, at each point with its own frame."""
+    scale = 0.15
+    thing = Object(
+        heights(np.full((6, 10), HEIGHT)),
+        shape=shape,
+        technique="parallax_occlusion",
+        settings=KNOWN["parallax_occlusion"],
+        scale=scale,
+        level=level,
+        tiling=tiling,
+    )
+    camera = LookAt((0.9, 0.7, 1.6), field_of_view=36.0)
+    frame = drawn(thing, camera)
+    distance, met, directions = round_hits(shape, camera)
+    normal, along_u, along_v, uv = on_round(shape, met)
+    facing = -(directions * normal).sum(-1)
+    # not at the outline, where a rounding of the point is a large one of the ray
+    ours = np.isfinite(distance) & (facing > 0.2) & (np.abs(met[..., 1]) < 0.49)
+    assert ours.mean() > 0.1
+    assert frame.hit[ours].all()
+    tiles = np.array(tiling)
+    along_u, along_v = along_u / tiles[0], along_v / tiles[1]
+    width, height = (np.linalg.norm(w, axis=-1) for w in (along_u, along_v))
+    view_x = -(directions * along_u).sum(-1) / width
+    view_y = (directions * along_v).sum(-1) / height
+    fall = -scale * np.stack([view_x, -view_y * width / height], -1) / facing[..., None]
+    wanted = uv * tiles + fall * (level - HEIGHT)
+    away = np.abs(frame.uv - wanted)
+    # the seam at the back, where u jumps by its whole range, is not in view
+    assert away[ours].max() < 1e-3
+    deeper = distance + (level - HEIGHT) * scale * width / facing
+    # held to the shape, or to the shell that a raised relief fills around it
+    shell = (1 - level) * scale * width
+    leave = round_leaves(shape, camera)
+    deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), leave)
+    np.testing.assert_allclose(frame.depth[ours], deeper[ours], rtol=2e-4)
+
+
+def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
+    """C19: the tangent plane leaves the curve, more than in proportion to the depth."""
+    camera = LookAt((0.0, 0.2, 2.5), field_of_view=26.0)
+    origins, directions = rays(camera)
+    errors = []
+    for scale in (0.02, 0.04, 0.08, 0.16):
+        thing = Object(
+            heights(np.full((6, 10), HEIGHT)),
+            shape="cylinder",
+            technique="parallax_occlusion",
+            settings=KNOWN["parallax_occlusion"],
+            scale=scale,
+            tiling=(3.0, 1.0),
+        )
+        frame = drawn(thing, camera)
+        deep = (1 - HEIGHT) * scale * np.pi / 3
+        with np.errstate(invalid="ignore"):
+            met = origins + directions * frame.depth[..., None]
+            radius = np.hypot(met[..., 0], met[..., 2])
+        side = frame.hit & (np.abs(met[..., 0]) < 0.4) & (np.abs(met[..., 1]) < 0.45)
+        assert side.mean() > 0.1
+        errors.append(np.abs(radius - (0.5 - deep))[side].max())
+    assert errors[0] < 1e-3
+    assert all(more > 2.5 * less for less, more in pairwise(errors))
+
+
+# --- the box --------------------------------------------------------------------------------------
+
+FACES = {
+    "front": ((0, 0, 3), (0, 1, 0)),
+    "back": ((0, 0, -3), (0, 1, 0)),
+    "right": ((3, 0, 0), (0, 1, 0)),
+    "left": ((-3, 0, 0), (0, 1, 0)),
+    "top": ((0, 3, 0), (0, 0, -1)),
+    "bottom": ((0, -3, 0), (0, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
+    """G11: upright and not mirrored, from the left edge to the right and from top to bottom."""
+    position, up = FACES[face]
+    color = noise(8, (20, 30))
+    material = Material("made up", base_color=map_of(color))
+    thing = Object(material, shape="box", transform=placed(scale=(1, 1, 1)))
+    camera = LookAt(position, up=up, orthographic_height=1.0)
+    frame = drawn(thing, camera, (30, 30), lights=(), shading=Shading(ambient=(1.0, 1.0, 1.0)))
+    assert frame.hit.all()
+    u, v = np.meshgrid((np.arange(30) + 0.5) / 30, (np.arange(30) + 0.5) / 30)
+    np.testing.assert_allclose(frame.uv, np.stack([u, v], -1), atol=1e-6)
+    # columns match texel for texel; rows of 20 lie between those of 30
+    rows = np.array([1 + 3 * k for k in range(10)])
+    wanted = (color[2 * np.arange(10)] + color[2 * np.arange(10) + 1]) / 2
+    np.testing.assert_allclose(frame.color[rows][:, :, :3], wanted, atol=1e-3)
+
+
+# --- what is in a program -------------------------------------------------------------------------
+
+PARALLAX = {
+    "corners", "with_relief", "relief_ray", "beyond", "height_at", "height_under", "sharp", "march",
+    "chord", "at",
+    "steps_by_angle", "step_count", "shifted", "to_texture", "full", "biased", "limited",
+    "line_over", "share_of_cone",
+    # these two are what other functions are called too
+    *(name for name in TECHNIQUES if name not in ("texel", "cone")),
+}  # fmt: skip
+
+
+def functions(thing: Object, model: str = "ggx") -> set[str]:
+    """The names of all functions in what the GPU and the CPU compile."""
+    program = program_of(thing, Scene((thing,), shading_model=model))
+    wgsl = print_wgsl(program.module, program.edge)
+    llvm = print_llvm(program.module, 8)
+    names = set(re.findall(r"\bfn (\w+)\(", wgsl))
+    names |= set(re.findall(r"define [^@]*@\"?([\w.]+)", llvm))
+    # one read of four texels has several names
+    return {"corners" if name.startswith("corners") else name for name in names}
+
+
+def without(material: Material, *kinds: str) -> Material:
+    return replace(material, **dict.fromkeys(kinds))
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere"])
+def test_without_heights_there_is_no_parallax_code(shape) -> None:
+    """C3."""
+    material = replace(without(sample("tiles", 16), "height"), depth=None)
+    thing = Object(material, shape=shape)
+    assert not functions(thing) & PARALLAX
+    text = print_wgsl(program_of(thing).module, "wrap")
+    assert "texture_2d<f32>" not in text
+    assert "Depth" not in text
+
+
+def test_drawn_flat_there_is_no_parallax_code_either() -> None:
+    """C3; and with heights and a technique there is, so that the names above are the right ones."""
+    material = sample("tiles", 16)
+    assert not functions(Object(material, technique="flat")) & PARALLAX
+    found: set[str] = set()
+    for technique in TECHNIQUES:
+        for projection in ("full", "biased", "limited"):
+            found |= functions(Object(material, technique=technique, projection=projection))
+    assert found >= PARALLAX - {"flat"}
+
+
+READS = {
+    "base_color": ("mapped_base_color", "plain_base_color"),
+    "normal": ("mapped_normal", "plain_normal"),
+    "emission": ("mapped_emission", "plain_emission"),
+    "response": ("mapped_response", "plain_response"),
+}
+
+
+@pytest.mark.parametrize("what", READS)
+def test_a_map_that_is_missing_costs_nothing(what) -> None:
+    """Of a map that is not there, neither a read nor the texture is in the program."""
+    whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
+    kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
+    lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
+    mapped, plain = READS[what]
+    for material, there, absent in ((whole, mapped, plain), (lacking, plain, mapped)):
+        thing = Object(material)
+        text = print_wgsl(program_of(thing).module, "wrap")
+        assert there in functions(thing)
+        assert absent not in functions(thing)
+        assert (f"{what}_map" in text) == (there == mapped)
+
+
+def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() -> None:
+    material = sample("tiles", 16)
+    names = functions(Object(material, shape="sphere"), "phong")
+    assert {"sphere", "phong"} <= names
+    assert not {"plane", "box", "cylinder", "ggx", "smith", "trowbridge_reitz"} & names
+
+
+def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:
+    material = sample("tiles", 16)
+    one = program_of(Object(material, technique="steep", settings={"steps": 5}, scale=0.01))
+    other = program_of(
+        Object(material, technique="steep", settings={"steps": 50}, scale=0.3, level=0.2,
+               tiling=(2, -3), transform=turned("y", 3.0))
+    )  # fmt: skip
+    assert one.key == other.key
+    assert program_of(Object(material, technique="relief")).key != one.key
+
+
+def test_with_scale_0_a_picture_is_flat_and_reads_nothing() -> None:
+    """C2."""
+    material = sample("bricks", 64)
+    camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
+    for technique in TECHNIQUES:
+        frame = drawn(Object(material, technique=technique, scale=0.0), camera)
+        still = drawn(Object(material, technique="flat", scale=0.0), camera)
+        assert frame.reads.max() == 0
+        np.testing.assert_array_equal(frame.uv, still.uv)
+        np.testing.assert_array_equal(frame.color, still.color)
+
+
+def test_reads_are_counted_where_something_is_hit() -> None:
+    """C11: one for an offset, at most N for a march, none beside the object."""
+    material = sample("bricks", 64)
+    camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
+    frame = drawn(Object(material, technique="steep", settings={"steps": 10}, scale=0.1), camera)
+    assert not frame.hit.all()
+    assert frame.reads[~frame.hit].max() == 0
+    assert frame.reads[frame.hit].min() >= 1
+    assert frame.reads.max() == 10
+    frame = drawn(Object(material, technique="offset", scale=0.1), camera)
+    assert set(np.unique(frame.reads[frame.hit])) == {1}

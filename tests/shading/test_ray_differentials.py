@@ -1,0 +1,178 @@
+"""Footprints against differences between neighbouring pixels in float64, and mip levels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from basrelief.lang import Buffer, HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound
+from basrelief.lang.frontend import analyse
+from basrelief.scene.cameras import look
+from basrelief.shading import pixel as pixels
+from basrelief.shading import shapes
+from basrelief.shading.camera import primary_ray
+from basrelief.shading.intersection import Placement, meet
+from basrelief.shading.ray_differentials import Footprint, along, level_of_detail, transferred
+from basrelief.shading.shadow_map import CastView
+from basrelief.shading.shapes import shape
+
+SIZE = (40, 22)
+CAMERAS = {
+    "perspective": {"size": SIZE, "field_of_view": 40.0},
+    "orthographic": {"size": SIZE, "orthographic_height": 1.3},
+}
+EYE, TARGET = (0.7, -0.9, 1.6), (0.1, 0.05, 0.0)
+TURN = np.array([[0.8, -0.36, 0.48], [0.6, 0.48, -0.64], [0.0, 0.8, 0.6]])
+TRANSFORM = TURN @ np.diag([1.3, 0.7, 0.4])
+ORIGIN = np.array([0.2, -0.1, 0.3])
+
+
+def a(vector) -> np.ndarray:
+    return np.array([*vector], np.float64)
+
+
+def mat3(matrix: np.ndarray) -> Mat3:
+    return Mat3(*(Vec3(*matrix[:, k]) for k in range(3)))
+
+
+def placement(tiling=(1.0, 1.0), shift=(0.0, 0.0), matrix=None, origin=(0.0, 0.0, 0.0)):
+    matrix = np.eye(3) if matrix is None else matrix
+    inverse = np.linalg.inv(matrix)
+    return Placement(Vec3(*origin), mat3(inverse), Vec2(*tiling), Vec2(*shift), 1.0)
+
+
+def ray_through(camera, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
+    """Origin and direction in float64, from the camera's fields."""
+    spanned = a(camera.corner) + a(camera.right) * x + a(camera.down) * y
+    if camera.perspective == 1.0:
+        return a(camera.position), spanned
+    return a(camera.position) + spanned, a(camera.forward)
+
+
+def uv_of_plane(camera, x, y, matrix, origin, tiling, shift) -> np.ndarray:
+    """Texture coordinates of the plane seen at a place of the picture, in float64."""
+    start, direction = ray_through(camera, x, y)
+    inverse = np.linalg.inv(matrix)
+    start, direction = inverse @ (start - origin), inverse @ direction
+    met = start - direction * (start[2] / direction[2])
+    return np.array([0.5 + met[0], 0.5 - met[1]]) * tiling + shift
+
+
+@pytest.mark.parametrize(
+    "function", [transferred, along, level_of_detail], ids=lambda function: function.name
+)
+def test_the_shaders_are_in_the_subset(function) -> None:
+    assert analyse(function).entry.name == function.name
+
+
+@pytest.mark.parametrize("lens", CAMERAS)
+@pytest.mark.parametrize("placed", ["as it is", "turned and stretched"])
+@pytest.mark.parametrize("tiling", [(1, 1), (3, -2)])
+def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, placed, tiling) -> None:
+    matrix, origin = (np.eye(3), np.zeros(3)) if placed == "as it is" else (TRANSFORM, ORIGIN)
+    eye = matrix @ EYE + origin
+    camera = look(list(eye), list(matrix @ TARGET + origin), **CAMERAS[lens])
+    shift = np.array([0.25, -0.5])
+    found = 0
+    for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
+        with bound({shape: shapes.plane}):
+            met = meet(
+                primary_ray(camera, Vec2(x, y)), placement(tiling, shift, matrix, tuple(origin))
+            )
+        if not met.point.found:
+            continue
+        found += 1
+
+        def uv(x, y):
+            return uv_of_plane(camera, x, y, matrix, origin, np.array(tiling), shift)
+
+        step = 1e-3
+        dx = (uv(x + step, y) - uv(x - step, y)) / (2 * step)
+        dy = (uv(x, y + step) - uv(x, y - step)) / (2 * step)
+        np.testing.assert_allclose(a(met.point.uv), uv(x, y), atol=1e-5)
+        size = max(np.abs(dx).max(), np.abs(dy).max())
+        np.testing.assert_allclose(a(met.footprint.dx), dx, atol=2e-4 * size)
+        np.testing.assert_allclose(a(met.footprint.dy), dy, atol=2e-4 * size)
+    assert found >= 3
+
+
+@pytest.mark.parametrize("name", ["box", "sphere", "cylinder"])
+def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
+    """Against the same shader's uv half a pixel to each side: 2 % where the surface is curved."""
+    camera = look((1.2, 1.0, 2.0), (0, 0, 0), size=(400, 300), field_of_view=40.0)
+    where = placement((3.0, -2.0), (0.0, 0.0), TRANSFORM)
+
+    def met(x, y):
+        with bound({shape: getattr(shapes, name)}):
+            return meet(primary_ray(camera, Vec2(x, y)), where)
+
+    for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
+        middle = met(x, y)
+        assert middle.point.found
+        dx = a(met(x + 0.5, y).point.uv) - a(met(x - 0.5, y).point.uv)
+        dy = a(met(x, y + 0.5).point.uv) - a(met(x, y - 0.5).point.uv)
+        size = max(np.abs(dx).max(), np.abs(dy).max())
+        np.testing.assert_allclose(a(middle.footprint.dx), dx, atol=0.02 * size)
+        np.testing.assert_allclose(a(middle.footprint.dy), dy, atol=0.02 * size)
+
+
+def test_along_the_surface_the_footprint_stays_finite() -> None:
+    """A ray in the plane itself."""
+    moved = transferred(1.0, Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(0, 0, 0.001), Vec3(0, 0, 0.001))
+    assert np.isfinite(a(moved)).all()
+
+
+@pytest.mark.parametrize(
+    ("dx", "dy", "level"),
+    [
+        ((1 / 64, 0), (0, 1 / 16), 0.0),  # a texel for a pixel, both ways
+        ((4 / 64, 0), (0, 1 / 16), 2.0),  # the longer side counts
+        ((1 / 64, 0), (0, 8 / 16), 3.0),  # in rows, which are fewer
+        ((0, 8 / 16), (0, 0), 3.0),  # whichever way the picture is turned
+        ((3 / 64, 4 / 16), (0, 0), math.log2(5)),  # as long as the diagonal
+        ((-6 / 64, 0), (0, 0), math.log2(6)),
+        ((0.1 / 64, 0), (0, 0.2 / 16), 0.0),  # never finer than the map
+        ((0, 0), (0, 0), 0.0),
+    ],
+)
+def test_the_level_of_detail_is_the_longer_side_in_texels(dx, dy, level) -> None:
+    footprint = Footprint(Vec2(*dx), Vec2(*dy))
+    assert level_of_detail(footprint, IVec2(64, 16)) == pytest.approx(level, abs=1e-5)
+
+
+def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
+    """G5: what the maps are read with does not depend on the relief, only their place does."""
+    from basrelief.material import sample
+    from basrelief.rendering.programs import program_of, values_of
+    from basrelief.scene import Object, Orbit, Scene
+
+    spots = []
+    wrapped = pixels.surface_at
+
+    def recording(spot, *rest):
+        spots.append(spot)
+        return wrapped(spot, *rest)
+
+    monkeypatch.setattr(pixels, "surface_at", recording)
+    nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
+    zero = HeightField([np.zeros((1, 1))])
+    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
+    others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
+    unread = {**dict.fromkeys(maps, nothing), **others}
+    seen = {}
+    for technique in ("flat", "relief"):
+        thing = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
+        scene = Scene((thing,), camera=Orbit(20, 30, 2.0))
+        program, values = program_of(thing), values_of(thing, scene, (32, 18))
+        spots.clear()
+        with bound(program.bindings):
+            given = {**unread, **values}
+            for place in [(16, 9), (12, 8), (19, 11)]:
+                pixels.pixel(IVec2(*place), **given)
+        seen[technique] = list(spots)
+    assert len(seen["flat"]) == len(seen["relief"]) == 3
+    for still, moved in zip(seen["flat"], seen["relief"], strict=True):
+        assert moved.footprint == still.footprint
+        assert moved.uv != still.uv

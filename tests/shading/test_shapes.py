@@ -1,0 +1,330 @@
+"""Shapes against their parametric forms in float64: points, normals, ∂P/∂u, ∂P/∂v and uv."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from basrelief.lang import Vec3, bound
+from basrelief.lang.frontend import analyse
+from basrelief.lang.types import leaf_values
+from basrelief.shading.shapes import (
+    ShapeRay,
+    SurfacePoint,
+    ball,
+    box,
+    cylinder,
+    nothing,
+    plane,
+    shape,
+    slab,
+    sphere,
+)
+
+SHAPES = [plane, box, sphere, cylinder]
+SOLIDS = [box, sphere, cylinder]
+
+
+def on_sphere(u, v):
+    across, down = 2 * math.pi * (u - 0.5), math.pi * v
+    ring = math.sin(down)
+    return (0.5 * ring * math.sin(across), 0.5 * math.cos(down), 0.5 * ring * math.cos(across))
+
+
+def on_cylinder(u, v):
+    across = 2 * math.pi * (u - 0.5)
+    return (0.5 * math.sin(across), 0.5 - v, 0.5 * math.cos(across))
+
+
+def on_top(u, v):
+    return (u - 0.5, 0.5, v - 0.5)
+
+
+def on_bottom(u, v):
+    return (u - 0.5, -0.5, 0.5 - v)
+
+
+PATCHES = {
+    "plane": (plane, lambda u, v: (u - 0.5, 0.5 - v, 0)),
+    "box front": (box, lambda u, v: (u - 0.5, 0.5 - v, 0.5)),
+    "box back": (box, lambda u, v: (0.5 - u, 0.5 - v, -0.5)),
+    "box right": (box, lambda u, v: (0.5, 0.5 - v, 0.5 - u)),
+    "box left": (box, lambda u, v: (-0.5, 0.5 - v, u - 0.5)),
+    "box top": (box, on_top),
+    "box bottom": (box, on_bottom),
+    "sphere": (sphere, on_sphere),
+    "cylinder side": (cylinder, on_cylinder),
+    "cylinder top": (cylinder, lambda u, v: on_top(0.5 + math.pi * (u - 0.5), v)),
+    "cylinder bottom": (cylinder, lambda u, v: on_bottom(0.5 + math.pi * (u - 0.5), v)),
+}
+"""Each patch of each shape: P(u, v) in float64, written from the conventions."""
+
+OUTWARD = {
+    "plane": (0, 0, 1),
+    "box front": (0, 0, 1),
+    "box back": (0, 0, -1),
+    "box right": (1, 0, 0),
+    "box left": (-1, 0, 0),
+    "box top": (0, 1, 0),
+    "box bottom": (0, -1, 0),
+    "cylinder top": (0, 1, 0),
+    "cylinder bottom": (0, -1, 0),
+}
+"""Normals of the flat patches; those of the round ones point away from the axis."""
+
+
+def a(vector):
+    return np.array([*vector], np.float64)
+
+
+def cast(surface, origin, direction):
+    return surface(ShapeRay(Vec3(*origin), Vec3(*direction)))
+
+
+def is_sound(point):
+    """Every number finite, the normal of unit length, the derivatives of some."""
+    assert np.isfinite([float(x) for x in leaf_values(point, SurfacePoint)]).all()
+    assert np.linalg.norm(a(point.normal)) == pytest.approx(1, abs=1e-6)
+    assert np.linalg.norm(a(point.along_u)) > 1e-5
+    assert np.linalg.norm(a(point.along_v)) > 1e-5
+
+
+def derivative(form, u, v, du, dv, step=1e-5):
+    after, before = form(u + du * step, v + dv * step), form(u - du * step, v - dv * step)
+    return (np.array(after) - np.array(before)) / (2 * step)
+
+
+def outward(patch, position):
+    if patch in OUTWARD:
+        return np.array(OUTWARD[patch], np.float64)
+    away = position * (1, 0 if patch.startswith("cylinder") else 1, 1)
+    return away / np.linalg.norm(away)
+
+
+@pytest.mark.parametrize("surface", SHAPES)
+def test_the_shaders_are_in_the_subset_and_fit_the_slot(surface):
+    analyse(surface)
+    with bound({shape: surface}):
+        assert shape(ShapeRay(Vec3(0.1, 0.2, 3), Vec3(0, 0, -1))).found
+    assert analyse(shape, {shape: surface}).entry.name == surface.name
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+@given(
+    u=st.floats(0.02, 0.98),
+    v=st.floats(0.05, 0.95),
+    cosine=st.floats(0.05, 1),
+    turn=st.floats(0, 6.2),
+    away=st.floats(0.1, 30),
+    speed=st.sampled_from([0.01, 1.0, 37.0]),
+)
+@settings(max_examples=40)
+def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, turn, away, speed):
+    surface, form = PATCHES[patch]
+    if patch in ("cylinder top", "cylinder bottom"):
+        # keep to the disc
+        u, v = 0.5 + 0.69 / math.pi * (u - 0.5), 0.5 + 0.69 * (v - 0.5)
+    position = np.array(form(u, v), np.float64)
+    along_u, along_v = derivative(form, u, v, 1, 0), derivative(form, u, v, 0, 1)
+    normal = outward(patch, position)
+    side = along_u / np.linalg.norm(along_u)
+    across = side * math.cos(turn) + np.cross(normal, side) * math.sin(turn)
+    view = normal * cosine + across * math.sqrt(1 - cosine * cosine)
+    point = cast(surface, position + view * away, -view * speed)
+
+    assert point.found
+    # rounding of the ray's origin and direction, drawn out by the slant
+    near = 1e-6 * (1 + away) / cosine
+    assert point.distance * speed == pytest.approx(away, abs=2 * near)
+    np.testing.assert_allclose(a(point.position), position, atol=near)
+    np.testing.assert_allclose(a(point.uv), (u, v), atol=3 * near)
+    np.testing.assert_allclose(a(point.normal), normal, atol=4 * near)
+    np.testing.assert_allclose(a(point.along_u), along_u, atol=20 * near)
+    np.testing.assert_allclose(a(point.along_v), along_v, atol=20 * near)
+    assert np.cross(a(point.normal), a(point.along_u)) @ -a(point.along_v) > 0
+    is_sound(point)
+
+
+@pytest.mark.parametrize(
+    ("surface", "origin", "uv"),
+    [
+        (plane, (-0.5, 0.5, 2), (0, 0)),
+        (plane, (0.25, 0.5, 2), (0.75, 0)),
+        (plane, (-0.5, -0.25, 2), (0, 0.75)),
+        (box, (-0.4, 0.3, 2), (0.1, 0.2)),
+        (box, (2, 0.3, 0.4), (0.1, 0.2)),
+        (box, (0.4, 0.3, -2), (0.1, 0.2)),
+        (box, (-2, 0.3, -0.4), (0.1, 0.2)),
+        (box, (-0.4, 2, -0.3), (0.1, 0.2)),
+        (box, (-0.4, -2, 0.3), (0.1, 0.2)),
+        (sphere, (0, 0, 2), (0.5, 0.5)),
+        (sphere, (2, 0, 0), (0.75, 0.5)),
+        (sphere, (-2, 0, 0), (0.25, 0.5)),
+        (sphere, (0, 0.25, 2), (0.5, 1 / 3)),
+        (sphere, (0, 2, 0), (0.5, 0)),
+        (sphere, (0, -2, 0), (0.5, 1)),
+        (cylinder, (0, 0.25, 2), (0.5, 0.25)),
+        (cylinder, (2, -0.25, 0), (0.75, 0.75)),
+        (cylinder, (-0.1, 2, -0.3), (0.5 - 0.1 / math.pi, 0.2)),
+        (cylinder, (-0.1, -2, 0.3), (0.5 - 0.1 / math.pi, 0.2)),
+    ],
+)
+def test_axis_parallel_rays_meet_the_uv_of_the_conventions(surface, origin, uv):
+    direction = [-math.copysign(1, x) if abs(x) == 2 else 0.0 for x in origin]
+    for zero in (0.0, -0.0):
+        point = cast(surface, origin, [x or zero for x in direction])
+        assert point.found
+        np.testing.assert_allclose(a(point.uv), uv, atol=1e-6)
+        is_sound(point)
+
+
+@pytest.mark.parametrize("surface", SHAPES)
+def test_no_ray_of_a_lattice_makes_a_nan_or_an_infinity(surface):
+    places = (-1.0, -0.5, 0.0, 0.5, 1.0)
+    ways = [w for w in itertools.product((-1.0, 0.0, 1e-30, 1.0), repeat=3) if any(w)]
+    origins = list(itertools.product(places, repeat=3))
+    for index, direction in enumerate(ways):
+        for origin in origins[index % 7 :: 7]:
+            is_sound(cast(surface, origin, direction))
+
+
+@pytest.mark.parametrize("surface", SHAPES)
+def test_nothing_is_found_behind_the_ray_or_beside_the_shape(surface):
+    rng = np.random.default_rng(7)
+    for _ in range(30):
+        away = rng.normal(size=3)
+        away /= np.linalg.norm(away)
+        aside = np.cross(away, (0.3, 0.5, 0.7))
+        aside /= np.linalg.norm(aside)
+        # all shapes fit the sphere around the unit cube
+        for point in (
+            cast(surface, away * 0.9, away),
+            cast(surface, away * 3 + aside * 0.9, -away),
+        ):
+            assert not point.found
+            assert point == nothing()
+
+
+@pytest.mark.parametrize("surface", SOLIDS)
+def test_nothing_is_found_from_inside(surface):
+    rng = np.random.default_rng(8)
+    for _ in range(40):
+        start = rng.uniform(-0.28, 0.28, 3)
+        assert not cast(surface, start, rng.normal(size=3)).found
+
+
+def test_the_plane_is_seen_from_the_front_and_within_its_edges_alone():
+    assert cast(plane, (0.2, 0.1, 1), (0, 0, -1)).found
+    assert not cast(plane, (0.2, 0.1, -1), (0, 0, 1)).found
+    assert not cast(plane, (0.2, 0.1, 1), (0, 0, 1)).found
+    assert not cast(plane, (0.2, 0.1, 1), (1, 0, 0)).found
+    assert not cast(plane, (0.501, 0.1, 1), (0, 0, -1)).found
+    assert not cast(plane, (0.2, -0.501, 1), (0, 0, -1)).found
+    assert cast(plane, (-0.499, 0.499, 1), (0, 0, -1)).found
+
+
+@pytest.mark.parametrize("surface", SOLIDS)
+def test_the_outline_is_where_it_should_be(surface):
+    # at x = ±½, seen from afar along z, at the height of the centre
+    for sign in (-1, 1):
+        assert cast(surface, (sign * 0.4999, 0, 100), (0, 0, -1)).found
+        assert not cast(surface, (sign * 0.5001, 0, 100), (0, 0, -1)).found
+
+
+def test_a_grazing_ray_touches_the_sphere_near_its_edge():
+    point = cast(sphere, (-5, 0.4999, 0), (1, 0, 0))
+    assert point.found
+    assert point.position.y == pytest.approx(0.4999, abs=1e-5)
+    assert point.position.x == pytest.approx(-math.sqrt(0.25 - 0.4999**2), abs=1e-3)
+
+
+def test_far_away_the_sphere_and_the_cylinder_keep_their_digits():
+    # the textbook's discriminant has an error of 0.1 here
+    depth = math.sqrt(0.25 - 0.3**2 - 0.2**2)
+    point = cast(sphere, (0.3, 0.2, 1000), (0, 0, -1))
+    np.testing.assert_allclose(a(point.position), (0.3, 0.2, depth), atol=2e-4)
+    point = cast(cylinder, (0.3, 0.2, 1000), (0, 0, -1))
+    np.testing.assert_allclose(a(point.position), (0.3, 0.2, 0.4), atol=2e-4)
+
+
+@pytest.mark.parametrize("surface", SOLIDS)
+def test_the_parameter_is_the_same_in_a_stretched_and_turned_object(surface):
+    rng = np.random.default_rng(9)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    to_world = turn @ np.diag((2.0, 0.5, 3.0))
+    to_object = np.linalg.inv(to_world)
+    found = 0
+    for _ in range(40):
+        origin = turn @ (rng.normal(size=3) * 2 + (0, 0, 9))
+        direction = to_world @ rng.uniform(-0.5, 0.5, 3) - origin
+        point = cast(surface, to_object @ origin, to_object @ direction)
+        if point.found:
+            found += 1
+            world = origin + direction * float(point.distance)
+            np.testing.assert_allclose(to_world @ a(point.position), world, atol=2e-5)
+    assert found > 20
+
+
+@pytest.mark.parametrize("surface", SHAPES)
+def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surface):
+    # a power of two, so that not a bit may differ
+    origin, direction = (0.7, 0.9, 1.9), np.array((-0.27, -0.31, -0.8))
+    one, four = cast(surface, origin, direction), cast(surface, origin, direction * 4)
+    assert one.found
+    assert one.distance == four.distance * 4
+    assert (one.position, one.normal, one.uv) == (four.position, four.normal, four.uv)
+    assert (one.along_u, one.along_v) == (four.along_u, four.along_v)
+
+
+@pytest.mark.parametrize("away", [(0.0, 1e-5), (1e-6, 0.0), (0.0, 0.0), (-3e-4, 2e-4)])
+@pytest.mark.parametrize("pole", [1, -1])
+def test_the_poles_of_the_sphere_have_a_frame(pole, away):
+    point = cast(sphere, (away[0], 2 * pole, away[1]), (0, -pole, 0))
+    assert point.found
+    is_sound(point)
+    assert point.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
+    assert a(point.along_u) @ a(point.along_v) == pytest.approx(0, abs=1e-5)
+    assert np.cross(a(point.normal), a(point.along_u)) @ -a(point.along_v) > 0
+
+
+@pytest.mark.parametrize("surface", [sphere, cylinder])
+def test_u_runs_to_its_ends_at_the_back_and_stays_within(surface):
+    for x in (-1e-3, -1e-6, 1e-6, 1e-3):
+        u = cast(surface, (x, 0.1, -3), (0, 0, 1)).uv.x
+        assert 0 <= u <= 1
+        assert u == pytest.approx(0 if x < 0 else 1, abs=1e-3)
+
+
+@pytest.mark.parametrize("surface", [box, cylinder])
+def test_no_ray_slips_through_an_edge(surface):
+    rng = np.random.default_rng(10)
+    for turn in rng.uniform(0, 2 * math.pi, 100):
+        edge = np.array((math.sin(turn), 1.0, math.cos(turn))) * 0.5
+        if surface is box:
+            square = 0.5 / max(abs(edge[0]), abs(edge[2]))
+            edge *= (square, 1, square)
+        view = edge * (1, 0, 1) + np.array((0.0, rng.uniform(0.1, 2.0), 0.0))
+        point = cast(surface, edge + view * 5, -view)
+        assert point.found
+        assert 0 <= point.uv.x <= 1
+        assert 0 <= point.uv.y <= 1
+        np.testing.assert_allclose(a(point.position), edge, atol=1e-5)
+
+
+def test_intervals_inside_the_slab_and_the_ball():
+    within = slab(0.25, -2.0)
+    assert (within.enter, within.leave) == (-0.125, 0.375)
+    still = slab(0.25, 0.0)
+    assert still.enter < -1e10
+    assert still.leave > 1e10
+    through = ball(Vec3(0, 0.3, 2), Vec3(0, 0, -0.5))
+    assert through.enter == pytest.approx(3.2, abs=1e-5)
+    assert through.leave == pytest.approx(4.8, abs=1e-5)
+    leaving = ball(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
+    assert leaving.enter == pytest.approx(-4.8, abs=1e-5)
+    assert leaving.leave == pytest.approx(-3.2, abs=1e-5)

@@ -1,0 +1,132 @@
+"""Tangent frames: orthonormal, of the right handedness, and the one sign between y and v."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basrelief.lang import Vec2, Vec3, bound
+from basrelief.lang.frontend import analyse
+from basrelief.shading import shapes
+from basrelief.shading.shapes import ShapeRay, shape
+from basrelief.shading.tangent_frame import Frame, frame_of, from_tangent, to_tangent, to_texture
+
+SHADERS = [frame_of, to_tangent, from_tangent, to_texture]
+
+# A place on each patch of each shape, as a ray that meets it from outside, not through its middle.
+RAYS = {
+    "plane": ("plane", (0.2, 0.1, 2), (0, 0, -1)),
+    "box right": ("box", (2, 0.1, 0.3), (-1, 0.05, 0)),
+    "box top": ("box", (0.2, 2, 0.1), (0, -1, 0.1)),
+    "box bottom": ("box", (0.2, -2, 0.1), (0.1, 1, 0)),
+    "sphere": ("sphere", (1, 1.5, 2), (-1, -1.4, -1.8)),
+    "sphere near the pole": ("sphere", (0.01, 2, 0.02), (0, -1, 0)),
+    "cylinder": ("cylinder", (-2, 0.3, 1), (1.9, -0.2, -1)),
+    "cylinder top": ("cylinder", (0.2, 2, 0.1), (0, -1, 0.1)),
+}
+
+
+def a(vector) -> np.ndarray:
+    return np.array([*vector], np.float64)
+
+
+def unit(vector) -> np.ndarray:
+    return np.asarray(vector, np.float64) / np.linalg.norm(vector)
+
+
+def columns(frame: Frame) -> np.ndarray:
+    """Tangent, bitangent and normal as the columns of a matrix."""
+    return np.stack([a(frame.tangent), a(frame.bitangent), a(frame.normal)], 1)
+
+
+@st.composite
+def patches(draw):
+    """A unit normal, ∂P/∂u and ∂P/∂v across it and across each other, and the handedness."""
+    around, above, spin = (draw(st.floats(-3, 3)) for _ in range(3))
+    normal = (np.cos(above) * np.sin(around), np.sin(above), np.cos(above) * np.cos(around))
+    lean = (np.cos(spin), np.sin(spin), 1 - abs(np.sin(around)))
+    if np.linalg.norm(np.cross(normal, lean)) < 0.1:
+        lean = (-normal[1], normal[2], normal[0])
+    normal = unit(normal)
+    u = unit(np.cross(normal, lean))
+    handedness = draw(st.sampled_from([1.0, -1.0]))
+    v = -np.cross(normal, u) * handedness
+    along_u = u * draw(st.floats(0.0625, 20, width=32))
+    along_v = v * draw(st.floats(0.0625, 20, width=32))
+    return normal, along_u, along_v, handedness
+
+
+def frame_from(normal, along_u, along_v) -> Frame:
+    return frame_of(Vec3(*normal), Vec3(*along_u), Vec3(*along_v))
+
+
+@pytest.mark.parametrize("function", SHADERS, ids=lambda f: f.name)
+def test_the_shaders_are_in_the_subset(function) -> None:
+    assert analyse(function).entry.name == function.name
+
+
+@given(patches())
+def test_frames_are_orthonormal_with_x_along_u_and_y_against_v(patch) -> None:
+    normal, along_u, along_v, handedness = patch
+    frame = frame_from(normal, along_u, along_v)
+    matrix = columns(frame)
+    np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=2e-6)
+    np.testing.assert_allclose(a(frame.tangent), unit(along_u), atol=2e-6)
+    np.testing.assert_allclose(a(frame.bitangent), -unit(along_v), atol=2e-6)
+    expected = np.cross(a(frame.normal), a(frame.tangent)) * handedness
+    np.testing.assert_allclose(a(frame.bitangent), expected, atol=2e-6)
+    assert frame.width == pytest.approx(np.linalg.norm(along_u), rel=1e-5)
+    ratio = np.linalg.norm(along_u) / np.linalg.norm(along_v)
+    assert frame.aspect == pytest.approx(ratio, rel=1e-5)
+
+
+@given(patches(), st.tuples(*[st.floats(-2, 2, width=32)] * 3))
+def test_the_transposed_frame_takes_vectors_to_tangent_space_and_back(patch, v) -> None:
+    frame = frame_from(*patch[:3])
+    taken = to_tangent(frame, Vec3(*v))
+    np.testing.assert_allclose(a(taken), columns(frame).T @ np.array(v), atol=5e-6)
+    np.testing.assert_allclose(a(from_tangent(frame, taken)), v, atol=1e-5)
+
+
+@given(patches(), st.floats(-1, 1, width=32), st.floats(-1, 1, width=32))
+def test_a_move_of_the_point_is_a_move_of_its_texture_coordinates(patch, x, y) -> None:
+    """P moves by a tile's width times the tangent-space move: solve ∂P/∂u du + ∂P/∂v dv for it."""
+    normal, along_u, along_v, _ = patch
+    frame = frame_from(normal, along_u, along_v)
+    tangent, bitangent, _ = columns(frame).T
+    moved = (tangent * x + bitangent * y) * float(frame.width)
+    wanted, *_ = np.linalg.lstsq(np.stack([along_u, along_v], 1), moved, rcond=None)
+    got = a(to_texture(Vec2(x, y), float(frame.aspect)))
+    np.testing.assert_allclose(got, wanted, atol=1e-5 * max(1.0, float(frame.aspect)))
+
+
+def test_y_up_is_v_down() -> None:
+    assert a(to_texture(Vec2(0.25, 0.5), 1.0)).tolist() == [0.25, -0.5]
+    assert a(to_texture(Vec2(0.25, 0.5), 3.0)).tolist() == [0.25, -1.5]
+
+
+@pytest.mark.parametrize("where", RAYS)
+@pytest.mark.parametrize(
+    ("tiling", "handedness"),
+    [((1, 1), 1), ((3, 2), 1), ((-3, 2), -1), ((3, -2), -1), ((-3, -2), 1)],
+)
+def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None:
+    """No shape is mirrored by itself; a negative tiling of one axis mirrors it, of both not."""
+    name, origin, direction = RAYS[where]
+    with bound({shape: getattr(shapes, name)}):
+        met = shape(ShapeRay(Vec3(*origin), Vec3(*direction)))
+    assert met.found
+    along_u, along_v = a(met.along_u) / tiling[0], a(met.along_v) / tiling[1]
+    frame = frame_from(a(met.normal), along_u, along_v)
+    matrix = columns(frame)
+    np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=3e-6)
+    assert np.linalg.det(matrix) == pytest.approx(handedness, abs=1e-5)
+    assert a(frame.tangent) @ along_u > 0
+    assert a(frame.bitangent) @ along_v < 0
+
+
+def test_a_derivative_that_leans_off_the_surface_is_laid_on_it() -> None:
+    frame = frame_of(Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3(0, -3, 0))
+    np.testing.assert_allclose(columns(frame), np.eye(3), atol=1e-6)

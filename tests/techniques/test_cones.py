@@ -1,0 +1,299 @@
+"""Cone maps: nothing rises into a cone, at any size; and the techniques that step by them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from basrelief import baking
+from basrelief.engine.cpu import CpuEngine
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
+from basrelief.lang.program import Program
+from basrelief.measure.oracle import first_hits
+from basrelief.techniques import cone, displace, relaxed_cone
+from basrelief.techniques.cone import Cones, RelaxedCones
+from basrelief.techniques.edge import edges_of
+from basrelief.techniques.height import heights_of
+from basrelief.techniques.ray import Ray
+from basrelief.techniques.technique import Settings
+from helpers.rays import LATE, Fan, maps, scattered
+
+WIDENED = 1.42
+"""How much steeper than need be a cone may be: windows count as their nearest texel is far."""
+
+
+@struct
+class Ended:
+    """A ray and where it ends."""
+
+    uv: Vec2
+    fall: Vec2
+    height: float
+    found: bool
+    reads: int
+
+
+@shader
+def ended(at: IVec2, fan: Fan, field: HeightField, baked: Texture, settings: Settings) -> Ended:
+    """One ray of many."""
+    n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
+    uv = Vec2(scattered(n), scattered(n + 1))
+    fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
+    hit = displace(field, baked, Ray(uv, fall, 1.0, 0.5), settings)
+    return Ended(uv, fall, hit.height, hit.found, hit.reads)
+
+
+@pytest.fixture(scope="module")
+def cpu() -> CpuEngine:
+    return CpuEngine()
+
+
+# --- the bake -------------------------------------------------------------------------------------
+
+
+def slopes_of(baked: np.ndarray) -> np.ndarray:
+    """The slopes of stored cones, in heights a texel."""
+    return 65535.0 / baked[:, :, 0].astype(float) - 1.0
+
+
+def surface(heights: np.ndarray, x: np.ndarray, y: np.ndarray, edge: str) -> np.ndarray:
+    """The bilinear surface at places in texels from the first texel's centre, in float64."""
+    rows, columns = heights.shape
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    a, b = x - i, y - j
+
+    def held(k: np.ndarray, count: int) -> np.ndarray:
+        return k % count if edge == "wrap" else np.clip(k, 0, count - 1)
+
+    h = heights.astype(float)
+    upper = (
+        h[held(j, rows), held(i, columns)] * (1 - a) + h[held(j, rows), held(i + 1, columns)] * a
+    )
+    lower = (
+        h[held(j + 1, rows), held(i, columns)] * (1 - a)
+        + h[held(j + 1, rows), held(i + 1, columns)] * a
+    )
+    return upper * (1 - b) + lower * b
+
+
+def steepest_up(
+    heights: np.ndarray, cell: tuple[int, int], edge: str, random: np.random.Generator
+) -> float:
+    """The steepest line up from places over a cell to places all around, tried in float64."""
+    rows, columns = heights.shape
+    fine = np.linspace(0, 1, 5)
+    px, py = (p.ravel() for p in np.meshgrid(cell[1] + fine, cell[0] + fine))
+    across = np.arange(cell[1] - columns - 1, cell[1] + columns + 2, 0.25)
+    down = np.arange(cell[0] - rows - 1, cell[0] + rows + 2, 0.25)
+    qx, qy = (q.ravel() for q in np.meshgrid(across, down))
+    qx = np.concatenate([qx, random.uniform(across[0], across[-1], 500)])
+    qy = np.concatenate([qy, random.uniform(down[0], down[-1], 500)])
+    rise = surface(heights, qx, qy, edge) - surface(heights, px, py, edge)[:, None]
+    away = np.hypot(qx - px[:, None], qy - py[:, None])
+    return float((rise / np.maximum(away, 1e-3)).max())
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(1, 23), st.integers(1, 23), st.sampled_from(["wrap", "clamp"]),
+    st.integers(0, 10_000), st.sampled_from([1, 4, 255, 65535]), st.booleans(),
+)  # fmt: skip
+def test_nothing_rises_into_a_cone(rows, columns, edge, seed, levels, smooth) -> None:
+    """From no place over a cell, at any size and bit depth, over both kinds of edges."""
+    random = np.random.default_rng(seed)
+    drawn = random.random((rows, columns))
+    if smooth:
+        # a few peaks far apart, so that distant ones count
+        drawn = drawn**8
+    heights = (np.rint(drawn * levels) / levels).astype(np.float32)
+    baked = baking.cone_map(heights, edge)
+    assert baked.shape == (rows, columns, 4)
+    assert baked.dtype == np.uint16
+    slopes = slopes_of(baked)
+    for _ in range(4):
+        cell = int(random.integers(0, rows)), int(random.integers(0, columns))
+        assert steepest_up(heights, cell, edge, random) <= slopes[cell] + 1e-9
+
+
+def test_a_flat_map_has_half_spaces() -> None:
+    for edge in ("wrap", "clamp"):
+        for height in (0.0, 0.3, 1.0):
+            assert (
+                baking.cone_map(np.full((5, 9), height, np.float32), edge)[:, :, 0] == 65535
+            ).all()
+
+
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+def test_the_cones_around_a_spike_touch_its_tip(edge) -> None:
+    """From the near wall of a cell k texels away, the tip is 1 high and k away."""
+    heights = np.zeros((96, 128), np.float32)
+    heights[50, 60] = 1.0
+    slopes = slopes_of(baking.cone_map(heights, edge))
+    for k in (1, 2, 3, 5, 8, 17, 40):
+        for cell in ((50, 60 + k), (49, 60 - k - 1), (50 + k, 60), (50 - k - 1, 59)):
+            assert 1.0 / k <= slopes[cell] <= WIDENED / k
+    # askew the nearest corner counts
+    assert 1.0 / np.hypot(20, 30) <= slopes[70, 90] <= WIDENED / np.hypot(20, 30)
+    # the tip's own cells are as steep as they are
+    assert slopes[50, 60] == pytest.approx(np.sqrt(2.0), rel=1e-3)
+
+
+def test_the_cones_of_a_ramp_are_as_steep_as_it() -> None:
+    heights = np.tile(np.linspace(0, 1, 101, dtype=np.float32), (70, 1))
+    slopes = slopes_of(baking.cone_map(heights, "clamp"))
+    assert (slopes[:, :-1] >= 0.01).all()
+    assert (slopes[:, :-1] <= 0.01 * WIDENED).all()
+
+
+def test_cones_are_not_narrower_than_they_need_be() -> None:
+    """On average: those of gravel are less than a half too steep."""
+    heights = maps()["gravel"][:60, :80]
+    random = np.random.default_rng(3)
+    slopes = slopes_of(baking.cone_map(heights, "clamp"))
+    cells = [(int(random.integers(0, 60)), int(random.integers(0, 80))) for _ in range(40)]
+    ratios = [slopes[c] / steepest_up(heights, c, "clamp", random) for c in cells]
+    assert min(ratios) >= 1.0
+    assert np.mean(ratios) < 1.45
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.integers(1, 19), st.integers(1, 19), st.sampled_from(["wrap", "clamp"]),
+    st.integers(0, 10_000), st.sampled_from([1, 4, 255, 65535]),
+)  # fmt: skip
+def test_no_far_side_lies_in_a_relaxed_cone(rows, columns, edge, seed, levels) -> None:
+    """Seen from the corners of a cell; and no relaxed cone is narrower than the other."""
+    random = np.random.default_rng(seed)
+    heights = (random.integers(0, levels + 1, (rows, columns)) / levels).astype(np.float32)
+    baked = baking.relaxed_cone_map(heights, edge)
+    assert (baked >= baking.cone_map(heights, edge)).all()
+    slopes = slopes_of(baked)
+
+    def at(j: Any, i: Any) -> Any:
+        held = (j % rows, i % columns)
+        if edge == "clamp":
+            held = np.clip(j, 0, rows - 1), np.clip(i, 0, columns - 1)
+        return heights[held].astype(float)
+
+    y, x = (d.ravel() for d in np.mgrid[-rows : rows + 1, -columns : columns + 1])
+    y, x = y[(x != 0) | (y != 0)], x[(x != 0) | (y != 0)]
+    away = np.hypot(x, y)
+    for _ in range(6):
+        j, i = int(random.integers(0, rows)), int(random.integers(0, columns))
+        own = at(j + y, i + x)
+        on_u = at(j + y, i + x + np.sign(x)) - own
+        on_v = at(j + y + np.sign(y), i + x) - own
+        falls = (np.abs(x) * on_u + np.abs(y) * on_v) / away < -2e-6
+        rise = (own - at(j, i)) / away
+        steepest = rise[falls].max(initial=0.0)
+        assert steepest <= slopes[j, i] + 1e-9
+        assert steepest <= slopes[j - 1, i - 1] + 1e-9 or (edge == "clamp" and min(i, j) == 0)
+
+
+def test_a_relaxed_cone_reaches_through_a_slope_to_its_crest() -> None:
+    """In front of a ridge that rises for 20 texels: the slope to the crest, not to the foot."""
+    heights = np.zeros((40, 160), np.float32)
+    heights[:, 80:101] = np.linspace(0, 1, 21)
+    heights[:, 100:121] = np.linspace(1, 0, 21)
+    relaxed, close = (
+        slopes_of(make(heights, "clamp"))[20] for make in (baking.relaxed_cone_map, baking.cone_map)
+    )
+    for k in (70, 79, 85):
+        assert 1.0 - heights[20, k] <= relaxed[k] * (100 - k) * 1.0001
+        assert relaxed[k] <= WIDENED * (1.0 - heights[20, k]) / (100 - k - 1)
+    # on the slope itself the line to the crest is just as steep; before it, far less so
+    assert relaxed[79] == pytest.approx(close[79], rel=0.5)
+
+
+# --- stepping -------------------------------------------------------------------------------------
+
+
+def landed(
+    engine: Any, technique: Any, values: Any, heights: Any, edge: str, reach: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How many texels behind the first hit each of many rays ends; whether it says that it has
+    found it; its reads."""
+    heights = np.asarray(heights, np.float32)
+    baked = getattr(baking, technique.bake)(heights, edge, engine)
+    program = Program(ended, {**edges_of(edge), displace: technique, **heights_of("sharp")}, edge)
+    given = {
+        "fan": Fan(reach, 0),
+        "field": HeightField([heights], edge),
+        "baked": Texture([baked], edge),
+        "settings": values,
+    }
+    planes = engine.run(program, given, (96, 64))
+    uv, fall = (
+        np.stack([planes[f"{name}.x"], planes[f"{name}.y"]], -1).reshape(-1, 2).astype(float)
+        for name in ("uv", "fall")
+    )
+    wanted = first_hits(heights, uv, fall, edge)
+    texels = np.linalg.norm(fall * heights.shape[::-1], axis=1)
+    behind = ((1.0 - planes["height"].ravel().astype(float)) - wanted.t) * texels
+    return behind, planes["found"].ravel() != 0, planes["reads"].ravel()
+
+
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("name", maps())
+def test_cone_passes_no_hit(cpu, name, edge) -> None:
+    """Found is the first hit; where the steps run out, the ray is short of it."""
+    for reach in (0.02, 0.3, 3.0):
+        for steps in (1, 8, 2048):
+            behind, found, reads = landed(cpu, cone, Cones(steps), maps()[name], edge, reach)
+            assert behind.max() < LATE
+            assert (np.abs(behind[found]) < LATE).all()
+            assert reads.max() <= 2 * steps
+            if steps == 2048:
+                assert found.all()
+
+
+def test_cone_says_when_it_has_not_arrived(cpu) -> None:
+    behind, found, reads = landed(cpu, cone, Cones(4), maps()["gravel"], "wrap", 0.5)
+    assert 0.05 < found.mean() < 0.95
+    assert (behind[~found] < -LATE).mean() > 0.9
+    assert reads[~found].min() == 8
+
+
+@pytest.mark.parametrize(("name", "most"), [
+    ("gravel", 0.0), ("bricks", 0.0), ("odd noise", 0.001), ("posts", 0.001), ("saddles", 0.004),
+])  # fmt: skip
+def test_relaxed_cone_seldom_passes_a_hit(cpu, name, most) -> None:
+    """The share of rays that end more than half a texel behind the first hit."""
+    for reach in (0.3, 1.0):
+        taken = RelaxedCones(64, 12)
+        behind, found, reads = landed(cpu, relaxed_cone, taken, maps()[name], "wrap", reach)
+        assert (behind > 0.5).mean() <= most
+        assert (np.abs(behind[found]) < LATE).mean() > 0.99
+        assert found.mean() > 0.25
+        assert reads.max() <= 1 + 2 * 64 + 12
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("name", ["odd noise", "bricks", "seams"])
+def test_engines_bake_and_step_alike(cpu, name) -> None:
+    from basrelief.engine.gpu import GpuEngine
+
+    gpu = GpuEngine()
+    for edge in ("wrap", "clamp"):
+        heights = np.asarray(maps()[name], np.float32)
+        for make in (baking.cone_map, baking.relaxed_cone_map):
+            one, other = (make(heights, edge, engine).astype(int) for engine in (cpu, gpu))
+            # whether a surface falls may hang on a last digit, and relaxed cones on that
+            apart = np.abs(one - other) > 1
+            assert apart.mean() <= (1e-4 if make is baking.relaxed_cone_map else 0.0)
+        behind, found, _ = landed(gpu, cone, Cones(2048), heights, edge, 0.7)
+        assert np.abs(behind).max() < LATE
+        assert found.all()
+
+
+def test_cone_runs_in_plain_python() -> None:
+    heights = np.asarray(maps()["odd noise"], np.float32)
+    field, baked = HeightField([heights]), Texture([baking.cone_map(heights, "wrap")])
+    uv, fall = np.array([[0.31, 0.64]], np.float32), np.array([[0.4, -0.2]], np.float32)
+    with bound({**edges_of("wrap"), **heights_of("sharp")}):
+        hit = cone(field, baked, Ray(Vec2(*uv[0]), Vec2(*fall[0]), 1.0, 0.5), Cones(64))
+    assert float(hit.height) == pytest.approx(first_hits(heights, uv, fall).height[0], abs=2e-5)

@@ -1,0 +1,147 @@
+"""Heights from lower levels of the map, against the stated formula in float64."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from basrelief.lang import HeightField, Vec2, bound
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.programs import program_of
+from basrelief.scene import LookAt, Object, Orbit, Scene
+from basrelief.shading.ray_differentials import Footprint
+from basrelief.shading.relief import as_the_pixel_sees
+from basrelief.techniques import edge
+from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
+from helpers.agreement import assert_engines_agree
+from helpers.made_up import bilinear, drawn, map_of, on_plane, plain
+
+SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
+LEVELS = [
+    np.random.default_rng(k).random(shape).astype(np.float32) for k, shape in enumerate(SHAPES)
+]
+"""Levels that are not means of one another, so that each shows where it was read."""
+FIELD = HeightField(LEVELS, "wrap")
+
+
+def between(uv, lod: float) -> float:
+    """The height from the two levels around a level of detail, in float64."""
+    finer = math.floor(lod)
+    values = [
+        bilinear(LEVELS[min(max(k, 0), len(LEVELS) - 1)], np.array(uv))[0]
+        for k in (finer, finer + 1)
+    ]
+    return float(values[0] + (values[1] - values[0]) * (lod - finer))
+
+
+@pytest.mark.parametrize("lod", [0.0, 0.3, 1.0, 1.75, 2.5, 4.0, 9.0])
+@pytest.mark.parametrize("fade", [0.0, 1.0, 4.0, 64.0])
+def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) -> None:
+    """H4: mix(seen, lower, saturate(|seen − lower| · fade))."""
+    for uv in ((0.13, 0.41), (0.77, 0.02), (-0.3, 1.6)):
+        seen, lower = between(uv, lod), between(uv, lod + STILL_LOWER)
+        share = min(abs(seen - lower) * fade, 1.0)
+        wanted = seen + (lower - seen) * share
+        with bound({edge.in_tile: edge.wrap}):
+            found = smooth(FIELD, Vec2(*uv), np.float32(lod), np.float32(fade))
+        assert float(found) == pytest.approx(wanted, abs=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("dx", "dy", "texels"),
+    [((1 / 24, 0.0), (0.0, 0.0), 1.0), ((0.0, 0.25), (0.01, 0.0), 4.0),
+     ((1 / 12, 0.125), (0.0, 1e-3), math.hypot(2, 2)), ((1e-4, 0.0), (0.0, 1e-4), 1.0),
+     ((0.0, 0.0), (0.0, 0.0), 1.0)],
+)  # fmt: skip
+@pytest.mark.parametrize("bias", [0.0, 1.5])
+def test_the_level_is_that_of_the_pixel_and_lower(dx, dy, texels: float, bias: float) -> None:
+    """H4: log2 of the longer side of the pixel in texels, at least 0, and the bias."""
+    footprint = Footprint(Vec2(*dx), Vec2(*dy))
+    found = as_the_pixel_sees(FIELD, footprint, Smoothing(mip_bias=bias))
+    assert float(found) == pytest.approx(math.log2(texels) + bias, abs=1e-5)
+
+
+SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), field_of_view=30.0)
+STEPS = {"min_steps": 16, "max_steps": 16}
+
+
+def relief(material: Material, **options) -> Object:
+    options = {"technique": "parallax_occlusion", "settings": STEPS, "level": 1.0, **options}
+    return Object(material, scale=0.2, transform=np.eye(4), **options)
+
+
+def test_a_plane_of_one_height_stays_as_it_is() -> None:
+    material = plain(height=0.5)
+    level = Material("level", height=map_of(np.full((16, 16), 0.5)))
+    for each in (material, level):
+        smooth_, sharp = (
+            drawn(relief(each, heights=kind), camera=SLANTED) for kind in ("smooth", "sharp")
+        )
+        np.testing.assert_allclose(smooth_.uv, sharp.uv, atol=1e-6)
+
+
+def test_close_by_it_is_the_finest_level() -> None:
+    """A pixel smaller than a texel, no bias, no fading: bit for bit the sharp heights."""
+    near = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.2)
+    thing = {"heights": "smooth", "smoothing": {"mip_bias": 0.0, "mip_fade": 0.0}}
+    material = Material("rough", height=map_of(LEVELS[0]))
+    smooth_, sharp = (drawn(relief(material, **o), camera=near) for o in (thing, {}))
+    np.testing.assert_array_equal(smooth_.uv, sharp.uv)
+    np.testing.assert_array_equal(smooth_.depth, sharp.depth)
+    # with a bias they are others
+    other = drawn(relief(material, heights="smooth"), camera=near)
+    assert np.abs(other.uv - sharp.uv).max() > 0.01
+
+
+def test_far_away_a_checker_is_its_mean() -> None:
+    """What is finer than a pixel no longer scatters the coordinates; sharp heights do."""
+    checker = Material("checker", height=map_of((np.indices((64, 64)).sum(0) % 2).astype(float)))
+    far = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=3.2)
+    wanted, _ = on_plane(far, -0.1)
+    spread = {}
+    for kind in ("smooth", "sharp"):
+        thing = relief(checker, technique="offset", settings={}, heights=kind)
+        frame = drawn(thing, camera=far)
+        assert frame.hit.mean() > 0.03
+        # level 1: half the range below the polygon
+        spread[kind] = np.abs(frame.uv - wanted)[frame.hit].max()
+    assert spread["smooth"] < 2e-4
+    assert spread["sharp"] > 0.02
+
+
+def test_a_self_shadow_reads_the_same_heights() -> None:
+    """A field that is level when read smooth throws no shadow, though it is rough when sharp."""
+    checker = Material("checker", height=map_of((np.indices((64, 64)).sum(0) % 2).astype(float)),
+                       normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0))))  # fmt: skip
+    far = LookAt((0.0, 0.0, 2.0), orthographic_height=3.2)
+
+    def dark(kind: str) -> bool:
+        thing = relief(checker, technique="offset", settings={}, heights=kind)
+        shaded, free = (
+            drawn(thing, camera=far, shadows=shadows).color for shadows in ("hard", "none")
+        )
+        return bool(np.abs(shaded - free).max() > 0.05)
+
+    assert dark("sharp")
+    assert not dark("smooth")
+
+
+def test_sharp_heights_have_no_code_for_smooth_ones() -> None:
+    material = sample("tiles", 16)
+    sharp, smooth_ = (
+        print_wgsl(program_of(Object(material, heights=kind)).module, "wrap")
+        for kind in ("sharp", "smooth")
+    )
+    for word in ("height_between", "height_in", "as_the_pixel_sees"):
+        assert word not in sharp
+        assert word in smooth_
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("technique", ["parallax_occlusion", "relief"])
+def test_cpu_and_gpu_agree(technique: str) -> None:
+    thing = Object(sample("gravel", 64), technique=technique, heights="smooth", scale=0.1)
+    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.8), shadows="soft"), 64)

@@ -1,0 +1,824 @@
+"""Techniques, run as plain Python on surfaces whose hit is known in closed form.
+
+A closed form stands in for the surface, and records the places that are read; the ray says at
+which of its heights each of them lies.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from basrelief.engine.cpu import CpuEngine
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, bound, shader
+from basrelief.lang.program import Program
+from basrelief.lang.types import leaf_values
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.shading.intersection import Meeting
+from basrelief.shading.ray_differentials import Footprint
+from basrelief.shading.relief import (
+    Depth,
+    as_deep,
+    depth_seen,
+    displaced,
+    finest,
+    flat_height,
+    lod_seen,
+    relief_ray,
+    unread,
+    with_relief,
+)
+from basrelief.shading.shapes import FAR, SurfacePoint
+from basrelief.shading.tangent_frame import Frame
+from basrelief.techniques import (
+    TECHNIQUES,
+    Hit,
+    Nothing,
+    Ray,
+    contact,
+    displace,
+    edge,
+    fixed_length,
+    flat,
+    offset,
+    offset_limited,
+    parallax_occlusion,
+    projection,
+    relief,
+    secant,
+    steep,
+    texel,
+)
+from basrelief.techniques.height import Smoothing, sharp, surface_height
+from basrelief.techniques.march import (
+    MOST_READS,
+    FixedLength,
+    Layers,
+    March,
+    Relief,
+    Steps,
+    chord,
+    step_count,
+    steps_by_angle,
+)
+from basrelief.techniques.offset import Offset
+from basrelief.techniques.projection import projection as projected
+from basrelief.techniques.ray import at
+from basrelief.techniques.refine import Contact, Secant
+from basrelief.techniques.technique import Settings
+
+Surface = Callable[[float, float], float]
+"""A height for every u and v, in float64."""
+
+PLAIN = {lod_seen: finest, depth_seen: as_deep, flat_height: unread}
+ROUNDING = 3e-6
+"""What float32 may add to texture coordinates and heights of about one."""
+
+MODULES = [
+    importlib.import_module(f"basrelief.techniques.{name}")
+    for name in ("march", "offset", "refine")
+]
+EMPTY = HeightField([np.zeros((1, 1))])
+UNBAKED = Texture([np.zeros((1, 1, 4), np.uint16)])
+
+
+@contextlib.contextmanager
+def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
+    """Let techniques read a closed form; yields the list of the places read."""
+    places: list[tuple[float, float]] = []
+
+    def read(field: HeightField, ray: Ray, height: float) -> np.float32:
+        uv = at(ray, height)
+        places.append((float(uv.x), float(uv.y)))
+        return np.float32(form(float(uv.x), float(uv.y)))
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in MODULES:
+            patch.setattr(module, "height_under", read)
+        yield places
+
+
+def ray_of(uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5) -> Ray:
+    return Ray(Vec2(*uv), Vec2(*fall), level, cosine)
+
+
+def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
+    """The hit, and the ray's height at each place that was read."""
+    with surface(form) as places:
+        hit = technique(EMPTY, ray, settings)
+    assert hit.reads == len(places)
+    return hit, [height_on(ray, place) for place in places]
+
+
+def height_on(ray: Ray, place) -> float:
+    """The ray's height at a place, which lies on it."""
+    fall = np.array([*ray.fall], np.float64)
+    moved = np.array(place) - np.array([*ray.uv], np.float64)
+    share = moved @ fall / (fall @ fall)
+    np.testing.assert_allclose(moved, fall * share, atol=1e-6)
+    return float(ray.level - share)
+
+
+def place_on(ray: Ray, height: float) -> np.ndarray:
+    """The texture coordinates of the ray at a height, in float64."""
+    uv, fall = (np.array([*v], np.float64) for v in (ray.uv, ray.fall))
+    return uv + fall * (float(ray.level) - height)
+
+
+def assert_ends(hit: Hit, ray: Ray, height: float, tolerance: float = ROUNDING) -> None:
+    """The hit is where the ray has a height."""
+    assert hit.height == pytest.approx(height, abs=tolerance)
+    reach = max(abs(float(f)) for f in ray.fall)
+    wanted = place_on(ray, height)
+    np.testing.assert_allclose([*hit.uv], wanted, atol=tolerance * max(reach, 1.0) + ROUNDING)
+
+
+def level_surface(height: float) -> Surface:
+    return lambda u, v: height
+
+
+def everywhere(steps: int = 10):
+    """Every technique with settings that take `steps` steps."""
+    return [
+        pytest.param(technique, settings, id=technique.name)
+        for technique, settings in (
+            (flat, Nothing()),
+            (offset, Offset()),
+            (offset_limited, Offset()),
+            (steep, Steps(steps)),
+            (parallax_occlusion, March(steps, steps)),
+            (relief, Relief(steps, steps, 12)),
+            (secant, Secant(steps, steps, 3)),
+            (contact, Contact(steps, steps)),
+            (fixed_length, FixedLength(400, 0.01)),
+        )
+    ]
+
+
+MARCHING = [
+    pytest.param(steep, Steps, id="steep"),
+    pytest.param(parallax_occlusion, lambda n: March(n, n), id="parallax_occlusion"),
+    pytest.param(relief, lambda n: Relief(n, n, 0), id="relief"),
+    pytest.param(secant, lambda n: Secant(n, n, 0), id="secant"),
+]
+
+
+def test_everything_is_tested_here() -> None:
+    """But for those that read what is baked: `test_exact.py`, `test_cones.py`; and for `texel`,
+    which sees another field."""
+    apart = {texel, *(made for made in TECHNIQUES.values() if made.bake is not None)}
+    assert {p.values[0] for p in everywhere()} == set(TECHNIQUES.values()) - apart
+
+
+# --- the ray --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+def test_the_level_is_the_height_on_the_polygon(level: float) -> None:
+    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), level=level)
+    assert [*at(ray, level)] == [0.25, 0.5]
+    np.testing.assert_allclose(
+        [*at(ray, 1.0)], [0.25 + 0.5 * (1 - level), 0.5 - 0.25 * (1 - level)]
+    )
+    np.testing.assert_allclose([*at(ray, 0.0)], [0.25 - 0.5 * level, 0.5 + 0.25 * level])
+
+
+@pytest.mark.parametrize(("technique", "steps"), MARCHING)
+@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+def test_marches_enter_at_the_top_plane_whatever_the_level(technique, steps, level) -> None:
+    """H6: below level 1 that is back along the ray, before the polygon."""
+    ray = ray_of(level=level)
+    with surface(level_surface(1.0)) as places:
+        hit = technique(EMPTY, ray, steps(8))
+    assert len(places) == 1
+    np.testing.assert_allclose(places[0], place_on(ray, 1.0), atol=ROUNDING)
+    assert_ends(hit, ray, 1.0)
+
+
+# --- the plane of one height: every technique knows the answer ------------------------------------
+
+
+@given(
+    st.integers(1, 10),
+    st.sampled_from([0.0, 0.5, 1.0]),
+    st.tuples(st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
+)
+def test_every_technique_finds_a_plane(tenths: int, level: float, fall) -> None:
+    """At heights where a layer of ten lies; all but `flat` get there, steep by stopping on it."""
+    height = tenths / 10
+    assume(max(map(abs, fall)) > 0.01)
+    ray = ray_of(fall=fall, level=level)
+    for technique, settings in ((p.values[0], p.values[1]) for p in everywhere(10)):
+        # just above the layer, so that rounding cannot put it below
+        hit, _ = traced(technique, level_surface(height + 1e-5), ray, settings)
+        if technique is flat:
+            assert_ends(hit, ray, level)
+            assert hit.reads == 0
+        else:
+            assert_ends(hit, ray, height, 1e-4)
+        assert hit.found
+
+
+@given(st.floats(0, 1), st.integers(1, 40))
+def test_steep_stops_at_the_first_layer_below_the_surface(height: float, steps: int) -> None:
+    layers = [1 - k / steps for k in range(steps)]
+    assume(all(abs(layer - height) > 1e-6 for layer in layers))
+    below = [layer for layer in layers if layer <= height]
+    ray = ray_of()
+    hit, read = traced(steep, level_surface(height), ray, Steps(steps))
+    assert_ends(hit, ray, below[0] if below else layers[-1])
+    assert hit.found == bool(below)
+    assert hit.reads == len(layers) - len(below) + bool(below)
+    np.testing.assert_allclose(read, layers[: hit.reads], atol=ROUNDING * 10)
+
+
+@given(st.floats(0.12, 1), st.integers(10, 60), st.integers(0, 16))
+def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings: int) -> None:
+    ray = ray_of()
+    hit, _ = traced(relief, level_surface(height), ray, Relief(steps, steps, halvings))
+    assert hit.found
+    assert abs(float(hit.height) - height) <= 1 / steps / 2**halvings + ROUNDING
+
+
+# --- the march ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("technique", "steps"), MARCHING)
+@pytest.mark.parametrize("count", [1, 2, 7, 10, 100])
+def test_a_march_reads_at_one_less_k_nths_and_ends_at_the_last(technique, steps, count) -> None:
+    """C11: nothing is met on a surface at the very bottom; N reads, and the last position."""
+    ray = ray_of(level=0.5)
+    hit, read = traced(technique, level_surface(0.0), ray, steps(count))
+    np.testing.assert_allclose(read, [1 - k / count for k in range(count)], atol=1e-5)
+    assert hit.reads == count
+    assert not hit.found
+    assert_ends(hit, ray, 1 / count)
+
+
+@pytest.mark.parametrize(("technique", "steps"), MARCHING)
+def test_a_march_reads_no_further_than_it_must(technique, steps) -> None:
+    hit, read = traced(technique, level_surface(0.66), ray_of(), steps(10))
+    np.testing.assert_allclose(read, [1.0, 0.9, 0.8, 0.7, 0.6], atol=1e-5)
+    assert hit.reads == 5
+
+
+def test_by_default_steep_takes_ten_steps() -> None:
+    assert Steps().steps == 10
+
+
+@pytest.mark.parametrize("count", [0, -3, MOST_READS + 1, 2**31 - 1])
+def test_a_march_takes_one_step_at_least_and_not_endlessly_many(count: int) -> None:
+    hit, _ = traced(steep, level_surface(0.0), ray_of(), Steps(count))
+    assert hit.reads == (1 if count < 1 else MOST_READS)
+
+
+@pytest.mark.parametrize(("technique", "steps"), MARCHING)
+def test_a_thin_ridge_is_missed_by_few_steps_and_met_by_many(technique, steps) -> None:
+    def ridge(u: float, v: float) -> float:
+        return 0.8 if abs(u - 0.47) < 0.01 else 0.0
+
+    # the ray passes the ridge at the height 0.4
+    ray = ray_of(uv=(0.77, 0.5), fall=(-0.5, 0.1))
+    few, _ = traced(technique, ridge, ray, steps(4))
+    many, _ = traced(technique, ridge, ray, steps(64))
+    assert not few.found
+    assert many.found
+    assert float(many.height) == pytest.approx(0.4, abs=0.04)
+
+
+# --- ramps ----------------------------------------------------------------------------------------
+
+
+@st.composite
+def ramps(draw):
+    """A plane at an angle, h = c + a·u + b·v, a ray, and the height at which the two meet."""
+    slope_u, slope_v = (draw(st.floats(-1.5, 1.5)) for _ in range(2))
+    uv, fall = (tuple(draw(st.floats(-0.6, 0.6)) for _ in range(2)) for _ in range(2))
+    assume(max(map(abs, fall)) > 0.05)
+    level = draw(st.sampled_from([0.0, 0.5, 1.0]))
+    met = draw(st.floats(0.12, 0.95))
+    ray = ray_of(uv, fall, level)
+    u, v = place_on(ray, met)
+
+    def ramp(x: float, y: float) -> float:
+        return met + slope_u * (x - u) + slope_v * (y - v)
+
+    # as the ray falls by one the surface rises by this along it: they meet once, not at grazing
+    rising = slope_u * float(ray.fall.x) + slope_v * float(ray.fall.y)
+    assume(rising > -0.9)
+    return ramp, ray, met, rising
+
+
+@given(ramps(), st.integers(10, 50))
+def test_parallax_occlusion_meets_a_ramp_exactly(ramp, steps: int) -> None:
+    """C12, G6: the chord of a ramp is the ramp itself, whatever the steps."""
+    form, ray, met, _ = ramp
+    hit, _ = traced(parallax_occlusion, form, ray, March(steps, steps))
+    assert hit.found
+    assert_ends(hit, ray, met, 5e-5)
+
+
+@given(ramps(), st.integers(10, 50))
+def test_steep_is_less_than_a_step_below_a_ramp(ramp, steps: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(steep, form, ray, Steps(steps))
+    assert hit.found
+    assert met - 1 / steps - 1e-4 <= float(hit.height) <= met + 1e-4
+    assert_ends(hit, ray, float(hit.height))
+
+
+@given(ramps(), st.integers(10, 50), st.integers(0, 12))
+def test_relief_is_within_its_last_halving_of_a_ramp(ramp, steps: int, halvings: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(relief, form, ray, Relief(steps, steps, halvings))
+    assert hit.found
+    assert abs(float(hit.height) - met) <= 1 / steps / 2**halvings + 1e-4
+    assert_ends(hit, ray, float(hit.height))
+
+
+@given(ramps())
+def test_an_offset_takes_the_height_where_the_ray_comes_in(ramp) -> None:
+    form, ray, _, _ = ramp
+    hit, _ = traced(offset, form, ray, Offset())
+    first = form(float(ray.uv.x), float(ray.uv.y))
+    moved = np.clip(np.array([*ray.fall], np.float64) * (float(ray.level) - first), -1, 1)
+    np.testing.assert_allclose([*hit.uv], np.array([*ray.uv]) + moved, atol=1e-5)
+    assert hit.reads == 1
+
+
+def test_a_real_height_field_is_met_as_its_closed_form_is() -> None:
+    """The same through texels: a ramp along u and v on a map that is neither square nor level."""
+    columns, rows = 48, 20
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    field = HeightField([0.5 + 0.6 * (u - 0.5) - 0.3 * (v - 0.5)], "clamp")
+    ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), level=0.5)
+    # 0.5 + 0.6 (u − ½) − 0.3 (v − ½) = h with (u, v) = (0.6 + 0.15 d, 0.55 − 0.2 d), d = 0.5 − h
+    d = (0.5 - (0.5 + 0.6 * 0.1 - 0.3 * 0.05)) / (1 + 0.6 * 0.15 + 0.3 * 0.2)
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
+        hit = parallax_occlusion(field, ray, March(10, 10))
+    assert_ends(hit, ray, 0.5 - d, 1e-5)
+
+
+# --- a step ---------------------------------------------------------------------------------------
+
+
+def cliff(u: float, v: float) -> float:
+    """High on the left, low on the right."""
+    return 0.9 if u < 0.5 else 0.125
+
+
+def test_a_ray_towards_the_cliff_meets_its_wall() -> None:
+    """It passes u = ½ at the height 0.6, between foot and top."""
+    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+    hit, _ = traced(relief, cliff, ray, Relief(16, 16, 10))
+    assert hit.found
+    assert_ends(hit, ray, 0.6, 1 / 16 / 2**10 + 1e-5)
+    stopped, _ = traced(steep, cliff, ray, Steps(16))
+    assert_ends(stopped, ray, 0.5625)
+    # the chord between (0.625, surface 0.125) and (0.5625, surface 0.9): ½ ÷ (½ + 0.3375) down
+    cut, _ = traced(parallax_occlusion, cliff, ray, March(16, 16))
+    assert_ends(cut, ray, 0.625 - 0.0625 * 0.5 / (0.5 + 0.3375), 1e-5)
+
+
+def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
+    ray = ray_of(uv=(0.45, 0.4), fall=(0.5, 0.25))
+    hit, _ = traced(relief, cliff, ray, Relief(64, 64, 10))
+    assert_ends(hit, ray, 0.125, 1e-4)
+    assert float(hit.uv.x) == pytest.approx(0.45 + 0.5 * 0.875, abs=1e-4)
+
+
+@given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(0, 1))
+def test_interpolation_factors_stay_within_the_step(high, ground, before, low, step) -> None:
+    """The chord's height lies between the last two layers, whatever the surface does."""
+    height = chord(Layers(high - step, low, high, before, step, 2))
+    assert high - step - 1e-5 <= float(height) <= high + 1e-5
+
+
+# --- the binary search ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("height", "wanted"),
+    [
+        (0.6, [1.0, 0.5, 0.75, 0.625, 0.5625, 0.59375]),
+        (0.55, [1.0, 0.5, 0.75, 0.625, 0.5625, 0.53125]),
+        (0.8, [1.0, 0.5, 0.75, 0.875, 0.8125, 0.78125]),
+    ],
+)
+def test_the_search_halves_the_range(height: float, wanted: list[float]) -> None:
+    """C13: the last step from 1 to ½, then its middle; a quarter or three; …"""
+    hit, read = traced(relief, level_surface(height), ray_of(), Relief(2, 2, 4))
+    assert read == pytest.approx(wanted, abs=1e-5)
+    assert hit.reads == 6
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_step_to_halve_there_is_no_search(height: float) -> None:
+    """Nothing met: the last layer. Met at once: the top, and not what is above it."""
+    hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, 5))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
+
+
+def test_the_search_starts_in_the_middle_of_the_last_step() -> None:
+    hit, read = traced(relief, level_surface(0.7), ray_of(), Relief(4, 4, 3))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.625, 0.6875, 0.71875], abs=1e-5)
+    assert float(hit.height) in (pytest.approx(0.703125, abs=0.017), 0.71875)
+
+
+def test_without_a_search_relief_is_steep() -> None:
+    """Interpolation is off when searching: 0 halvings leave the layer itself."""
+    hit, _ = traced(relief, level_surface(0.66), ray_of(), Relief(10, 10, 0))
+    assert_ends(hit, ray_of(), 0.6)
+
+
+# --- regula falsi ---------------------------------------------------------------------------------
+
+
+@given(ramps(), st.integers(10, 50), st.integers(0, 6))
+def test_secant_meets_a_ramp_at_the_first_cut(ramp, steps: int, cuts: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(secant, form, ray, Secant(steps, steps, cuts))
+    assert hit.found
+    assert_ends(hit, ray, met, 5e-5)
+
+
+def test_the_first_cut_reads_where_the_chord_meets_the_ray() -> None:
+    """h = u²: layers at ½ (surface 0.09) and 0 (0.64); ½ − ½ · 0.41 ÷ 1.05 is read, u = 0.4952."""
+    ray = ray_of(uv=(-0.2, 0.5), fall=(1.0, 0.0))
+    hit, read = traced(secant, lambda u, v: u * u, ray, Secant(2, 2, 0))
+    assert read == pytest.approx([1.0, 0.5])
+    assert not hit.found
+    ray = ray_of(uv=(0.0, 0.5), fall=(0.8, 0.0))
+    # 1, ⅔, ⅓: surfaces 0, (0.8 ÷ 3)², (1.6 ÷ 3)²; the last is below none, so four steps: ¼ is
+    hit, read = traced(secant, lambda u, v: u * u, ray, Secant(4, 4, 1))
+    over, under = 0.5 - 0.4**2, 0.6**2 - 0.25
+    first = 0.5 - 0.25 * over / (over + under)
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, first], abs=1e-6)
+    assert hit.reads == 5
+
+
+@pytest.mark.parametrize(("cuts", "within"), [(0, 2e-2), (1, 3e-3), (2, 3e-4), (4, 2e-6)])
+def test_on_a_sine_each_cut_comes_nearer(cuts: int, within: float) -> None:
+    """h = ½ + 0.4 sin 2πu along a ray whose meeting is found in float64 by bisection."""
+
+    def sine(u: float, v: float) -> float:
+        return 0.5 + 0.4 * math.sin(2 * math.pi * u)
+
+    for start in np.linspace(0.0, 1.0, 23):
+        ray = ray_of(uv=(start, 0.5), fall=(0.2, 0.0))
+        met = met_by(sine, ray)
+        hit, _ = traced(secant, sine, ray, Secant(16, 16, cuts))
+        assert hit.found
+        assert float(hit.height) == pytest.approx(met, abs=within)
+
+
+def met_by(form: Surface, ray: Ray, layers: int = 4096) -> float:
+    """The ray's height where it first meets a closed form: a fine march, then halvings."""
+    high, low = 1.0, 0.0
+    for k in range(1, layers + 1):
+        low = 1.0 - k / layers
+        if low <= form(*place_on(ray, low)):
+            break
+        high = low
+    for _ in range(60):
+        middle = (high + low) / 2
+        high, low = (high, middle) if middle <= form(*place_on(ray, middle)) else (middle, low)
+    return low
+
+
+def test_at_a_wall_the_end_that_stays_counts_half() -> None:
+    """The wall is at the height 0.6 of a step from 0.625 to 0.5625; without the Illinois trick six
+    cuts, all from above, would leave 0.6147."""
+    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+    errors = []
+    for cuts in (2, 6, 12):
+        hit, _ = traced(secant, cliff, ray, Secant(16, 16, cuts))
+        errors.append(abs(float(hit.height) - 0.6))
+    assert errors[1] < 2e-3
+    assert errors[2] < 1e-4
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_step_to_cut_nothing_more_is_read(height: float) -> None:
+    hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 5))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
+
+
+# --- contact refinement ---------------------------------------------------------------------------
+
+
+def test_contact_goes_back_a_layer_and_on_in_finer_ones() -> None:
+    """Five layers: 1, 0.8, 0.6, 0.4 is below 0.53; then from 0.6 on by 0.04."""
+    hit, read = traced(contact, level_surface(0.53), ray_of(), Contact(5, 5))
+    assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52], abs=1e-6)
+    assert_ends(hit, ray_of(), 0.52)
+    assert (hit.found, hit.reads) == (True, 6)
+
+
+def test_contact_does_not_read_its_coarse_layer_again() -> None:
+    hit, read = traced(contact, level_surface(0.41), ray_of(), Contact(5, 5))
+    assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52, 0.48, 0.44], abs=1e-6)
+    assert_ends(hit, ray_of(), 0.4)
+    assert hit.reads == 8
+
+
+@given(ramps(), st.integers(10, 40))
+def test_contact_is_within_a_fine_step_of_a_ramp(ramp, steps: int) -> None:
+    form, ray, met, _ = ramp
+    hit, _ = traced(contact, form, ray, Contact(steps, steps))
+    assert hit.found
+    assert met - 1 / steps**2 - 1e-4 <= float(hit.height) <= met + 1e-4
+    assert hit.reads <= 2 * steps - 1
+    assert_ends(hit, ray, float(hit.height))
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
+def test_without_a_layer_before_there_is_no_contact(height: float) -> None:
+    hit, read = traced(contact, level_surface(height), ray_of(), Contact(4, 4))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
+    assert_ends(hit, ray_of(), read[-1])
+    assert hit.found == (height == 1.0)
+
+
+@pytest.mark.parametrize(("technique", "record"), [(secant, Secant), (contact, Contact)])
+def test_at_a_wall_they_end_where_it_stands(technique, record) -> None:
+    """Contact within a fine step of 0.6, by 16 + 16 reads where steep takes 256."""
+    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+    hit, _ = traced(technique, cliff, ray, record(16, 16))
+    assert hit.found
+    assert float(hit.height) == pytest.approx(0.6, abs=1 / 16 / 4)
+    fine, _ = traced(contact, cliff, ray, Contact(16, 16))
+    assert 0.6 - 1 / 256 <= float(fine.height) <= 0.6 + 1e-6
+
+
+# --- the number of steps --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cosine", "steps"),
+    [(1.0, 4), (0.5, 12), (0.25, 16), (0.0, 20), (1.0000001, 4), (-0.3, 20), (2.0, 4)],
+)
+def test_steps_follow_the_angle(cosine: float, steps: int) -> None:
+    """G4: lerp(max, min, V·N), 4 to 20, never beyond."""
+    assert steps_by_angle(ray_of(cosine=cosine), 4, 20) == steps
+    hit, _ = traced(parallax_occlusion, level_surface(0.0), ray_of(cosine=cosine), March(4, 20))
+    assert hit.reads == steps
+
+
+@given(st.floats(-1, 2), st.integers(1, 60), st.integers(1, 60))
+def test_steps_stay_within_least_and_most(cosine: float, least: int, most: int) -> None:
+    steps = steps_by_angle(ray_of(cosine=cosine), least, most)
+    assert min(least, most) <= steps <= max(least, most)
+
+
+def test_relief_takes_its_steps_by_the_angle_and_then_searches() -> None:
+    """H2."""
+    for cosine, steps in ((1.0, 8), (0.0, 32), (0.5, 20)):
+        ray = ray_of(cosine=cosine)
+        hit, _ = traced(relief, level_surface(1.0 / steps + 0.001), ray, Relief(8, 32, 5))
+        assert hit.reads == steps + 5
+
+
+def field_of_size(columns: int, rows: int) -> HeightField:
+    return HeightField([np.zeros((rows, columns), np.float32)])
+
+
+@pytest.mark.parametrize(
+    ("columns", "rows", "fall", "per_texel", "steps"),
+    [
+        (256, 256, (0.5, 0.0), 1.0, 128),
+        (256, 64, (0.0, 0.5), 1.0, 32),
+        (256, 64, (-0.5, 0.0), 1.0, 128),
+        (256, 64, (0.25, -0.75), 1.0, 80),  # 64 and 48 texels: a diagonal of 80
+        (256, 256, (0.5, 0.0), 0.5, 64),
+        (256, 256, (0.5, 0.0), 2.0, 256),
+    ],
+)
+def test_steps_by_texels_are_the_texels_passed_over(columns, rows, fall, per_texel, steps) -> None:
+    """G8: half the map of 256 is 128 texels, and the most that is ever read."""
+    field = field_of_size(columns, rows)
+    settings = March(4, 20, per_texel)
+    assert step_count(field, ray_of(fall=fall), settings) == steps
+    with bound({edge.in_tile: edge.wrap, surface_height: sharp}):
+        hit = parallax_occlusion(field, ray_of(fall=fall), settings)
+    assert hit.reads == steps
+
+
+# --- one read: offsets ----------------------------------------------------------------------------
+
+VIEWS = [
+    (0.0, 0.0, 1.0),
+    (0.6, 0.0, 0.8),
+    (-0.36, 0.48, 0.8),
+    (0.64, -0.6, 0.48),
+    (0.8, 0.36, 0.48),
+]
+
+
+def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
+    """The ray that the whole pixel makes of a view vector in tangent space."""
+    with bound({projection.projection: getattr(projection, kind)}):
+        return relief_ray(meeting(view, aspect), Depth(scale, level, bias), 0.0, 0.0)
+
+
+def meeting(view, aspect: float = 1.0) -> Meeting:
+    up, u, v = Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, -1 / aspect, 0)
+    point = SurfacePoint(True, 2.0, Vec3(0.0), up, u, v, Vec2(0.31, 0.64), FAR, FAR)
+    frame = Frame(u, Vec3(0, 1, 0), up, 1.0, aspect)
+    return Meeting(point, frame, Vec3(*view), 1.0, Footprint(Vec2(0.0), Vec2(0.0)))
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("height", [0.0, 0.3, 0.5, 1.0])
+def test_the_offset_is_that_of_kaneko(view, height: float) -> None:
+    """W1, W2, C7: maximum height · (h − ½) · V.xy ÷ V.z; v runs against y."""
+    most = 0.05
+    ray = relief_ray_of(view, "full", most)
+    hit, _ = traced_anywhere(offset, height, ray, Offset())
+    x, y, z = view
+    wanted = np.array([0.31, 0.64]) + most * (height - 0.5) * np.array([x, -y]) / z
+    np.testing.assert_allclose([*hit.uv], wanted, atol=1e-6)
+
+
+def traced_anywhere(technique, height: float, ray: Ray, settings) -> tuple[Hit, int]:
+    with surface(level_surface(height)) as places:
+        hit = technique(EMPTY, ray, settings)
+    return hit, len(places)
+
+
+@pytest.mark.parametrize("view", VIEWS[1:])
+def test_a_high_texel_moves_towards_the_viewer_in_the_picture(view) -> None:
+    """What is high is seen nearer to the viewer, so its texture is fetched from further there."""
+    ray = relief_ray_of(view, "full", 0.1)
+    high, _ = traced_anywhere(offset, 1.0, ray, Offset())
+    low, _ = traced_anywhere(offset, 0.0, ray, Offset())
+    middle, _ = traced_anywhere(offset, 0.5, ray, Offset())
+    toward = np.array([view[0], -view[1]])
+    start = np.array([0.31, 0.64])
+    assert (np.array([*high.uv]) - start) @ toward > 0
+    assert (np.array([*low.uv]) - start) @ toward < 0
+    np.testing.assert_allclose([*middle.uv], start, atol=1e-7)
+
+
+@pytest.mark.parametrize("most", [0.0, 0.01, 0.02, 1.0])
+def test_each_component_of_the_offset_is_clamped(most: float) -> None:
+    """W3: ±most for u and v apart, whatever their direction; (0.03, −0.015) unclamped."""
+    ray = ray_of(uv=(0.5, 0.5), fall=(-0.06, 0.03), level=0.5)
+    for height, sign in ((1.0, 1), (0.0, -1)):
+        hit, _ = traced_anywhere(offset, height, ray, Offset(most))
+        wanted = np.clip(sign * np.array([0.03, -0.015]), -most, most)
+        np.testing.assert_allclose(np.array([*hit.uv]) - 0.5, wanted, atol=1e-7)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_projections(view) -> None:
+    """C6, C8: by V.z, by V.z and a bias, and not at all."""
+    x, y, z = view
+    v = Vec3(*view)
+    np.testing.assert_allclose([*projection.full(v, 0.42)], [x / z, y / z], rtol=1e-6)
+    np.testing.assert_allclose([*projection.limited(v, 0.42)], [x, y], rtol=1e-6)
+    for bias in (0.0, 0.1, 0.42, 3.0):
+        wanted = [x / (z + bias), y / (z + bias)]
+        np.testing.assert_allclose([*projection.biased(v, bias)], wanted, rtol=1e-6)
+
+
+@given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.01, 1)), st.floats(0.1, 10))
+def test_the_true_projection_needs_no_unit_vector_and_a_bias_does(view, times: float) -> None:
+    """W1."""
+    once, more = Vec3(*view), Vec3(*(c * times for c in view))
+    np.testing.assert_allclose(
+        [*projection.full(more, 0.0)], [*projection.full(once, 0.0)], rtol=1e-5, atol=1e-7
+    )
+    unbiased = projection.biased(once, 0.0)
+    np.testing.assert_allclose([*unbiased], [*projection.full(once, 0.0)], rtol=1e-6, atol=1e-7)
+    assume(abs(times - 1) > 0.1 and max(abs(view[0]), abs(view[1])) > 0.01)
+    assert projection.biased(more, 0.42) != projection.biased(once, 0.42)
+
+
+def test_limiting_divides_by_nothing() -> None:
+    """C6, in the code that runs on the GPU."""
+
+    @shader
+    def entry(at: IVec2, depth: Depth) -> Ray:
+        travel = projected(Vec3(float(at.x), 0.0, 1.0), depth.bias)
+        return Ray(travel, travel, depth.level, 1.0)
+
+    def text(kind) -> str:
+        return print_wgsl(Program(entry, {projection.projection: kind}).module, "wrap")
+
+    def body(kind) -> str:
+        return text(kind).split(f"fn {kind.name}(")[1].split("\n}")[0]
+
+    assert "/" in body(projection.full).replace("//", "")
+    assert "/" not in body(projection.limited).replace("//", "")
+
+
+@pytest.mark.parametrize("view", [(1.0, 0.0, 0.0), (0.6, 0.8, 0.0), (0.6, 0.8, -1e-7)])
+@pytest.mark.parametrize("kind", ["full", "biased", "limited"])
+def test_along_the_surface_the_ray_stays_finite(view, kind: str) -> None:
+    ray = relief_ray_of(view, kind, 0.1, bias=0.0)
+    assert np.isfinite([*ray.fall]).all()
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("scale", [0.1, 0.4])
+def test_the_limit_is_the_length_of_the_view_on_the_surface(view, scale: float) -> None:
+    """G3, G7: length(V.xy) ÷ V.z × height scale, against the view."""
+    ray = relief_ray_of(view, "full", scale, level=1.0)
+    x, y, z = view
+    assert math.hypot(*ray.fall) == pytest.approx(math.hypot(x, y) / z * scale, abs=1e-6)
+    assert float(ray.fall.x) * x <= 0
+    assert -float(ray.fall.y) * y <= 0
+
+
+@pytest.mark.parametrize("aspect", [0.25, 1.0, 2.0])
+def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
+    """W4: a move across the tile's height is more of v the lower the tile is."""
+    ray = relief_ray_of((0.36, 0.48, 0.8), "full", 0.1, aspect=aspect)
+    np.testing.assert_allclose(
+        [*ray.fall], [-0.1 * 0.36 / 0.8, 0.1 * 0.48 / 0.8 * aspect], rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize(("technique", "settings"), everywhere(20))
+@pytest.mark.parametrize(
+    ("kind", "bias"), [("full", 0.42), ("biased", 0.0), ("biased", 0.42), ("limited", 0.42)]
+)
+@pytest.mark.parametrize("view", VIEWS)
+def test_the_projection_comes_before_every_technique(technique, settings, kind, bias, view) -> None:
+    """C9: on the plane of height 0.7 each ends at scale · (0.7 − level) along the travel chosen."""
+    x, y, z = view
+    travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
+    level = technique.level
+    bindings = {
+        projection.projection: getattr(projection, kind),
+        displace: technique,
+        displaced: with_relief,
+        **PLAIN,
+    }
+    with bound(bindings), surface(level_surface(0.7)):
+        end = displaced(
+            EMPTY, UNBAKED, meeting(view), Depth(0.1, level, bias), Smoothing(), settings
+        )
+    height = level if technique is flat else 0.7
+    wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
+    np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
+    # the depth is that of the height, along the true ray
+    assert float(end.further) == pytest.approx((level - height) * 0.1 / z, abs=2e-5)
+
+
+def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it() -> None:
+    assert (offset.projection, offset_limited.projection) == ("full", "limited")
+    assert (offset.level, offset_limited.level) == (0.5, 0.5)
+    assert {t.level for t in (steep, parallax_occlusion, relief)} == {1.0}
+    assert {t.projection for t in (steep, parallax_occlusion, relief)} == {"full"}
+
+
+@pytest.mark.parametrize(("technique", "settings"), everywhere())
+def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
+    """C2."""
+    bindings = {projection.projection: projection.full, displace: technique, **PLAIN}
+    with bound(bindings), surface(level_surface(0.7)) as places:
+        end = with_relief(
+            EMPTY, UNBAKED, meeting(VIEWS[3]), Depth(0.0, 0.5, 0.42), Smoothing(), settings
+        )
+    assert places == []
+    assert end.reads == 0
+    assert end.further == 0
+    np.testing.assert_allclose([*end.uv], [0.31, 0.64], atol=1e-7)
+
+
+# --- on the CPU -----------------------------------------------------------------------------------
+
+
+@shader
+def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -> Hit:
+    """One ray a pixel, each coming from elsewhere."""
+    x = float(at.x) * 0.11 - 1.3
+    y = float(at.y) * 0.17 - 0.9
+    ray = Ray(Vec2(x * 0.37, y * 0.53), Vec2(y, x) * 0.21, 0.7, 0.5 + x * 0.25)
+    return displace(field, baked, ray, settings)
+
+
+@pytest.mark.parametrize(("technique", "settings"), everywhere(9))
+def test_the_cpu_computes_the_same_bits_as_python(technique, settings) -> None:
+    field = HeightField([np.random.default_rng(7).random((11, 17)) ** 2], "wrap")
+    bindings = {displace: technique, edge.in_tile: edge.wrap, surface_height: sharp}
+    program = Program(tracing, bindings, "wrap")
+    planes = CpuEngine().run(program, {"field": field, "settings": settings}, (23, 11))
+    for x, y in [(0, 0), (22, 10), (11, 3), (4, 9), (17, 6), (15, 5)]:
+        with bound(bindings):
+            one = tracing(IVec2(x, y), field, UNBAKED, settings)
+        got = [planes[name][y, x] for name, _ in program.planes]
+        assert got == [*leaf_values(one, Hit)]

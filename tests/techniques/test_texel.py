@@ -1,0 +1,314 @@
+"""texel: heights as boxes, against closed forms and a float64 list of all walls on each way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basrelief.engine.cpu import CpuEngine
+from basrelief.errors import InputError
+from basrelief.lang import HeightField, IVec2, Vec2, Vec3, bound, shader, struct
+from basrelief.lang.program import Program
+from basrelief.lang.types import leaf_values
+from basrelief.lang.wgsl import print_wgsl
+from basrelief.material import Material
+from basrelief.measure.boxes import first_box_hits
+from basrelief.rendering.programs import program_of, values_of
+from basrelief.scene import LookAt, Object, Scene, directional
+from basrelief.shading.brdf import Shading
+from basrelief.techniques import TECHNIQUES, Nothing, texel
+from basrelief.techniques.columns import INSET, side_at
+from basrelief.techniques.edge import edges_of
+from basrelief.techniques.ray import Ray
+from helpers.made_up import drawn, map_of, on_plane, rays, unit
+from helpers.rays import Fan, scattered
+
+RANDOM = np.random.default_rng(5)
+MAPS = {
+    "steps": RANDOM.integers(0, 9, (16, 16)) / 8,
+    "portrait": RANDOM.random((23, 7)),
+    "one row": RANDOM.random((1, 9)),
+    "one texel": np.array([[0.4]]),
+    "flat": np.zeros((4, 6)),
+    "top": np.ones((3, 5)),
+}
+CORNERS = 0.004
+"""The share of rays that pass an edge closer than float32 can tell."""
+
+
+@struct
+class Boxed:
+    """A ray, where it ends, and which way the side there faces."""
+
+    uv: Vec2
+    fall: Vec2
+    met: Vec2
+    height: float
+    found: bool
+    reads: int
+    side: Vec2
+
+
+@shader
+def boxed(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
+    """One ray of many."""
+    n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
+    uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
+    fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
+    hit = texel(field, Ray(uv, fall, 1.0, 0.5), Nothing())
+    side = side_at(field, hit.uv, hit.height, fall)
+    return Boxed(uv, fall, hit.uv, hit.height, hit.found, hit.reads, side)
+
+
+def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dict[str, np.ndarray]:
+    program = Program(boxed, edges_of(edge), edge)
+    values = {"fan": Fan(reach, 3), "field": HeightField([heights], edge)}
+    planes = {k: v.ravel() for k, v in engine.run(program, values, (64, 64)).items()}
+    pairs = {
+        name: np.stack([planes[f"{name}.x"], planes[f"{name}.y"]], -1).astype(float)
+        for name in ("uv", "fall", "met", "side")
+    }
+    return {**pairs, **{k: planes[k] for k in ("height", "found", "reads")}}
+
+
+def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
+    heights = np.asarray(heights, np.float32)
+    got = boxed_rays(engine, heights, edge, reach)
+    wanted = first_box_hits(heights, got["uv"], got["fall"], edge)
+    texels = np.array(heights.shape[::-1])
+    late = np.abs((1.0 - got["height"]) - wanted.t)
+    moved = np.abs((got["met"] - wanted.uv) * texels).max(axis=1)
+    turned = (got["side"] != wanted.side).any(axis=1)
+    wrong = (late > 1e-5) | (moved > INSET + 1e-3) | turned
+    assert got["found"].all()
+    assert wrong.mean() <= CORNERS, f"{wrong.mean():.3%} wrong, {turned.mean():.3%} of them turned"
+
+
+# --- against all walls ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("reach", [0.05, 0.8, 4.0])
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("name", MAPS)
+def test_every_ray_meets_its_first_box(name: str, edge: str, reach: float) -> None:
+    assert_boxes(CpuEngine(), MAPS[name], edge, reach)
+
+
+@pytest.mark.gpu
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("name", ["steps", "portrait"])
+def test_every_ray_meets_its_first_box_on_the_gpu(name: str, edge: str) -> None:
+    from basrelief.engine import choose_engine
+
+    assert_boxes(choose_engine("gpu"), MAPS[name], edge, 0.8)
+
+
+def test_the_ruler_can_fail() -> None:
+    """Boxes are not met where the bilinear surface is, nor beyond the edge where tiles repeat."""
+    heights = MAPS["steps"].astype(np.float32)
+    got = boxed_rays(CpuEngine(), heights, "wrap", 0.8)
+    other = first_box_hits(heights, got["uv"], got["fall"], "clamp")
+    assert (np.abs((1.0 - got["height"]) - other.t) > 1e-5).mean() > 0.1
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+WALL = np.array([[0.0, 0.0, 0.75, 0.75], [0.0, 0.0, 0.75, 0.75]], np.float32)
+"""Low on the left, high on the right: a wall at u = ½, 4 × 2 texels."""
+
+
+def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", level: float = 1.0):
+    with bound(edges_of(edge)):
+        field = HeightField([heights], edge)
+        ray = Ray(Vec2(*uv), Vec2(*fall), level, 0.5)
+        hit = texel(field, ray, Nothing())
+        side = side_at(field, hit.uv, hit.height, ray.fall)
+    return hit, tuple(float(n) for n in side)
+
+
+@given(st.floats(0.02, 0.24), st.floats(0.05, 0.95))
+def test_a_wall_is_met_at_the_height_that_the_ray_has_there(height: float, v: float) -> None:
+    """From the left at u = ¼, so as to be at `height` at u = ½: it faces back along u."""
+    hit, side = ended(WALL, (0.25, v), (0.25 / (1 - height), 0.0))
+    assert float(hit.height) == pytest.approx(height, abs=1e-6)
+    assert float(hit.uv.x) == pytest.approx(0.5 + INSET / 4, abs=1e-6)
+    assert side == (-1.0, 0.0)
+    assert hit.reads == 2
+
+
+def test_the_top_is_met_beyond_the_wall_and_is_level() -> None:
+    """At u = ½ the ray is still at 0.8, and falls to 0.75 a little further."""
+    hit, side = ended(WALL, (0.25, 0.5), (1.25, 0.1))
+    assert float(hit.height) == 0.75
+    assert float(hit.uv.x) == pytest.approx(0.25 + 1.25 * 0.25, abs=1e-6)
+    assert side == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("fall", "side"),
+    [((0.5, 0.0), (-1, 0)), ((-0.5, 0.0), (1, 0)), ((0.0, 0.5), (0, -1)), ((0.0, -0.5), (0, 1))],
+)
+def test_a_post_is_seen_from_four_sides(fall, side) -> None:
+    post = np.zeros((5, 5), np.float32)
+    post[2, 2] = 1.0
+    start = np.array([0.5, 0.5]) - np.array(fall) * 0.6
+    hit, faces = ended(post, start, fall)
+    # half a texel before the middle: 0.1 of the way of a tile's half
+    assert float(hit.height) == pytest.approx(1.0 - (0.6 - 0.2), abs=1e-6)
+    assert faces == side
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5])
+def test_the_level_is_where_the_ray_meets_the_polygon(level: float) -> None:
+    """The same ray, told from another of its heights."""
+    one, _ = ended(WALL, (0.25, 0.5), (0.4, 0.1))
+    uv = (0.25 + 0.4 * (1 - level), 0.5 + 0.1 * (1 - level))
+    other, _ = ended(WALL, uv, (0.4, 0.1), level=level)
+    np.testing.assert_allclose([*other.uv, other.height], [*one.uv, one.height], atol=1e-6)
+
+
+@pytest.mark.parametrize("fall", [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (1e-30, -1e-30)])
+def test_straight_down_it_is_the_box_below(fall) -> None:
+    hit, side = ended(MAPS["steps"], (5 / 16, 9 / 16), fall)
+    assert float(hit.height) == np.float32(MAPS["steps"][9, 5])
+    assert side == (0.0, 0.0)
+    assert hit.reads == 1
+
+
+def test_the_cpu_computes_the_same_bits_as_python() -> None:
+    field = HeightField([MAPS["portrait"]], "wrap")
+    program = Program(boxed, edges_of("wrap"), "wrap")
+    values = {"fan": Fan(0.8, 3), "field": field}
+    planes = CpuEngine().run(program, values, (9, 7))
+    for x, y in [(0, 0), (8, 6), (3, 2), (5, 5)]:
+        with bound(edges_of("wrap")):
+            one = boxed(IVec2(x, y), Fan(0.8, 3), field)
+        assert [planes[name][y, x] for name, _ in program.planes] == [*leaf_values(one, Boxed)]
+
+
+# --- in a picture ---------------------------------------------------------------------------------
+
+SCALE = 0.3
+TOWN = np.array(
+    [
+        [0, 0, 0, 0, 0, 0, 0],
+        [0, 6, 6, 6, 0, 2, 0],
+        [0, 6, 0, 0, 0, 4, 0],
+        [0, 0, 0, 0, 0, 8, 0],
+        [0, 3, 3, 0, 0, 0, 0],
+    ]
+) / 8  # fmt: skip
+"""Five texels by seven, alike from no two sides."""
+FROM = {
+    "below": LookAt((0.3, -1.2, 1.3), (0.0, -0.05, -0.1), (0, 0, 1), orthographic_height=0.9),
+    "the left, above": LookAt((-1.3, 0.8, 0.9), (0.1, 0.0, -0.1), (0, 0, 1), field_of_view=30.0),
+}
+LIGHTS = {"right": (0.8, 0.3, 0.6), "left": (-0.5, -0.6, 0.5)}
+MATTE = Shading(ambient=Vec3(0.0), specular=Vec3(0.0))
+
+
+def town(**options: Any) -> Object:
+    material = Material("town", base_color=map_of(np.ones((1, 1, 3))), height=map_of(TOWN))
+    options = {"technique": "texel", "scale": SCALE, "edge": "clip", **options}
+    return Object(material, transform=np.eye(4), **options)
+
+
+def lamp(towards) -> Any:
+    x, y, z = towards
+    return directional(np.degrees(np.arctan2(x, z)), np.degrees(np.arctan2(y, np.hypot(x, z))))
+
+
+def fall_of(direction: np.ndarray) -> np.ndarray:
+    """How far rays move over the unit plane while they fall through all of the relief."""
+    return direction[..., :2] * [1, -1] * SCALE / -direction[..., 2:]
+
+
+def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The picture in float64, and where there is anything: the cosine on the side that is met."""
+    uv, _ = on_plane(camera)
+    _, directions = rays(camera)
+    shape = uv.shape[:2]
+    start, fall = uv.reshape(-1, 2), fall_of(directions).reshape(-1, 2)
+    hits = first_box_hits(TOWN, start, fall, "clamp")
+    normals = np.column_stack([hits.side * [1, -1], 1 - np.abs(hits.side).sum(1)])
+    light = unit(towards)
+    shade = np.maximum(normals @ light, 0.0)
+    if shadows:
+        # the way back from the light, from where it comes in at the top
+        back = np.broadcast_to(fall_of(-light), fall.shape)
+        before = hits.uv + hits.side * 1e-6
+        met = first_box_hits(TOWN, before - back * hits.t[:, None], back, "clamp")
+        shade = shade * (met.t >= hits.t - 1e-5)
+    # within the polygon's outline, and where the ray ends too
+    places = np.concatenate([start, hits.uv], axis=1)
+    there = (places >= 0).all(1) & (places <= 1).all(1)
+    return shade.reshape(shape), there.reshape(shape)
+
+
+@pytest.mark.parametrize("shadows", [False, True])
+@pytest.mark.parametrize("light", LIGHTS)
+@pytest.mark.parametrize("camera", FROM)
+def test_sides_are_lit_as_walls_and_throw_shadows(camera: str, light: str, shadows: bool) -> None:
+    """Every pixel but those at edges: the cosine of the met side, 0 in the shadow of a box."""
+    frame = drawn(
+        town(),
+        camera=FROM[camera],
+        lights=(lamp(LIGHTS[light]),),
+        shading=MATTE,
+        shading_model="phong",
+        shadows="hard" if shadows else "none",
+        shadowing={"shadow_offset": 0.0},
+        background=(0.0, 0.0, 0.0),
+    )
+    shade, there = lit(FROM[camera], LIGHTS[light], shadows)
+    assert (frame.hit != there).mean() < 0.005
+    both = frame.hit & there
+    apart = np.abs(frame.color[:, :, 0] - shade)[both]
+    assert both.sum() > 1000
+    assert (apart > 2e-3).mean() < 0.01, f"{(apart > 2e-3).mean():.2%} of the pixels"
+
+
+def test_the_normals_of_the_heights_do_not_bend_the_tops() -> None:
+    """They are those of the bilinear surface; a normal map of the material's own is kept."""
+    assert "normal" not in values_of(town(), Scene((town(),)), (8, 8))
+    own = replace(town().material, normal=map_of(np.full((2, 2, 3), (0.6, 0.5, 0.9))))
+    thing = replace(town(), material=own)
+    assert "normal" in values_of(thing, Scene((thing,)), (8, 8))
+
+
+def test_colours_are_whole_texels_near_by() -> None:
+    """Two colours side by side: no pixel shows a mixture, though the map is bilinear otherwise."""
+    colors = np.zeros((1, 4, 3))
+    colors[0, ::2] = 0.8
+    material = Material("pair", base_color=map_of(colors), height=map_of([[0.5, 0.5, 0.5, 0.5]]))
+    camera = LookAt((0.0, 0.0, 3.0), orthographic_height=1.0)
+    shades = {}
+    for technique in ("texel", "steep"):
+        thing = Object(material, technique=technique, edge="clamp", transform=np.eye(4))
+        frame = drawn(
+            thing, camera=camera, lights=(), shading=Shading(ambient=Vec3(1.0)), size=(60, 60)
+        )
+        shades[technique] = np.unique(np.round(frame.color[:, :, 0][frame.hit], 3))
+    assert len(shades["texel"]) == 2
+    assert len(shades["steep"]) > 10
+
+
+def test_it_costs_other_techniques_nothing() -> None:
+    """What is a box's is in no program but that of boxes."""
+    names = ("side_at", "top_at", "top_of", "line_over", "as_the_side", "pixelated")
+    for technique in TECHNIQUES.values():
+        thing = town(technique=technique)
+        program = program_of(thing, Scene((thing,), shadows="hard"))
+        text = print_wgsl(program.module, program.edge)
+        found = [name for name in names if f"fn {name}(" in text]
+        assert bool(found) == technique.boxes, f"{technique.name}: {found}"
+
+
+def test_heights_are_read_sharp() -> None:
+    with pytest.raises(InputError, match="texel reads its heights sharp"):
+        town(heights="smooth")

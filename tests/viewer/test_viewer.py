@@ -1,0 +1,1491 @@
+"""The viewer's page in a browser: what it draws is what the CPU engine draws, and it obeys."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shlex
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import basrelief
+from basrelief.cli import arguments
+from basrelief.errors import InputError
+from basrelief.images import encode_png, read_picture, srgb_encode, write_data
+from basrelief.material import Map, Material, sample
+from basrelief.material.conventions import read_name
+from basrelief.measure.errors import errors
+from basrelief.measure.truth import truth
+from basrelief.rendering import textures
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.render import render
+from basrelief.scene import (
+    SHAPES,
+    Layer,
+    Object,
+    Orbit,
+    Scene,
+    Tiling,
+    placed,
+    point,
+    spot,
+    turned,
+)
+from basrelief.scene.presets import preset
+from basrelief.scene.views import FILLED
+from basrelief.shading.lights import DIRECTIONAL, SPOT
+from basrelief.techniques import TECHNIQUES
+from basrelief.viewer import Sources, write_view
+from basrelief.viewer.layouts import plain
+from basrelief.viewer.names import place_of
+from basrelief.viewer.page import LARGEST
+from basrelief.viewer.shown import shown_scene
+from basrelief.viewer.state import state_of
+from helpers.agreement import assert_agree
+from helpers.browser import PATIENCE, SOFTWARE, chromium, planes
+
+SIZE = (160, 90)
+TEXELS = 64
+CAMERA = Orbit(azimuth=24.0, elevation=32.0)
+
+
+@pytest.fixture(scope="module")
+def material() -> Material:
+    return sample("bricks", TEXELS)
+
+
+@pytest.fixture(scope="module")
+def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("viewer") / "page.html"
+    scene = Scene((Object(material, scale=0.08),), camera=CAMERA)
+    write_view(scene, file, sources=Sources("sample:bricks"), engine="cpu")
+    return file
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium(SOFTWARE) as made:
+        yield made
+
+
+class Seen:
+    """A page that is open, and what it said and asked for."""
+
+    def __init__(
+        self, browser: Any, file: Path, hash: str = "", *, before: str = "", **options: Any
+    ) -> None:
+        """Open `file`; `before` is run before anything of the page."""
+        options.setdefault("viewport", {"width": 760, "height": 400})
+        self.page = browser.new_page(**options)
+        self.page.set_default_timeout(PATIENCE)
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        if before:
+            self.page.add_init_script(before)
+        self.page.goto(file.as_uri() + hash)
+        self.page.wait_for_function("window.viewer && window.viewer.ready")
+        self.page.evaluate("viewer.ready")
+
+    def state(self, **changes: Any) -> None:
+        """Change what the page shows, as its panel does."""
+        self.page.evaluate("changes => { Object.assign(viewer.state, changes) }", changes)
+
+    def draw(self, samples: int = 1, size: tuple[int, int] = SIZE) -> None:
+        self.page.evaluate("([w, h, n]) => viewer.draw(w, h, n)", [*size, samples])
+
+    def frame(self, side: str = "left") -> Frame:
+        """The planes that were drawn last, as the library's frame."""
+        self.draw()
+        words = self.page.evaluate(
+            "async side => [...new Uint32Array(await viewer.drawing.frames.words(side))]", side
+        )
+        return planes(words, SIZE, self.page.evaluate("viewer.state.background"))
+
+    def open(self, section: str) -> None:
+        """Unfold a section of the panel, whichever test had it open before."""
+        self.page.evaluate(
+            "id => { document.getElementById(id).open = true }", f"section-{section}"
+        )
+
+    def text(self, selector: str) -> str:
+        return str(self.page.inner_text(selector))
+
+
+@pytest.fixture(scope="module")
+def seen(browser: Any, page_file: Path) -> Iterator[Seen]:
+    made = Seen(browser, page_file)
+    yield made
+    made.page.close()
+
+
+@pytest.fixture
+def fresh(seen: Seen) -> Iterator[Seen]:
+    """The page as at its start, its panel folded as it was then; it says nothing on the console."""
+    seen.page.evaluate(
+        """() => {
+          document.getElementById("panel").replaceChildren();
+          viewer.drop = { channel: "luminance", polarity: "", green: "" };
+          return viewer.reset();
+        }"""
+    )
+    seen.said.clear()
+    yield seen
+    assert seen.said == []
+
+
+def expected(material: Material, **options: Any) -> Frame:
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    thing = Object(material, **{"scale": 0.08, **options})
+    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    return render(scene, size=SIZE, samples=1, engine="cpu")
+
+
+def test_the_adapter_is_the_software_one(seen: Seen) -> None:
+    info = seen.page.evaluate(
+        "[viewer.gpu.adapter.info.vendor, viewer.gpu.adapter.info.architecture]"
+    )
+    assert info == ["google", "swiftshader"]
+
+
+def test_it_loads_without_a_word_and_without_the_network(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    seen.draw()
+    assert seen.said == []
+    assert seen.asked == [page_file.as_uri()]
+    assert seen.text("#messages") == ""
+    seen.page.close()
+
+
+@pytest.mark.parametrize("technique", TECHNIQUES)
+def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, technique: str) -> None:
+    made = TECHNIQUES[technique]
+    fresh.state(technique=technique, level=made.level, projection=made.projection)
+    assert_agree(expected(material, technique=technique), fresh.frame(), TEXELS)
+    assert fresh.said == []
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shadows", ["hard", "soft"])
+def test_shapes_and_shadows_are_the_cpus(
+    fresh: Seen, material: Material, shape: str, shadows: str
+) -> None:
+    thing = Object(material, shape=shape)
+    fresh.state(shape=shape, shadows=shadows, tiling=list(thing.tiles))
+    assert_agree(expected(material, shape=shape, shadows=shadows), fresh.frame(), TEXELS)
+
+
+@pytest.mark.parametrize("projection", ["biased", "limited"])
+def test_projections_are_the_cpus(fresh: Seen, material: Material, projection: str) -> None:
+    fresh.state(projection=projection, bias=0.3, shading_model="phong", technique="steep")
+    options = {"projection": projection, "bias": 0.3, "shading_model": "phong"}
+    assert_agree(expected(material, technique="steep", **options), fresh.frame(), TEXELS)
+
+
+def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -> None:
+    fresh.draw(samples=4)
+    url = fresh.page.evaluate(
+        "(viewer.drawing.frames.present(), viewer.canvas.toDataURL('image/png'))"
+    )
+    file = base64.b64decode(url.split(",")[1])
+    shown = read_picture(_saved(file, "canvas.png")).pixels[:, :, :3].astype(int)
+    thing = Object(material, scale=0.08)
+    frame = render(Scene((thing,), camera=CAMERA), size=SIZE, samples=4, engine="cpu")
+    wanted = read_picture(_saved(encode_png(frame.color[:, :, :3]), "cpu.png")).pixels.astype(int)
+    apart = np.abs(shown - wanted).max(axis=-1)
+    assert (apart <= 2).mean() >= 0.995
+    assert shown.std() > 10.0
+
+
+def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> None:
+    fresh.state(technique="offset", level=0.5, projection="full", show="missed")
+    scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
+    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    share = errors(frame, truth(scene, SIZE)).missed
+    fresh.draw()
+    found = fresh.page.evaluate("viewer.drawing.frames.found")
+    assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
+    assert share > 0.05
+
+
+@pytest.mark.parametrize("heights", ["smooth", "mip"])
+def test_missed_hits_are_against_the_finest_level(
+    fresh: Seen, material: Material, heights: Any
+) -> None:
+    changes = {"technique": "parallax_occlusion", "heights": heights, "show": "missed"}
+    fresh.state(**changes, tiling=[10, 10])
+    fresh.draw()
+    figures = fresh.page.evaluate("viewer.drawing.frames.found")
+    thing = Object(
+        material,
+        scale=0.08,
+        technique="parallax_occlusion",
+        heights=heights,
+        tiling=(10.0, 10.0),
+    )
+    scene = Scene((thing,), camera=CAMERA)
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    wanted = errors(drawn, truth(scene, SIZE)).missed
+    assert wanted > 0.05
+    assert figures["missed"] / figures["hits"] == pytest.approx(wanted, abs=0.01)
+
+
+def test_cameras_are_pythons(seen: Seen) -> None:
+    for camera in (
+        Orbit(24.0, 32.0, 2.5, (0.1, -0.2, 0.3), 40.0),
+        Orbit(-130.0, 89.0, 0.7),
+        Orbit(10.0, 20.0, 3.0, orthographic_height=1.5),
+    ):
+        made = plain(camera.camera(SIZE))
+        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        script = "async ([c, s]) => (await import('view/camera.js')).orbit(c, s)"
+        found = seen.page.evaluate(script, [told, SIZE])
+        for name, value in made.items():
+            np.testing.assert_allclose(found[name], value, rtol=2e-6, atol=1e-7, err_msg=name)
+
+
+def test_framing_is_pythons(seen: Seen, material: Material) -> None:
+    for shape in SHAPES:
+        points = Object(material, shape=shape).outline()
+        camera = Orbit(24.0, 32.0)
+        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        script = "async ([c, p, s, f]) => (await import('view/camera.js')).framing(c, p, s, f)"
+        found = seen.page.evaluate(script, [told, points.tolist(), SIZE, FILLED])
+        assert found == pytest.approx(camera.framing(points, SIZE).distance, rel=1e-6)
+
+
+def test_smaller_levels_are_pythons(seen: Seen) -> None:
+    rng = np.random.default_rng(5)
+    heights = rng.integers(0, 65536, (13, 22)).astype(np.uint16)
+    script = """async ([texels, height, width]) => {
+      const maps = await import("view/maps.js");
+      return maps.heightLevels({ width, height, texels }).map((l) => [...l.texels]);
+    }"""
+    found = seen.page.evaluate(script, [heights.ravel().tolist(), *heights.shape])
+    level = (heights / 65535.0).astype(np.float32)
+    for texels in found:
+        assert np.array_equal(np.array(texels, np.float32).reshape(level.shape), level)
+        level = textures.halved(level)
+
+
+OTHERWISE: dict[str, dict[str, Any]] = {
+    "clamped": {"edge": "clamp", "shift": (0.4, 0.3), "shape": "box"},
+    "clipped": {"edge": "clip", "technique": "parallax_occlusion"},
+    "smooth": {"heights": "smooth", "tiling": (8.0, 8.0)},
+    "mips": {"heights": "mip", "tiling": (8.0, 8.0), "technique": "steep"},
+    "landscape": {"surface": "landscape", "technique": "fixed_length", "scale": 0.2},
+    "faded": {"fade": (1.5, 2.5), "shadows": "hard"},
+    "three sides": {"mapping": "triplanar", "scale": 0.2},
+    "apart": {
+        "tilings": {
+            "base_color": Tiling((-3.0, 2.0), (0.1, 0.2)),
+            "normal": Tiling((-2.0, 3.0)),
+        }
+    },
+    "a layer": {"layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1)))},
+    "fog": {"fog": "linear", "air": {"fog_start": 1.0, "fog_end": 3.0}},
+    "thick fog": {"fog": "exponential_squared", "air": {"fog_density": 0.5}},
+    "occluded": {"occlusion_kind": "directional", "shadows": "soft"},
+    "lamps": {
+        "lights": (
+            point((0.5, 0.8, 0.2), (1.0, 0.5, 0.2), 2.0, 1.0),
+            spot((-0.4, 0.9, 0.3), (0.1, 0.0, 0.1), angle=50.0, softness=0.5),
+        ),
+        "shadows": "hard",
+        "background": (0.2, 0.0, 0.1),
+    },
+}
+
+
+LEANING = placed((0.1, 0.0, 0.05), scale=(1.2, 0.8, 0.9)) @ turned("x", -70.0)
+
+
+@pytest.fixture(scope="module")
+def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Seen, Material]]:
+    """A page of a material that has every map, and a second layer."""
+    material = _rich_material()
+    file = tmp_path_factory.mktemp("rich") / "page.html"
+    thing = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
+    write_view(Scene((thing,), camera=CAMERA), file, engine="cpu")
+    made = Seen(browser, file)
+    yield made, material
+    made.page.close()
+
+
+def _rich_material() -> Material:
+    """Gravel with holes, metal, and places that glow."""
+    v, u = np.mgrid[0:TEXELS, 0:TEXELS] / TEXELS
+    hole = np.where((u - 0.3) ** 2 + (v - 0.6) ** 2 < 0.02, 0.2, 1.0)
+    glow = np.stack([3.0 * (u > 0.75), 0.5 * v, np.zeros_like(u)], -1)
+
+    def map_of(pixels: Any) -> Map:
+        return Map(
+            np.ascontiguousarray(pixels, np.float32).reshape(TEXELS, TEXELS, -1), False, "made"
+        )
+
+    return replace(
+        sample("gravel", TEXELS),
+        opacity=map_of(hole),
+        metallic=map_of((v < 0.4) * 0.9),
+        roughness=map_of(0.3 + 0.5 * u),
+        emission=map_of(glow),
+        layer_mask=map_of(u * v),
+    )
+
+
+@pytest.mark.parametrize("way", OTHERWISE)
+def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str) -> None:
+    seen, material = rich
+    options = dict(OTHERWISE[way])
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    standing = None if "shape" in options else LEANING
+    thing = Object(material, **{"scale": 0.08, "transform": standing, **options})
+    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    _shown_as(seen, scene)
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert drawn.hit.mean() > 0.1
+    assert_agree(drawn, seen.frame(), TEXELS)
+
+
+def _shown_as(seen: Seen, scene: Scene) -> None:
+    """Show a scene in the page of another: all that a page can change is as the scene has it."""
+    state = state_of(scene, scene.objects[0])
+    seen.page.evaluate("viewer.reset()")
+    seen.state(**state)
+    seen.page.evaluate("viewer.changed(true)")
+
+
+# --- what a person does --------------------------------------------------------------------------
+
+
+def test_a_slider_draws_anew_and_compiles_nothing(fresh: Seen) -> None:
+    before = fresh.frame().color
+    compiled = fresh.page.evaluate("viewer.gpu.compiled")
+    for name in ("settings.relief.max_steps", "scale", "lights.0.azimuth", "tiling.0"):
+        field = fresh.page.locator(f"input[name='{name}']")
+        field.locator("xpath=../input[@type='range']").focus()
+        fresh.page.keyboard.press("ArrowRight")
+        fresh.page.keyboard.press("ArrowRight")
+    assert fresh.page.evaluate("viewer.state.lights[0].azimuth") == -48
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(0.082)
+    assert fresh.page.evaluate("viewer.state.settings.relief.max_steps") > 32
+    assert (fresh.frame().color != before).any()
+    assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+
+
+def test_a_number_is_typed_and_held_to_its_range(fresh: Seen) -> None:
+    field = fresh.page.locator("input[name='settings.relief.search_steps']")
+    field.fill("99")
+    field.press("Tab")
+    assert fresh.page.evaluate("viewer.state.settings.relief.search_steps") == 24
+    assert field.input_value() == "24"
+
+
+def test_every_control_has_a_label(fresh: Seen) -> None:
+    script = """() => [...document.querySelectorAll("#panel :is(input, select)")]
+      .filter((c) => !c.labels.length && !c.getAttribute("aria-label")).map((c) => c.outerHTML)"""
+    assert fresh.page.evaluate(script) == []
+
+
+def test_keys_turn_zoom_move_and_frame(fresh: Seen) -> None:
+    fresh.page.locator("#canvas").focus()
+    camera = "JSON.parse(JSON.stringify(viewer.state.camera))"
+    fresh.page.keyboard.press("ArrowRight")
+    fresh.page.keyboard.press("ArrowUp")
+    turned = fresh.page.evaluate(camera)
+    assert (turned["azimuth"], turned["elevation"]) == (28, 36)
+    fresh.page.keyboard.press("+")
+    near = fresh.page.evaluate(camera)["distance"]
+    fresh.page.keyboard.press("-")
+    assert fresh.page.evaluate(camera)["distance"] > near
+    fresh.page.keyboard.press("Shift+ArrowRight")
+    assert fresh.page.evaluate(camera)["target"] != [0, 0, 0]
+    fresh.page.keyboard.press("0")
+    framed = fresh.page.evaluate(camera)
+    assert (framed["target"], framed["distance"]) == ([0, 0, 0], None)
+
+
+def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    fresh.page.mouse.move(x, y)
+    fresh.page.mouse.down()
+    fresh.page.mouse.move(x - 50, y + 25)
+    fresh.page.mouse.up()
+    camera = fresh.page.evaluate("viewer.state.camera")
+    assert camera["azimuth"] == pytest.approx(44.0)
+    assert camera["elevation"] == pytest.approx(42.0)
+    fresh.page.mouse.wheel(0, -100)
+    fresh.page.wait_for_function("viewer.state.camera.distance !== null")
+
+
+def test_with_alt_the_mouse_turns_the_light(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = fresh.page.evaluate("structuredClone(viewer.state)")
+    fresh.page.mouse.move(x, y)
+    fresh.page.keyboard.down("Alt")
+    fresh.page.mouse.down()
+    fresh.page.mouse.move(x + 50, y - 25)
+    fresh.page.mouse.up()
+    fresh.page.keyboard.up("Alt")
+    state = fresh.page.evaluate("viewer.state")
+    assert state["camera"] == before["camera"]
+    light, usual = state["lights"][0], before["lights"][0]
+    assert light["azimuth"] == pytest.approx(usual["azimuth"] + 20.0)
+    assert light["elevation"] == pytest.approx(usual["elevation"] + 10.0)
+    assert state["lights"][1:] == before["lights"][1:]
+
+
+def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
+    page = fresh.page
+    fresh.draw()
+    fresh.open("camera")
+    distance = page.get_by_label("distance", exact=True)
+    framed = CAMERA.framing(Object(material).outline(), SIZE).distance
+    assert float(distance.input_value()) == pytest.approx(framed, rel=1e-3)
+    page.get_by_label("camera azimuth", exact=True).fill("-40")
+    page.get_by_label("field of view").last.fill("50")
+    distance.fill("1.5")
+    wanted = Orbit(-40.0, 32.0, 1.5, field_of_view=50.0)
+    assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
+    # it goes on with the height that was seen
+    page.get_by_label("Orthographic").check()
+    assert page.evaluate("document.activeElement.name") == "orthographic"
+    page.wait_for_function("viewer.drawing.state?.camera.orthographic_height !== null")
+    seen_height = float(page.get_by_label("height seen", exact=True).input_value())
+    assert seen_height == pytest.approx(3.0 * np.tan(np.radians(25.0)), rel=1e-3)
+    page.get_by_label("height seen", exact=True).fill("0.75")
+    wanted = replace(wanted, orthographic_height=0.75)
+    assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
+    # a plane is not seen from behind
+    page.get_by_label("camera elevation", exact=True).fill("-30")
+    assert page.evaluate("viewer.state.camera.elevation") == 2
+    page.get_by_label("Orthographic").uncheck()
+    assert page.evaluate("viewer.state.camera.orthographic_height") is None
+    assert page.get_by_label("field of view").last.is_visible()
+    # framed it shows the whole shape, and close by nothing is cut off
+    page.get_by_label("camera elevation", exact=True).fill("40")
+    page.get_by_label("Orthographic").check()
+    page.locator("#frame").click()
+    framed = page.evaluate(
+        "[viewer.state.camera.orthographic_height, viewer.wholeCamera().distance]"
+    )
+    wanted = Orbit(-40.0, 40.0, framed[1], orthographic_height=framed[0])
+    whole = expected(material, camera=wanted)
+    rows, columns = np.nonzero(whole.hit)
+    assert rows.min() > 0
+    assert columns.min() > 0
+    filled = max(np.ptp(columns) / SIZE[0], np.ptp(rows) / SIZE[1])
+    assert filled == pytest.approx(FILLED, abs=0.03)
+    distance.fill("0.2")
+    assert page.evaluate("viewer.state.camera.distance") > 0.5
+    assert_agree(whole, replace(fresh.frame(), depth=whole.depth), TEXELS)
+    page.get_by_label("Orthographic").uncheck()
+    # a camera that somebody put far away is not fetched by the wheel at once
+    distance.fill("100")
+    page.locator("#canvas").focus()
+    page.keyboard.press("+")
+    assert page.evaluate("viewer.state.camera.distance") == pytest.approx(100.0 / 1.12)
+
+
+def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -> None:
+    box = fresh.page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    wire = fresh.page.context.new_cdp_session(fresh.page)
+
+    def touch(kind: str, *points: tuple[float, float]) -> dict[str, Any]:
+        before = fresh.page.evaluate("viewer.state.camera")
+        fingers = [{"x": x + dx, "y": y + dy, "id": k} for k, (dx, dy) in enumerate(points)]
+        wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+        if kind == "touchMove":
+            changed = "before => JSON.stringify(viewer.state.camera) !== JSON.stringify(before)"
+            fresh.page.wait_for_function(changed, arg=before)
+        # those of other fingers are told with the next frames
+        camera: dict[str, Any] = fresh.page.evaluate(
+            """async () => {
+              for (let k = 0; k < 3; k++) await new Promise(requestAnimationFrame);
+              return structuredClone(viewer.state.camera);
+            }"""
+        )
+        return camera
+
+    touch("touchStart", (0.0, 0.0))
+    turned = touch("touchMove", (-50.0, 25.0))
+    assert turned["azimuth"] == pytest.approx(44.0, abs=0.5)
+    assert turned["elevation"] == pytest.approx(42.0, abs=0.5)
+    touch("touchEnd")
+    touch("touchStart", (-20.0, 0.0), (20.0, 0.0))
+    near = touch("touchMove", (-21.0, 0.0), (21.0, 0.0))["distance"]
+    apart = touch("touchMove", (-60.0, 0.0), (60.0, 0.0))
+    assert apart["distance"] < 0.5 * near
+    # both to the left: what is seen goes with them, and the camera to the right
+    moved = touch("touchMove", (-100.0, 0.0), (20.0, 0.0))
+    touch("touchEnd")
+    assert moved["distance"] == pytest.approx(apart["distance"], rel=0.02)
+    assert moved["azimuth"] == turned["azimuth"]
+    across = np.array([np.cos(np.radians(44.0)), 0.0, -np.sin(np.radians(44.0))])
+    assert np.dot(np.subtract(moved["target"], apart["target"]), across) > 0.01
+
+
+def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
+    page = fresh.page
+    page.locator("#canvas").focus()
+    reached: list[str] = []
+    for _ in range(200):
+        page.keyboard.press("Tab")
+        reached.append(
+            page.evaluate("document.activeElement.name || document.activeElement.id || ''")
+        )
+        if reached[-1] == "reset":
+            break
+    # what is folded away is not in the way, and opens by key
+    wanted = {"technique", "preset", "scale", "shape", "lights.0.azimuth", "add-light", "save"}
+    assert wanted <= set(reached)
+    assert "finish.standard.roughness" not in reached
+    page.locator("#section-surface summary").focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.name") == "surface"
+    # what a button makes anew, or takes away, leaves the focus near by
+    for id, wanted_id in (("add-light", "add-light"), ("remove-light-3", ""), ("reset", "reset")):
+        page.locator(f"#{id}").focus()
+        page.keyboard.press("Enter")
+        at = page.evaluate("[document.activeElement.id, document.activeElement.tagName]")
+        assert at == ([wanted_id, "BUTTON"] if wanted_id else ["", "SUMMARY"])
+    page.locator("#section-surface select").first.focus()
+    # a name is written whole, whatever its letters choose on the way, and what it needs follows
+    page.locator("select[name=technique]").focus()
+    page.keyboard.type("offset limited")
+    assert page.evaluate("viewer.state.technique") == "offset_limited"
+    page.keyboard.press("Tab")
+    after = page.evaluate("document.activeElement.getAttribute('aria-label')")
+    assert after == "max offset, slider"
+    page.locator("#section-surface select").first.focus()
+    # a menu by its letters keeps the focus, though the panel is made anew
+    page.keyboard.type("landscape")
+    assert page.evaluate("[viewer.state.surface, document.activeElement.name]") == [
+        "landscape",
+        "surface",
+    ]
+
+
+def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: Material) -> None:
+    page = fresh.page
+    page.get_by_role("button", name="Add a light").click()
+    page.get_by_label("Light 3", exact=True).select_option("spot")
+    for label, value in (("x", "0.4"), ("y", "0.9"), ("cone", "50"), ("intensity", "4")):
+        page.get_by_label(f"light 3 {label}", exact=True).fill(value)
+    page.get_by_label("light 3 color").fill("#ff8000")
+    page.get_by_role("button", name="Remove light 1").click()
+    scene = shown_scene(page.evaluate("viewer.state"), Scene((Object(material),)))
+    assert [int(each.kind) for each in scene.lights] == [DIRECTIONAL, SPOT]
+    assert [*scene.lights[1].color] == pytest.approx([4.0, 0.8632, 0.0], abs=1e-3)
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
+
+
+def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
+    fresh.page.get_by_label("Beside it").select_option("offset")
+    left, right = fresh.frame("left"), fresh.frame("right")
+    assert_agree(expected(material), left, TEXELS)
+    assert_agree(expected(material, technique="offset"), right, TEXELS)
+    divider = fresh.page.get_by_label("Divider")
+    divider.focus()
+    shown = []
+    for key in ("Home", "End"):
+        fresh.page.keyboard.press(key)
+        url = fresh.page.evaluate("(viewer.drawing.frames.present(), viewer.canvas.toDataURL())")
+        shown.append(url)
+    assert fresh.page.evaluate("viewer.state.divider") == 1
+    assert shown[0] != shown[1]
+    fresh.page.get_by_label("Beside it").select_option("")
+    fresh.draw()
+    alone = fresh.page.evaluate("(viewer.drawing.frames.present(), viewer.canvas.toDataURL())")
+    assert alone == shown[1]
+
+
+def _changed(fresh: Seen) -> None:
+    fresh.state(
+        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06, level=0.75,
+        tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
+        shading_model="phong",
+    )  # fmt: skip
+    fresh.page.evaluate(
+        """() => {
+          viewer.state.settings.parallax_occlusion.max_steps = 20;
+          viewer.state.lights[1].elevation = 50;
+          viewer.state.shading.ambient = [0.2, 0.1, 0.3];
+          viewer.state.camera = { ...viewer.state.camera, distance: 3, target: [0.1, -0.1, 0] };
+          viewer.changed(true);
+        }"""
+    )
+
+
+def test_what_is_copied_draws_the_same(
+    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _changed(fresh)
+    shown = fresh.frame()
+    line = fresh.page.evaluate("viewer.text('python')")
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    exec(line, {"basrelief": basrelief})
+    drawn = render(material, size=SIZE, samples=1, engine="cpu", **given)
+    assert_agree(drawn, shown, TEXELS)
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    assert words[:3] == ["basrelief", "render", "sample:bricks"]
+    scene = _scene_of_command(material, words[3:])
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), shown, TEXELS)
+
+
+def _scene_of_command(material: Material, words: list[str]) -> Scene:
+    """The scene that `basrelief render` would draw."""
+    several = {"set": "settings", "light": "lights"}
+    options: dict[str, Any] = {}
+    rest = iter([part for word in words for part in _parts(word)])
+    for word in rest:
+        name = word.removeprefix("--").replace("-", "_")
+        value = next(rest)
+        if name in several:
+            options.setdefault(several[name], []).append(value)
+        else:
+            number = name in ("scale", "level")
+            options[name] = float(value) if number else value
+    return arguments.scene(material, **options)
+
+
+def _parts(word: str) -> list[str]:
+    return word.split("=", 1) if word.startswith("--") and "=" in word else [word]
+
+
+def test_without_lights_it_is_dark_in_a_command_too(fresh: Seen, material: Material) -> None:
+    for _ in range(2):
+        fresh.page.get_by_role("button", name="Remove light 1").click()
+    fresh.page.locator("#add-light").wait_for()
+    assert fresh.page.evaluate("viewer.state.lights") == []
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    scene = _scene_of_command(material, words[3:])
+    assert scene.lights == ()
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
+
+
+def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
+    fresh.state(scale=2.0, tiling=[50.0, -1.0])
+    fresh.page.evaluate("viewer.changed(true)")
+    slider = fresh.page.get_by_label("scale, slider", exact=True)
+    assert (slider.get_attribute("max"), slider.input_value()) == ("2", "2")
+    slider.focus()
+    fresh.page.keyboard.press("ArrowLeft")
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(2.0, abs=0.05)
+    # a number may go beyond the slider, as far as the library goes
+    fresh.page.get_by_label("scale", exact=True).fill("3.5")
+    assert fresh.page.evaluate("viewer.state.scale") == 3.5
+    fresh.page.get_by_label("scale", exact=True).fill("30")
+    assert fresh.page.evaluate("viewer.state.scale") == 10.0
+    assert fresh.page.evaluate("viewer.state.tiling") == [50, -1]
+
+
+def test_the_divider_is_in_the_link(fresh: Seen) -> None:
+    fresh.state(compare="offset")
+    fresh.page.evaluate("viewer.changed(true)")
+    fresh.page.get_by_label("Divider").fill("0.25")
+    fresh.page.wait_for_function("decodeURIComponent(location.hash).includes('divider')")
+    assert '"divider":0.25' in fresh.page.evaluate("decodeURIComponent(location.hash)")
+
+
+def test_a_link_opens_as_it_was(fresh: Seen, browser: Any, page_file: Path) -> None:
+    _changed(fresh)
+    link = fresh.page.evaluate("viewer.text('link')")
+    other = Seen(browser, page_file, "#" + link.split("#")[1])
+    assert other.page.evaluate("viewer.state") == fresh.page.evaluate("viewer.state")
+    other.page.close()
+
+
+def test_a_link_that_is_nonsense_is_told(browser: Any, page_file: Path) -> None:
+    for hash in ("#{", "#%7B%22technique%22%3A%22warp%22%2C%22scale%22%3A%22x%22%7D"):
+        seen = Seen(browser, page_file, hash)
+        assert seen.page.evaluate("viewer.state.technique") == "relief"
+        assert seen.page.evaluate("viewer.state.scale") == pytest.approx(0.08)
+        assert ("cannot be read" in seen.text("#messages")) == (hash == "#{")
+        seen.page.close()
+
+
+ODD: list[Any] = [
+    {"scale": None},
+    {"scale": 1e9, "level": -3, "settings": {"relief": {"max_steps": 1e7, "min_steps": 2.6}}},
+    {"lights": [{}]},
+    {"lights": [1, None, {"kind": "spot", "angle": 400, "color": [1]}]},
+    {"lights": [{"kind": "point(),));__import__('os').system('id')#", "intensity": 0}]},
+    {"lights": [{"kind": "$(id)", "azimuth": "left"}]},
+    {"tiling": [], "shift": [1], "tilings": {"normal": {"tiles": [0, 2]}}},
+    {"settings": {"relief": {"max_steps": None}, "warp": {}}},
+    {"camera": {"elevation": -60, "distance": "x", "target": 3, "field_of_view": 1e3}},
+    {"camera": {"azimuth": 1e30, "target": [1e30, -1e30, 0], "orthographic_height": -1}},
+    {"show": "xyz", "compare": "warp", "preset": "nothing", "surface": "sea", "fades": "yes"},
+    {"fades": True, "fade": [5, 4], "fog": "linear", "air": {"fog_start": 50, "fog_end": 1}},
+    {"constructor": 1, "__proto__": {"scale": 1}, "layer": True},
+    [1, 2],
+    None,
+]
+
+
+@pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
+def test_an_odd_link_is_held_to_what_can_be(
+    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch, odd: Any
+) -> None:
+    fresh.page.evaluate("odd => { location.hash = encodeURIComponent(JSON.stringify(odd)) }", odd)
+    fresh.page.wait_for_function("viewer.hashesRead > 0")
+    fresh.page.evaluate("viewer.hashesRead = 0")
+    state = fresh.page.evaluate("viewer.state")
+    # what Python would refuse, or not survive, is not in it
+    scene = shown_scene(state, Scene((Object(material),)))
+    assert scene.objects[0].relief_scale <= 10.0
+    assert -1.0 < scene.objects[0].settings.max_steps <= 4096
+    scene.shader_camera((16, 9))
+    line = fresh.page.evaluate("viewer.text('python')")
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    monkeypatch.setattr("os.system", lambda line: pytest.fail(line))
+    exec(line, {"basrelief": basrelief})
+    assert len(given["lights"]) == len(state["lights"]) if "lights" in given else True
+    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
+    assert "$(id)" not in " ".join(words)
+    _scene_of_command(material, words[3:])
+    assert fresh.page.locator("#panel select[name=technique]").count() == 1
+    assert fresh.said == []
+    fresh.page.evaluate("history.replaceState(null, '', location.pathname)")
+
+
+def test_the_buttons_copy(fresh: Seen) -> None:
+    fresh.page.locator("#copy-python").click()
+    fresh.page.wait_for_function("document.getElementById('copied').textContent !== ''")
+    assert "basrelief.render(" in fresh.text("#copied")
+
+
+def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
+    fresh.page.evaluate("() => { viewer.canvas.toBlob = (then) => then(null) }")
+    fresh.page.locator("#save").click()
+    fresh.page.get_by_text("The browser makes no picture of the canvas").wait_for()
+    fresh.page.evaluate("() => { delete viewer.canvas.toBlob }")
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
+def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
+    fresh.state(technique="offset", show="missed", compare="exact", level=0.5)
+    fresh.draw()
+    shares = re.search(r" missed ([0-9.]+) \| ([0-9.]+) %", fresh.text("#figures"))
+    assert shares is not None
+    assert float(shares[1]) > 5.0
+    assert float(shares[2]) < 0.1
+    fresh.state(compare="")
+    fresh.draw()
+    assert f" missed {shares[1]} %" in fresh.text("#figures")
+    # the truth's program fails, and colours are shown
+    fresh.page.evaluate(
+        "() => { const { drawing } = viewer; const side = drawing.side.bind(drawing);"
+        " drawing.side = async (name, state) => {"
+        " if (name === 'truth') throw new Error('none'); return side(name, state); } }"
+    )
+    fresh.draw()
+    assert "exact: none" in fresh.text("#messages")
+    assert "missed" not in fresh.text("#figures")
+    fresh.page.evaluate("() => { delete viewer.drawing.side }")
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
+def test_the_picture_is_saved(fresh: Seen) -> None:
+    fresh.draw()
+    with fresh.page.expect_download() as waiting:
+        fresh.page.locator("#save").click()
+    assert waiting.value.suggested_filename == "bricks-relief.png"
+    assert read_picture(waiting.value.path().rename(_place("saved.png"))).pixels.shape[:2] == (
+        SIZE[1],
+        SIZE[0],
+    )
+
+
+@pytest.mark.parametrize("name", ["gamedev", "habrador-bricks", "halliwell", "wikibooks"])
+def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) -> None:
+    fresh.page.get_by_label("Preset").select_option(name)
+    scene = preset(name).scene(material, camera=CAMERA, shape="plane")
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    # what is turned is that preset no more
+    assert fresh.page.get_by_label("Preset").input_value() == name
+    assert fresh.text("#about-preset") != ""
+    fresh.page.get_by_label("level", exact=True).fill("0.3")
+    assert fresh.page.get_by_label("Preset").input_value() == ""
+    assert fresh.text("#about-preset") == ""
+
+
+def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
+    seen: Seen, browser: Any, tmp_path: Path
+) -> None:
+    def greyed(seen: Seen) -> list[str]:
+        found: list[str] = seen.page.evaluate(
+            "Object.entries(viewer.data.presets).flatMap(([name, { state }]) => state ? [] : name)"
+        )
+        return found
+
+    assert greyed(seen) == ["habrador"]
+    why = seen.page.evaluate("viewer.data.presets.habrador.why")
+    assert why == "it lays stone over; make a page with --preset habrador"
+    # a landscape with grass and stone, water and what is never reached
+    noise = sample("noise", TEXELS)
+    scene = preset("habrador").scene(noise, camera=CAMERA)
+    write_view(scene, tmp_path / "page.html", engine="cpu")
+    other = Seen(browser, tmp_path / "page.html")
+    assert greyed(other) == []
+    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), other.frame(), TEXELS)
+    other.page.close()
+
+
+OWN = """
+from basrelief.lang import HeightField, setting, shader, struct
+from basrelief.techniques import Hit, Ray, at, height_under, technique
+
+@struct
+class Halving:
+    share: float = setting(default=0.5, doc="how deep all is taken for", low=0.0, high=1.0)
+
+@technique()
+def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
+    height = height_under(field, ray, 1.0 - settings.share)
+    return Hit(at(ray, height), height, True, 1)
+"""
+
+
+def test_a_technique_of_ones_own_is_there(
+    browser: Any, tmp_path: Path, material: Material, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    own = Object(material, technique="own.py:steep", settings={"share": 0.7}, scale=0.08)
+    scene = Scene((own,), camera=CAMERA)
+    write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), engine="cpu")
+    seen = Seen(browser, tmp_path / "page.html")
+    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    assert_agree(drawn, seen.frame(), TEXELS)
+    # beside the library's own of that name
+    assert seen.page.locator("select[name=technique]").input_value() == "steep_"
+    assert "--technique own.py:steep " in seen.page.evaluate("viewer.text('command')")
+    # a preset is named on such a page too
+    seen.page.get_by_label("Preset").select_option("gamedev")
+    assert seen.page.evaluate("viewer.state.preset") == "gamedev"
+    seen.page.close()
+
+
+# --- dropped maps --------------------------------------------------------------------------------
+
+
+def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: Material) -> None:
+    seen = Seen(browser, page_file)
+    rng = np.random.default_rng(3)
+    coarse = rng.integers(40, 216, (8, 8)).astype(np.uint8)
+    codes = np.kron(coarse, np.ones((8, 8), np.uint8))
+    pixels = np.stack([codes, codes[::-1], codes], -1)
+    file = write_data(_place("other_heights.png"), pixels)
+    seen.open("maps")
+    seen.page.get_by_label("Channel").select_option("g")
+    seen.page.get_by_label("White is").select_option("depth")
+    _drop(seen, file)
+    seen.page.wait_for_function("viewer.mapSaid !== ''")
+    assert "other_heights.png: 64 × 64" in seen.text("#map-said")
+    heights = (1.0 - codes[::-1] / np.float32(255.0)).astype(np.float32)[:, :, None]
+    swapped = replace(material, height=Map(heights, False, "dropped"))
+    assert_agree(expected(swapped), seen.frame(), TEXELS)
+    assert seen.page.locator("#panel option[disabled]", has_text="needs").count() == 0
+    seen.page.close()
+
+
+def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
+    before = fresh.frame().color
+    file = _place("notes.txt")
+    file.write_text("no picture")
+    _drop(fresh, file)
+    fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
+    assert (
+        "notes.txt: its name says no map that the page takes; under “Maps”, drop it on"
+        in fresh.text("#messages")
+    )
+    _drop(fresh, file, on="roughness")
+    fresh.page.get_by_text("notes.txt: this is no picture").wait_for()
+    assert np.array_equal(fresh.frame().color, before)
+
+
+def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Material) -> None:
+    rng = np.random.default_rng(8)
+    codes = np.kron(rng.integers(20, 235, (8, 8, 1)), np.ones((8, 8, 1), int)).astype(np.uint8)
+    # its name says that it is turned over where it is roughness, and nothing where it is not
+    file = write_data(_place("wall_gloss.png"), codes)
+    row = fresh.page.locator(".map[data-slot=roughness]")
+    _drop(fresh, file, on="roughness", event="dragover")
+    assert row.get_attribute("class") == "map over"
+    _drop(fresh, file, on="roughness")
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness, turned over')")
+    assert fresh.page.locator(".map.over, .dropping").count() == 0
+    assert "64 × 64" in row.text_content()
+    assert "wall_gloss.png" in row.text_content()
+    swapped = replace(material, roughness=Map(255 - codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    _drop(fresh, file, on="height")
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as heights')")
+    swapped = replace(swapped, height=Map(codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    # the panel comes before the name
+    fresh.open("maps")
+    fresh.page.get_by_label("White is").select_option("height")
+    with fresh.page.expect_file_chooser() as waiting:
+        fresh.page.get_by_role("button", name="Choose a picture for roughness").click()
+    waiting.value.set_files(file)
+    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness')")
+    swapped = replace(swapped, roughness=Map(codes, False, "dropped"))
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+
+
+GONE: dict[str, dict[str, Any]] = {
+    "base_color": {"base_color": None},
+    "opacity": {"opacity": None},
+    "normal": {"normal": None},
+    "occlusion": {"occlusion": None},
+    "roughness": {"roughness": None},
+    "metallic": {"metallic": None},
+    "emission": {"emission": None},
+    "height": {"height": None},
+}
+
+
+@pytest.mark.parametrize("slot", GONE)
+def test_a_map_may_be_left_away(rich: tuple[Seen, Material], slot: str) -> None:
+    seen, material = rich
+    _shown_as(seen, Scene((Object(material, scale=0.08, transform=LEANING),), camera=CAMERA))
+    with_all = seen.frame().color
+    seen.open("maps")
+    row = seen.page.locator(f".map[data-slot={slot}]")
+    gone = seen.page.locator(f"#leave-{slot}")
+    if not gone.count():
+        # there is none: it comes first
+        assert getattr(material, slot) is None
+        pixels = np.full((TEXELS, TEXELS, 3), (128, 128, 255), np.uint8)
+        pixels[:, ::2] = (200, 128, 230)
+        _drop(seen, write_data(_place("made.png"), pixels), on=slot)
+        gone.wait_for()
+    gone.focus()
+    seen.page.keyboard.press("Enter")
+    seen.page.wait_for_function("viewer.mapSaid.startsWith('Drawn without')")
+    assert seen.page.evaluate("document.activeElement.id") == f"choose-{slot}"
+    assert gone.count() == 0
+    assert row.locator("canvas").count() == 0
+    flat = {"technique": "flat"} if slot == "height" else {}
+    less = Object(replace(material, **GONE[slot]), scale=0.08, transform=LEANING, **flat)
+    drawn = render(Scene((less,), camera=CAMERA), size=SIZE, samples=1, engine="cpu")
+    found = seen.frame()
+    assert_agree(drawn, found, TEXELS)
+    if getattr(material, slot) is not None:
+        assert (found.color != with_all).any()
+    seen.page.evaluate("viewer.reset()")
+
+
+def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material) -> None:
+    v, u = np.mgrid[0:TEXELS, 0:TEXELS]
+    pixels = np.stack([3 * u, 3 * v, 0 * u + 90, 0 * u], -1).astype(np.uint8)
+    # alpha that is the same everywhere says nothing
+    _drop(fresh, write_data(_place("x_color.png"), pixels))
+    fresh.page.wait_for_function("viewer.mapSaid.includes('x_color')")
+    color = Map(np.ascontiguousarray(pixels[:, :, :3]), True, "dropped")
+    swapped = replace(material, base_color=color)
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    assert "none" in fresh.page.locator(".map[data-slot=opacity]").text_content()
+    # a cut-out in the alpha of a picture, by its name
+    pixels[:, :, 3] = np.where((u // 8 + v // 8) % 2 == 0, 255, 60)
+    _drop(fresh, write_data(_place("x_opacity.png"), pixels))
+    fresh.page.wait_for_function("viewer.mapSaid.includes('x_opacity')")
+    alpha = Map(np.ascontiguousarray(pixels[:, :, 3:]), False, "dropped")
+    assert_agree(expected(replace(swapped, opacity=alpha)), fresh.frame(), TEXELS)
+
+
+def test_what_went_wrong_stays(fresh: Seen) -> None:
+    files = []
+    for k in range(5):
+        files.append(_place(f"text{k}.txt"))
+        files[-1].write_text("no picture")
+    wide = write_data(_place("wide_color.png"), np.full((8, 24, 3), 90, np.uint8))
+    _drop(fresh, *files, wide)
+    fresh.page.wait_for_function("viewer.mapSaid.includes('wide_color')")
+    said = fresh.text("#messages")
+    for file in files:
+        assert f"{file.name}: its name says no map" in said
+    assert "wide_color.png has other proportions" in said
+    fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
+
+
+def test_what_is_pressed_is_there_when_it_is_let_go(fresh: Seen) -> None:
+    page = fresh.page
+    page.locator("select[name=technique]").focus()
+    page.keyboard.type("par")
+    assert page.evaluate("viewer.state.technique") == "parallax_occlusion"
+    box = page.locator("#section-technique summary").bounding_box()
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.wait_for_timeout(80)
+    page.mouse.up()
+    page.wait_for_function("!document.getElementById('section-technique').open")
+    # and the panel is that of the technique
+    own = page.locator("input[name='settings.parallax_occlusion.steps_per_texel']")
+    own.wait_for(state="attached")
+    fresh.open("technique")
+    assert own.is_visible()
+
+
+def test_what_has_the_focus_is_not_behind_the_picture(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, viewport={"width": 390, "height": 700})
+    page = seen.page
+    page.evaluate(
+        "document.querySelectorAll('#panel details').forEach((each) => { each.open = true; })"
+    )
+    page.locator("#reset").focus()
+    hidden = """() => {
+      const { bottom } = document.activeElement.getBoundingClientRect();
+      return bottom < document.getElementById("stage").getBoundingClientRect().bottom;
+    }"""
+    names = []
+    for _ in range(40):
+        page.keyboard.press("Shift+Tab")
+        names.append(page.evaluate("document.activeElement.id"))
+        assert not page.evaluate(hidden), names[-1]
+    assert len(set(names)) > 30
+    seen.page.close()
+
+
+def test_what_is_no_file_is_dropped_where_it_belongs(fresh: Seen) -> None:
+    script = """() => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.setData("text/plain", "0.25");
+      const target = document.querySelector("input[name=scale]");
+      const how = { dataTransfer, bubbles: true, cancelable: true };
+      const kept = (name) => target.dispatchEvent(new DragEvent(name, how));
+      return [kept("dragover"), kept("drop"), document.body.className];
+    }"""
+    assert fresh.page.evaluate(script) == [True, True, "with"]
+
+
+def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) -> None:
+    seen, material = rich
+    seen.page.evaluate("viewer.reset()")
+    seen.open("maps")
+    script = """slot => {
+      const row = document.querySelector(`.map[data-slot=${slot}]`);
+      const canvas = row.querySelector("canvas");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return [canvas.width, canvas.height, [...data], row.querySelector(".told").innerText];
+    }"""
+    for slot, name in (
+        ("base_color", "base_color"), ("height", "height"), ("opacity", "opacity"),
+        ("roughness", "roughness"), ("metallic", "metallic"), ("emission", "emission"),
+    ):  # fmt: skip
+        map = getattr(material, name)
+        width, height, codes, told = seen.page.evaluate(script, slot)
+        found = np.array(codes).reshape(height, width, 4)[:, :, :3]
+        assert (width, height) == (88, 88)
+        assert f"{map.width} × {map.height}" in told
+        assert told.endswith(map.source)
+        light = np.minimum(map.linear(), 1.0) if slot != "emission" else map.linear() / 3.0
+        wanted = srgb_encode(light) if slot in ("base_color", "emission") else light
+        # each pixel of the picture is one texel of the map
+        at = (2 * np.arange(88) + 1) * TEXELS // 176
+        apart = np.abs(found - 255.0 * wanted[at][:, at])
+        assert apart.max() <= 1.0, slot
+    assert seen.page.locator(".map[data-slot=normal]").text_content().startswith("normals")
+    # a material without these
+    told = "slot => document.querySelector(`.map[data-slot=${slot}]`).textContent"
+    assert "none" in fresh.page.evaluate(told, "emission")
+    assert fresh.page.locator(".map[data-slot=emission] canvas").count() == 0
+
+
+def test_pictures_dropped_together_are_what_their_names_say(
+    fresh: Seen, material: Material
+) -> None:
+    rng = np.random.default_rng(5)
+    folder = _place("wall").parent
+    noise = np.kron(rng.integers(60, 200, (8, 8, 3)), np.ones((8, 8, 1), int)).astype(np.uint8)
+    names = ("Wall_Color.png", "wall_depth_1k.png", "wall_gloss.png", "notes.txt")
+    for name, pixels in zip(names, (noise, noise[::-1, :, :1], noise[:, ::-1, 1:2]), strict=False):
+        write_data(folder / name, np.ascontiguousarray(pixels))
+    (folder / "notes.txt").write_text("no picture")
+    fresh.open("maps")
+    fresh.page.get_by_label("Pictures").set_input_files([folder / name for name in names])
+    fresh.page.get_by_text("notes.txt: its name says no map").wait_for()
+    fresh.page.wait_for_function("viewer.mapSaid.includes('gloss')")
+    assert fresh.text("#map-said").count("turned over") == 2
+
+    def map_of(pixels: np.ndarray, srgb: bool = False) -> Map:
+        return Map(np.ascontiguousarray(pixels), srgb, "dropped")
+
+    swapped = replace(
+        material,
+        base_color=map_of(noise, srgb=True),
+        height=map_of(255 - noise[::-1, :, :1]),
+        roughness=map_of(255 - noise[:, ::-1, 1:2]),
+    )
+    assert_agree(expected(swapped), fresh.frame(), TEXELS)
+    # what is copied cannot have them, and says so
+    fresh.page.get_by_role("button", name="Copy as command").click()
+    assert "The maps that were changed are not in it." in fresh.text("#copied")
+    # and all of it is taken back
+    fresh.page.get_by_role("button", name="As at the start").click()
+    assert_agree(expected(material), fresh.frame(), TEXELS)
+
+
+def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path: Path) -> None:
+    plain = Material("plain", base_color=sample("bricks", 32).base_color)
+    write_view(Scene((Object(plain),)), tmp_path / "page.html", engine="cpu")
+    seen = Seen(browser, tmp_path / "page.html")
+    assert seen.page.evaluate("viewer.state.technique") == "flat"
+    ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
+    _drop(seen, write_data(_place("plain_height.png"), ramp))
+    seen.page.wait_for_function("viewer.mapSaid !== ''")
+    assert seen.page.evaluate("viewer.state.technique") == "relief"
+    assert seen.frame().reads.max() > 8
+    seen.page.close()
+
+
+NAMES = [
+    "Rock058_1K-JPG_Color.jpg", "Rock058_1K-JPG_NormalDX.jpg", "rough_wood_diff_1k.png",
+    "T_Wall_N.tga", "T_Wall_R.png", "brick_ao_2k.jpg", "wall_arm_4k.png", "Wall_Gloss.png",
+    "wall_height_inv.png", "depth.png", "Wall_DispGL.png", "parallax_mapping_d3d_normal.png",
+    "normal_opengl.png", "metal_roughness.png", "wall_orm.png", "wall_rma.png", "preview.png",
+    "wall_specular.png", "Wall Bump 16bit.tif", "wall_nh.png", "wall.png", "4096x4096.png",
+    "wall_emissiveColor.png", "albedoTransparency.png", "WallOpacityMap.png", "layerMask.png",
+]  # fmt: skip
+
+
+def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
+    script = """async (names) => {
+      const { meaningOf } = await import("view/names.js");
+      return names.map((name) => meaningOf(name, viewer.data.names));
+    }"""
+    for name, found in zip(NAMES, seen.page.evaluate(script, NAMES), strict=True):
+        meaning = read_name(name.rsplit(".", 1)[0]).meaning
+        place, over = ("", False) if meaning is None else place_of(meaning)
+        if not place:
+            assert found is None, name
+            continue
+        assert meaning is not None
+        polarity = "depth" if over else "height"
+        wanted = {"slot": place, "polarity": polarity, "green": meaning.green or "gl"}
+        assert found == wanted, name
+
+
+def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
+    """Drop files on the page, or on a map of its panel; or only hold them over it."""
+    contents = [[each.name, base64.b64encode(each.read_bytes()).decode()] for each in files]
+    script = """([contents, on, event]) => {
+      const dataTransfer = new DataTransfer();
+      for (const [name, content] of contents) {
+        const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+        dataTransfer.items.add(new File([bytes], name));
+      }
+      const target = on ? document.querySelector(`.map[data-slot=${on}]`) : document.body;
+      target.dispatchEvent(new DragEvent(event, { dataTransfer, bubbles: true, cancelable: true }));
+    }"""
+    seen.page.evaluate(script, [contents, on, event])
+
+
+# --- how much is drawn at once --------------------------------------------------------------------
+
+PACE = """async () => {
+  const { Pace } = await import("view/pace.js");
+  const found = { at_once: [], sizes: [], rows: [] };
+  let pace = new Pace(true);
+  const look = () => {
+    let most = 0;
+    for (pace.flying = 0; pace.free; pace.flying += 1) most += 1;
+    pace.flying = 0;
+    found.at_once.push(most);
+    found.sizes.push(pace.moving([1000, 500]));
+    found.rows.push(pace.rows(1000, 4));
+  };
+  look();
+  // one that is slow, one that is slower than can be helped, one that is quick, and more of them
+  for (const milliseconds of [132, 33000, 1]) {
+    pace.note(milliseconds, 500000);
+    look();
+  }
+  for (let k = 0; k < 8; k++) pace.note(1, 500000);
+  look();
+  // the first answer is to what was asked before
+  const answers = [300, 101, 110, 102];
+  const wait = () => new Promise((next) => setTimeout(next, answers.shift()));
+  await pace.measureLatency({ submit() {}, onSubmittedWorkDone: wait });
+  found.latency = pace.latency;
+  pace.latency = 100;
+  look();
+  pace.note(50, 500000);
+  look();
+  found.work = [pace.work(140), pace.work(60)];
+  // without the GPU's clock nobody knows what one of several took
+  pace = new Pace(false);
+  pace.latency = 100;
+  look();
+  return found;
+}"""
+
+
+def test_slow_frames_are_smaller_and_slow_answers_do_not_count(fresh: Seen) -> None:
+    found = fresh.page.evaluate(PACE)
+    whole, half, eighth = [1000, 500], [500, 250], [125, 63]
+    assert found["sizes"] == [whole, half, eighth, eighth, whole, whole, [812, 406], whole]
+    # what is drawn in 33 ms, in fours, and no less than four; four times more by and by
+    rows = [3300, 124, 4, 4, 16500, 16500, 328, 3300]
+    assert found["rows"] == pytest.approx(rows, abs=4)
+    assert found["at_once"] == [1, 1, 1, 1, 1, 7, 3, 1]
+    assert 99 <= found["latency"] < 300
+    assert found["work"] == [40, 0]
+
+
+SLOW_ANSWERS = """
+const late = (made, name) => {
+  const method = made.prototype[name];
+  made.prototype[name] = async function (...given) {
+    await method.apply(this, given);
+    await new Promise((next) => setTimeout(next, 150));
+  };
+};
+late(GPUQueue, "onSubmittedWorkDone");
+late(GPUBuffer, "mapAsync");
+"""
+NO_CLOCK = """
+const { requestDevice } = GPUAdapter.prototype;
+GPUAdapter.prototype.requestDevice = function (wanted) {
+  return requestDevice.call(this, { ...wanted, requiredFeatures: [] });
+};
+"""
+MOVING = """async ([width, height]) => {
+  const { frames } = viewer.drawing;
+  let parts = 0;
+  const sample = frames.sample.bind(frames);
+  frames.sample = (...given) => { parts += 1; return sample(...given); };
+  await viewer.draw(width, height, 8);
+  const atRest = parts;
+  let [most, sent] = [0, frames.count];
+  for (let k = 0; k < 30; k++) {
+    // the machines that test draw slowly
+    frames.pace.cost = Math.min(frames.pace.cost, 40);
+    viewer.state.scale = 0.05 + 0.001 * k;
+    viewer.changed();
+    await new Promise(requestAnimationFrame);
+    most = Math.max(most, frames.pace.flying);
+  }
+  sent = frames.count - sent;
+  await viewer.drawing.settled();
+  return [frames.pace.latency, atRest, most, sent, frames.done, Boolean(viewer.gpu.stamps)];
+}"""
+
+
+@pytest.mark.parametrize("clock", [True, False])
+def test_a_browser_that_answers_late_draws_no_less(
+    browser: Any, page_file: Path, clock: bool
+) -> None:
+    seen = Seen(browser, page_file, before=SLOW_ANSWERS + ("" if clock else NO_CLOCK))
+    latency, at_rest, most, sent, samples, clocked = seen.page.evaluate(MOVING, SIZE)
+    assert clocked == clock
+    assert latency >= 149
+    # a sample is not cut into ever smaller parts: row by row there would be 720
+    assert at_rest <= 60
+    # where it is known what they cost frames do not wait for one another
+    assert (most > 1) == clock
+    assert sent > (6 if clock else 1)
+    assert samples == 8
+    assert seen.said == []
+    seen.page.close()
+
+
+def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
+    # another technique comes beside it while what the frame before took is read
+    script = """async () => {
+      const { frames } = viewer.drawing;
+      const told = [];
+      const hear = viewer.hear.bind(viewer);
+      viewer.hear = (news) => { if (news.figures) told.push(news.figures); hear(news); };
+      const stamped = frames.stamped.bind(frames);
+      let once = true;
+      frames.stamped = async () => {
+        const clock = await stamped();
+        if (once) {
+          once = false;
+          // nothing is drawn of it yet
+          frames.touched = () => {};
+          viewer.state.compare = "offset";
+          viewer.changed(true);
+          while (!viewer.drawing.shown.right) await new Promise((next) => setTimeout(next));
+          setTimeout(() => { delete frames.touched; frames.touched(); }, 100);
+        }
+        return clock;
+      };
+      await viewer.draw(160, 90, 1);
+      await new Promise((next) => setTimeout(next, 200));
+      await viewer.draw(160, 90, 1);
+      delete frames.stamped;
+      delete viewer.hear;
+      return told;
+    }"""
+    told = fresh.page.evaluate(script)
+    assert told[-1]["right"]["hits"] > 1000
+    assert all(each["right"] is None or each["right"]["hits"] > 1000 for each in told)
+
+
+# --- what goes wrong -----------------------------------------------------------------------------
+
+
+def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    before = seen.frame().color
+    seen.page.evaluate(
+        """() => { viewer.data.programs.slots.displace.steep[0] += "fn broken( {"; }"""
+    )
+    seen.page.get_by_label("Technique", exact=True).select_option("steep")
+    seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
+    assert "steep:" in seen.text("#messages")
+    seen.draw()
+    assert "relief is still shown" in seen.text("#figures")
+    # it is neither compiled nor told again
+    compiled = seen.page.evaluate("viewer.gpu.compiled")
+    seen.state(scale=0.05)
+    seen.draw()
+    seen.state(scale=0.08)
+    seen.draw()
+    assert seen.page.evaluate("viewer.gpu.compiled") == compiled
+    assert seen.page.locator("#messages p").count() == 1
+    seen.page.get_by_label("Technique", exact=True).select_option("relief")
+    assert np.array_equal(seen.frame().color, before)
+    assert "still shown" not in seen.text("#figures")
+    # beside the divider there is nothing, and no divider
+    seen.page.get_by_label("Beside it").select_option("offset")
+    seen.draw()
+    assert seen.page.locator("#line").is_visible()
+    assert " | " in seen.text("#figures")
+    seen.page.get_by_label("Beside it").select_option("steep")
+    seen.draw()
+    assert seen.page.locator("#messages p").count() == 2
+    assert not seen.page.locator("#line").is_visible()
+    assert " | " not in seen.text("#figures")
+    seen.page.get_by_label("Beside it").select_option("")
+    assert np.array_equal(seen.frame().color, before)
+    seen.page.close()
+
+
+REFUSING = """
+const { requestAdapter } = GPU.prototype;
+window.asked = 0;
+GPU.prototype.requestAdapter = function (...given) {
+  window.asked += 1;
+  if (window.asked <= TIMES) return Promise.reject(new DOMException("starting", "AbortError"));
+  return requestAdapter.apply(this, given);
+};
+"""
+
+
+def test_a_device_that_comes_late_is_waited_for(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "2"))
+    assert seen.page.evaluate("asked") == 3
+    assert seen.frame().hit.any()
+    assert seen.text("#messages") == ""
+    seen.page.close()
+
+
+def test_without_an_adapter_there_are_the_stills(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "1e9"))
+    assert "does not have, or not switched on" in seen.text("#without")
+    assert "(starting)" in seen.text("#without")
+    assert seen.page.locator("#stills img").first.is_visible()
+    assert seen.page.locator("#panel").is_hidden()
+    seen.page.close()
+
+
+def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
+    seen = Seen(browser, page_file)
+    before = seen.frame().color
+    seen.page.evaluate("(window.lost = viewer.gpu).device.destroy()")
+    seen.page.get_by_text("device was lost").wait_for()
+    seen.page.wait_for_function("viewer.gpu !== lost && viewer.drawing.gpu === viewer.gpu")
+    assert np.array_equal(seen.frame().color, before)
+    seen.page.close()
+    # before there is a drawing too
+    page = browser.new_page(viewport={"width": 760, "height": 400})
+    page.set_default_timeout(PATIENCE)
+    page.add_init_script(
+        """const ask = GPUAdapter.prototype.requestDevice;
+        GPUAdapter.prototype.requestDevice = async function (given) {
+          const device = await ask.call(this, given);
+          if (!window.lost) (window.lost = device).destroy();
+          return device;
+        };"""
+    )
+    seen = Seen(SimpleNamespace(new_page=lambda **_: page), page_file)
+    assert "device was lost" in seen.text("#messages")
+    assert np.array_equal(seen.frame().color, before)
+    assert seen.page.evaluate("viewer.gpu.device !== lost")
+    page.close()
+
+
+def test_without_webgpu_there_are_pictures_and_a_message(browser: Any, page_file: Path) -> None:
+    context = browser.new_context()
+    context.add_init_script("delete Navigator.prototype.gpu")
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    page.goto(page_file.as_uri())
+    page.wait_for_function("document.body.classList.contains('without')")
+    assert "draws with WebGPU, which this browser does not have" in page.inner_text("#without")
+    widths = page.evaluate(
+        "[...document.querySelectorAll('#stills img')].map((i) => i.naturalWidth)"
+    )
+    assert widths == [400] * 4
+    assert not page.locator("#panel").is_visible()
+    context.close()
+
+
+# --- the file ------------------------------------------------------------------------------------
+
+
+def test_a_large_material_makes_a_page_of_12_mb(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    noise = rng.integers(0, 65536, (1024, 1024, 3)).astype(np.uint16)
+    rough = Material("noise", base_color=Map(noise, False, "noise"), normal=Map(noise, False, "n"))
+    made = write_view(Scene((Object(rough),)), tmp_path / "page.html", engine="cpu")
+    assert made.scaled_to == (512, 512)
+    assert (tmp_path / "page.html").stat().st_size <= LARGEST
+
+
+def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> None:
+    file = tmp_path / "page.html"
+    file.write_text("mine")
+    with pytest.raises(InputError, match="not a page of the viewer"):
+        write_view(Scene((Object(material),)), file, engine="cpu")
+    assert file.read_text() == "mine"
+
+
+def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
+    two = Scene((Object(material), Object(material, shape="sphere")))
+    with pytest.raises(InputError, match="has further objects, which the page does not draw"):
+        write_view(two, tmp_path / "page.html", engine="cpu")
+    with pytest.raises(InputError, match="nothing in the scene"):
+        write_view(Scene(()), tmp_path / "page.html", engine="cpu")
+
+
+def _place(name: str) -> Path:
+    return Path(tempfile.mkdtemp("-viewer")) / name
+
+
+def _saved(content: bytes, name: str) -> Path:
+    file = _place(name)
+    file.write_bytes(content)
+    return file
