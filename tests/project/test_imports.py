@@ -44,13 +44,35 @@ def test_contracts_hold(copy: Path) -> None:
         ("material/planted.py", "import av.filter", "Only rendering.film imports av"),
         ("lang/planted.py", "import llvmlite", "Only engine.cpu imports llvmlite"),
         ("planted.py", "", "Imports point one way"),
+        (
+            "measure/oracle.py",
+            "import basrelief.measure.truth",
+            "Modules of a package import one another in one direction",
+        ),
     ],
 )
 def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: str) -> None:
-    (copy / "basrelief" / module).write_text(f"def late() -> None:\n    {planted or 'pass'}\n")
+    with (copy / "basrelief" / module).open("a") as file:
+        file.write(f"\n\ndef late() -> None:\n    {planted or 'pass'}\n")
     result = lint_imports(copy)
     assert result.returncode == 1
     assert f"{broken} BROKEN" in result.stdout
+
+
+def test_no_module_is_loose() -> None:
+    """Beside the packages stand the errors and the version alone."""
+    loose = {path.stem for path in (REPOSITORY / "src" / "basrelief").glob("*.py")}
+    assert loose == {"__init__", "_version", "errors"}
+
+
+def test_tests_lie_as_the_source_does() -> None:
+    """`tests/` has a folder for each package it tests, one for the project, and one for helpers."""
+    packages = {
+        path.parent.name for path in (REPOSITORY / "src" / "basrelief").glob("*/__init__.py")
+    }
+    folders = {path.parent.name for path in (REPOSITORY / "tests").glob("*/test_*.py")}
+    assert folders - packages == {"project"}
+    assert not list((REPOSITORY / "tests").glob("test_*.py"))
 
 
 def test_lang_stands_alone() -> None:

@@ -38,6 +38,22 @@ def test_all_is_what_is_public() -> None:
     assert len(set(basrelief.__all__)) == len(basrelief.__all__)
 
 
+def test_no_module_hides_a_public_name() -> None:
+    """Once every module is imported, each public name is still what it was, and not a module."""
+    code = """
+import importlib, pkgutil, types
+import basrelief
+for module in pkgutil.walk_packages(basrelief.__path__, "basrelief."):
+    if module.name != "basrelief.cli.__main__":
+        importlib.import_module(module.name)
+for name in basrelief.__all__:
+    assert not isinstance(getattr(basrelief, name), types.ModuleType), name
+material = basrelief.load("sample:bricks")
+basrelief.render(material, size=(2, 2), samples=1, engine="cpu")
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_unknown_name() -> None:
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = basrelief.no_such_name

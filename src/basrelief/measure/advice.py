@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from basrelief.measure.compare import Comparison, Result
+from basrelief.measure.results import Result, Results
 
 VISIBLE = 0.03
 """The mean FLIP error up to which a picture passes for the true one. Chosen by eye on the samples:
@@ -50,7 +49,7 @@ class Advice:
         return dict(vars(self))
 
 
-def advice(comparison: Comparison) -> Advice:
+def advice(comparison: Results) -> Advice:
     """The cheapest technique that passes for the truth at every angle; `exact` always does.
 
     And, where there is one, a cheaper one that does so up to some angle: that which gets furthest,
@@ -67,7 +66,7 @@ def advice(comparison: Comparison) -> Advice:
     return Advice(best, cost[best], limited, cost[limited], reach[limited])
 
 
-def mean_seconds(comparison: Comparison) -> Mapping[str, float]:
+def mean_seconds(comparison: Results) -> Mapping[str, float]:
     """The mean time of each technique over all angles."""
     return {
         name: float(np.mean([each.seconds for each in comparison.of(name)]))

@@ -15,22 +15,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from basrelief._version import __version__
 from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
-from basrelief.lang import Vec3
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
-from basrelief.measure.errors import Errors, Spread, errors, flip, has_flip, uv_error
+from basrelief.measure.errors import Spread, errors, flip, has_flip, uv_error
+from basrelief.measure.page import write
+from basrelief.measure.results import Result, Results, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import ANGLES, at_angle
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Object, Scene, technique_named
-from basrelief.techniques import TECHNIQUES, Technique, exact, flat
+from basrelief.techniques import TECHNIQUES, Technique, exact
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 
@@ -54,46 +54,8 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
-    """One technique at one angle, in degrees: errors against the truth, cost, and how it looks.
-
-    `flip` is the mean FLIP error against the picture by `exact`, None where FLIP is not installed;
-    `seconds` the median time of the drawing program; `picture` (H, W, 3) linear, `off` (H, W) the
-    uv error of each pixel in texels, NaN where there is none; both float16.
-    """
-
-    angle: float
-    technique: str
-    errors: Errors
-    flip: float | None
-    seconds: float
-    picture: NDArray[np.float16]
-    off: NDArray[np.float16]
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """What `compare` found: `results` by angle, and there by technique, the cheapest first."""
-
-    material: str
-    texels: tuple[int, int]
-    scale: float
-    engine: str
-    size: tuple[int, int]
-    samples: int
-    timing: Timing
-    runs: int
-    angles: tuple[float, ...]
-    objects: Mapping[str, Object]
-    results: tuple[Result, ...]
-
-    def at(self, angle: float) -> list[Result]:
-        """The results at one angle."""
-        return [each for each in self.results if each.angle == angle]
-
-    def of(self, technique: str) -> list[Result]:
-        """The results of one technique, angle by angle."""
-        return [each for each in self.results if each.technique == technique]
+class Comparison(Results):
+    """Errors and costs of techniques on one material, and the technique to ship."""
 
     def summary(self) -> str:
         """What to ship, in a sentence or two of plain text."""
@@ -124,9 +86,7 @@ class Comparison:
 
         Raises InputError for a folder that cannot be written to, or with another `index.html`.
         """
-        from basrelief.measure.page import write
-
-        return write(Path(folder), self)
+        return write(Path(folder), self, to_json(self))
 
 
 def compare(
@@ -321,21 +281,6 @@ def _own_settings(text: str) -> tuple[str, dict[str, float]]:
 
 
 # --- as JSON -------------------------------------------------------------------------------------
-
-
-def settings_of(thing: Object) -> dict[str, Any]:
-    """The settings of an object's technique, as plain numbers."""
-    if thing.drawn_with is flat:
-        return {}
-    record = thing.settings
-    return {name: _plain(getattr(record, name)) for name in type(record).__dataclass_fields__}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Vec3):
-        return [float(each) for each in value]
-    # the shortest number that is the same in 32 bits
-    return float(str(value)) if isinstance(value, np.float32) else int(value)
 
 
 def _described(name: str, thing: Object) -> dict[str, Any]:

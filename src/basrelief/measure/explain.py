@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
-from basrelief.lang.resources import Edge
 from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.oracle import first_hits
+from basrelief.measure.section import write_section
+from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
 from basrelief.rendering.programs import map_edge, program_of, values_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
@@ -29,135 +29,20 @@ from basrelief.shading.relief import depth_seen, lod_seen, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import Ray, at
 
 __all__ = ["Explanation", "Sample", "explain"]
 
-Floats = NDArray[np.float64]
-Kind = Literal["height", "cell", "record"]
-
-
-@dataclass(frozen=True)
-class Sample:
-    """One read. `kind` says of what: a "height" of the surface, a "cell" between four texels that
-    was solved as a whole, or a "record" of what is baked.
-
-    `uv` is where, `ray` the ray's height there, `surface` the surface's, both 0 to 1.
-    """
-
-    kind: Kind
-    uv: tuple[float, float]
-    ray: float
-    surface: float
-
-    @property
-    def above(self) -> bool:
-        """Whether the ray is above the surface here."""
-        return self.ray > self.surface
-
 
 @dataclass(frozen=True, eq=False)
-class Explanation:
-    """The ray of one pixel, what a technique read along it, and where it should have ended.
-
-    `uv` is where the ray meets the polygon, at height `level`; while it falls from height 1 to 0 it
-    moves by `fall`, in texture coordinates. `hit` is the technique's own; `true_uv` and
-    `true_height` those of the first hit in float64, on the bilinear surface, or on boxes where the
-    technique takes texels for boxes. `heights` are the map, (height, width) float64.
-    """
-
-    material: str
-    technique: str
-    settings: Mapping[str, float]
-    pixel: tuple[int, int]
-    uv: tuple[float, float]
-    fall: tuple[float, float]
-    level: float
-    samples: tuple[Sample, ...]
-    hit: Hit
-    true_uv: tuple[float, float]
-    true_height: float
-    heights: Floats = field(repr=False)
-    edge: Edge
-    boxes: bool
-
-    @property
-    def texels(self) -> Floats:
-        """The width and the height of the map in texels."""
-        return np.array(self.heights.shape[::-1], np.float64)
-
-    @property
-    def travel(self) -> float:
-        """How far the ray moves over the map while it falls from height 1 to 0, in texels."""
-        return float(np.linalg.norm(np.array(self.fall) * self.texels))
-
-    @property
-    def error(self) -> float:
-        """How far from the true hit the technique ended, over the map, in texels."""
-        apart = np.array([*self.hit.uv], np.float64) - self.true_uv
-        return float(np.linalg.norm(apart * self.texels))
-
-    def along(self, uv: Any) -> Floats:
-        """How far texture coordinates, (…, 2), lie along the ray's way over the map, in texels from
-        where it meets the polygon."""
-        moved: Floats = (np.asarray(uv, np.float64) - self.uv) * self.texels
-        return moved @ self.direction
-
-    @property
-    def direction(self) -> Floats:
-        """The ray's way over the map in texels, of length 1; along u where there is none."""
-        way: Floats = np.array(self.fall) * self.texels
-        length = float(np.linalg.norm(way))
-        return way / length if length > 1e-9 else np.array([1.0, 0.0])
-
-    def surface(self, uv: Any) -> Floats:
-        """The surface's heights at texture coordinates, (n, 2)."""
-        return _surface(self.heights, np.asarray(uv, np.float64), self.edge, self.boxes)
-
-    @property
-    def told(self) -> str:
-        """The technique with its settings."""
-        return ", ".join(
-            [self.technique, *(f"{name} {value:g}" for name, value in self.settings.items())]
-        )
-
-    @property
-    def verdict(self) -> str:
-        """How it went, in a few words."""
-        reads = int(self.hit.reads)
-        often = "1 read" if reads == 1 else f"{reads or 'no'} reads"
-        met = "" if self.hit.found else ", nothing found"
-        return f"{self.technique}: {often}{met}, {self.error:.2f} texels from the true hit"
-
-    @property
-    def summary(self) -> str:
-        """The same with what was explained, in one line."""
-        x, y = self.pixel
-        return f"{self.material}, pixel {x},{y}: {self.verdict} ({self.told})"
-
-    def table(self) -> str:
-        """All reads as a table: number, of what, u, v, the ray's and the surface's height."""
-        lines = [f"{'':>4}  {'read':<6} {'u':>9} {'v':>9} {'ray':>8} {'surface':>8}  the ray is"]
-        for n, one in enumerate(self.samples, 1):
-            where = "above" if one.above else "below" if one.ray < one.surface else "on it"
-            lines.append(
-                f"{n:>4}  {one.kind:<6} {one.uv[0]:>9.5f} {one.uv[1]:>9.5f} "
-                f"{one.ray:>8.5f} {one.surface:>8.5f}  {where}"
-            )
-        for name, uv, height in (
-            ("ends", [float(c) for c in self.hit.uv], float(self.hit.height)),
-            ("true", self.true_uv, self.true_height),
-        ):
-            lines.append(f"{'':>4}  {name:<6} {uv[0]:>9.5f} {uv[1]:>9.5f} {height:>8.5f}")
-        return "\n".join(lines)
+class Explanation(TracedRay):
+    """A traced ray that draws itself."""
 
     def save(self, path: str | Path) -> Path:
         """Draw the cross-section as SVG, PNG or PDF, whole or not at all; needs matplotlib.
 
         Raises InputError for another suffix, a place that cannot be written, or no matplotlib.
         """
-        from basrelief.measure.section import write_section
-
         return write_section(self, Path(path))
 
 
@@ -323,7 +208,7 @@ class _Notes:
     def _add(self, kind: Kind, uv: Vec2, surface: float | None) -> None:
         place = _numbers(uv)
         if surface is None:
-            surface = float(_surface(self.heights, place[None], self.edge, self.boxes)[0])
+            surface = float(surface_heights(self.heights, place[None], self.edge, self.boxes)[0])
         ray = self.known.get(_key(uv))
         self.samples.append(
             Sample(kind, _pair(place), self._height_at(place) if ray is None else ray, surface)
@@ -347,30 +232,8 @@ class _Notes:
         place = (start + way * enter + half) / texels
         # a little further on, so that the box is the one behind the wall
         inner = (np.clip(start + way * enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
-        surface = float(_surface(self.heights, inner[None], self.edge, self.boxes)[0])
+        surface = float(surface_heights(self.heights, inner[None], self.edge, self.boxes)[0])
         self.samples.append(Sample(kind, _pair(place), 1.0 - enter, surface))
-
-
-def _surface(heights: Floats, uv: Floats, edge: Edge, boxes: bool) -> Floats:
-    """Heights at texture coordinates (n, 2): bilinear, or the texels' own."""
-    size = np.array(heights.shape[::-1])
-    place = uv * size - (0.0 if boxes else 0.5)
-    first = np.floor(place).astype(np.int64)
-
-    def read(right: int, down: int) -> Floats:
-        x, y = (first + np.array([right, down])).T
-        if edge == "wrap":
-            x, y = x % size[0], y % size[1]
-        found: Floats = heights[np.clip(y, 0, size[1] - 1), np.clip(x, 0, size[0] - 1)]
-        return found
-
-    if boxes:
-        return read(0, 0)
-    x, y = (place - first).T
-    upper = read(0, 0) * (1 - x) + read(1, 0) * x
-    lower = read(0, 1) * (1 - x) + read(1, 1) * x
-    mixed: Floats = upper * (1 - y) + lower * y
-    return mixed
 
 
 def _at(ray: Ray, height: float) -> Floats:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +17,8 @@ from basrelief.measure.advice import VISIBLE, Advice, advice, mean_seconds, pass
 from basrelief.measure.colors import heat
 from basrelief.measure.errors import Spread
 from basrelief.measure.plot import Point, plot
+from basrelief.measure.results import Result, Results, settings_of
 from basrelief.pages import check_ours, document, write_page
-
-if TYPE_CHECKING:
-    from basrelief.measure.compare import Comparison, Result
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
@@ -76,13 +73,11 @@ td:first-child { color: var(--ink); font-size: 1rem; }
 """
 
 
-def write(folder: Path, comparison: Comparison) -> Path:
-    """Write the page, its pictures and compare.json; returns the page's path.
+def write(folder: Path, comparison: Results, json: str) -> Path:
+    """Write the page, its pictures and compare.json, whose text is `json`; returns the page's path.
 
     Raises InputError for a folder that cannot be written to, or with another's index.html.
     """
-    from basrelief.measure.compare import to_json
-
     index = folder / "index.html"
     check_ours(index, GENERATOR, "a comparison's page")
     pictures = folder / PICTURES
@@ -95,7 +90,7 @@ def write(folder: Path, comparison: Comparison) -> Path:
         drawn, wrong = (folder / name for name in _names(each))
         write_picture(drawn, each.picture.astype(np.float32), quality=_QUALITY)
         write_picture(wrong, error_picture(each.off), quality=_QUALITY)
-    write_page(folder / "compare.json", to_json(comparison))
+    write_page(folder / "compare.json", json)
     write_page(index, page_html(comparison))
     return index
 
@@ -116,7 +111,7 @@ def _names(each: Result) -> tuple[str, str]:
 # --- the page ------------------------------------------------------------------------------------
 
 
-def page_html(comparison: Comparison) -> str:
+def page_html(comparison: Results) -> str:
     """The whole page."""
     said = advice(comparison)
     title = f"{comparison.material}: which technique?"
@@ -138,7 +133,7 @@ def page_html(comparison: Comparison) -> str:
     return document(title, body, GENERATOR, _STYLE)
 
 
-def _advice(comparison: Comparison, said: Advice) -> str:
+def _advice(comparison: Results, said: Advice) -> str:
     """The advice, what to do in bold."""
     first, colon, rest = said.sentence(max(comparison.angles)).partition(":")
     return f"<strong>{escape(first)}</strong>{colon}{escape(rest)}"
@@ -155,7 +150,7 @@ def _what_to_look_at() -> str:
     )
 
 
-def _table(comparison: Comparison, said: Advice) -> str:
+def _table(comparison: Results, said: Advice) -> str:
     has_flip = comparison.results[0].flip is not None
     heads = "".join(f"<th>{angle:g}°</th>" for angle in comparison.angles)
     rows = []
@@ -182,7 +177,7 @@ def _cell(each: Result) -> str:
     return f'<td class="{kind}">{shown}</td>' if kind else f"<td>{shown}</td>"
 
 
-def _plot(comparison: Comparison, said: Advice) -> str:
+def _plot(comparison: Results, said: Advice) -> str:
     has_flip = comparison.results[0].flip is not None
     points = []
     for name, seconds in mean_seconds(comparison).items():
@@ -198,7 +193,7 @@ def _plot(comparison: Comparison, said: Advice) -> str:
     return f'<div class="scroll">{drawn}</div>\n<p class="legend">{note}</p>'
 
 
-def _section(comparison: Comparison, angle: float, said: Advice) -> str:
+def _section(comparison: Results, angle: float, said: Advice) -> str:
     found = sorted(comparison.at(angle), key=lambda each: each.technique != "exact")
     rows = "\n".join(_row(comparison, each, said) for each in found)
     seen = "Straight on" if angle == 0.0 else f"{angle:g}° from straight on"
@@ -222,7 +217,7 @@ def _legend() -> str:
     )
 
 
-def _row(comparison: Comparison, each: Result, said: Advice) -> str:
+def _row(comparison: Results, each: Result, said: Advice) -> str:
     drawn, wrong = _names(each)
     wide, tall = comparison.size
     name = escape(each.technique)
@@ -255,9 +250,7 @@ def _facts(each: Result) -> Iterator[tuple[str, str]]:
     yield "time", _time(each.seconds)
 
 
-def _settings(comparison: Comparison, name: str) -> str:
-    from basrelief.measure.compare import settings_of
-
+def _settings(comparison: Results, name: str) -> str:
     thing = comparison.objects[name]
     said = [f"{key} {value:g}" for key, value in settings_of(thing).items()]
     if thing.relief_projection != "full":
@@ -267,7 +260,7 @@ def _settings(comparison: Comparison, name: str) -> str:
     return " · ".join(said)
 
 
-def _how(comparison: Comparison) -> str:
+def _how(comparison: Results) -> str:
     wide, tall = comparison.size
     timed = " × ".join(map(str, comparison.timing.size))
     texels = " × ".join(map(str, comparison.texels))

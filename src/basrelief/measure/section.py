@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.images import write_whole
-
-if TYPE_CHECKING:
-    from basrelief.measure.explain import Explanation, Sample
+from basrelief.measure.traced import Sample, TracedRay
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 _INK, _QUIET, _PAPER = "#23262b", "#777d86", "#fbfaf8"
@@ -24,7 +22,7 @@ _MOST_LINES = 80
 """More texels than that are not marked one by one."""
 
 
-def write_section(explained: Explanation, path: Path) -> Path:
+def write_section(explained: TracedRay, path: Path) -> Path:
     """Draw and write, whole or not at all; see `Explanation.save`."""
     if path.suffix.lower() not in _SUFFIXES:
         raise InputError(f"{path}: a cross-section is written as {', '.join(_SUFFIXES)}")
@@ -57,7 +55,7 @@ def _matplotlib() -> Any:
     return matplotlib
 
 
-def _figure(explained: Explanation) -> Any:
+def _figure(explained: TracedRay) -> Any:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 5.6), facecolor=_PAPER)
@@ -69,7 +67,7 @@ def _figure(explained: Explanation) -> Any:
 class _Section:
     """The drawing within the axes: texels along the ray's way, heights upwards."""
 
-    def __init__(self, explained: Explanation, axes: Any) -> None:
+    def __init__(self, explained: TracedRay, axes: Any) -> None:
         self.of, self.axes = explained, axes
         places = [self.uv_at(1.0), explained.uv, explained.true_uv, [*explained.hit.uv]]
         ends = explained.along([*places, *(one.uv for one in explained.samples)])
@@ -196,7 +194,7 @@ class _Section:
         return walls
 
 
-def _words(explained: Explanation, figure: Any) -> None:
+def _words(explained: TracedRay, figure: Any) -> None:
     """The headline, what is to be seen, and what the marks mean."""
     figure.text(0.07, 0.945, explained.verdict, fontsize=13, fontweight="bold", va="center")
     x, y = explained.pixel

@@ -23,15 +23,10 @@ import numpy as np
 from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.material import Material, load
-from basrelief.measure.compare import (
-    Candidate,
-    Progress,
-    candidates,
-    check_measurable,
-    settings_of,
-)
+from basrelief.measure.compare import Candidate, Progress, candidates, check_measurable
 from basrelief.measure.errors import flip as flip_of
 from basrelief.measure.errors import has_flip, missed
+from basrelief.measure.results import settings_of
 from basrelief.measure.timing import Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import at_angle
