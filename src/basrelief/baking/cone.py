@@ -43,8 +43,9 @@ def cone_map(heights: Heights, edge: Edge, engine: Engine | None = None) -> NDAr
     above the cone that has its tip there and the slope that is stored. It is read as it stands, not
     interpolated. Red, green and blue hold 1 ÷ (1 + slope), alpha is 1.
 
-    After J. Dummer, Cone Step Mapping, 2006, whose cones are those of texels alone; and B. Bán and
-    G. Valasek, Quick Cone Map Generation on the GPU, 2022, who search windows of growing width too.
+    After J. Dummer, Cone Step Mapping, 2006, whose cones are those of texels alone; and G. Valasek
+    and R. Bán, Quick Cone Map Generation on the GPU, Eurographics 2022 Short Papers, who search
+    windows of growing width too.
     """
     return _Baking(heights, edge, engine).conservative()
 

@@ -45,7 +45,8 @@ def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
     Of a chord's two ends the one that stays twice counts half (M. Dowell and P. Jarratt, A Modified
     Regula Falsi Method for Computing the Root of an Equation, 1971, "Illinois"), or one end would
     stay for ever and the other come nearer in ever smaller steps. Cost: the march's reads and one
-    for each cut. After E. Risser, M. Shah and S. Pattanaik, Interval Mapping, 2005.
+    for each cut. After E. Risser, M. Shah and S. Pattanaik, Faster Relief Mapping Using the
+    Secant Method, 2007.
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)

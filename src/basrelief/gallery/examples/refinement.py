@@ -32,7 +32,7 @@ PAGE = Page(
     rows={"B3": "secant and contact refinement, beside what the articles do in the last step"},
     look="The layers of steep go, first from slopes and then from the sides of the bricks.",
     article="A. Riccardi, 2019: march again within the last step, and 2 N reads find what N² "
-    "layers would. E. Risser, M. Shah and S. Pattanaik, 2005: cut the last step by its chord, and "
+    "layers would. E. Risser, M. Shah and S. Pattanaik, 2007: cut the last step by its chord, and "
     "again.",
     ours="The same eight layers for all. What lies between two of them and above neither is missed "
     "by every one of these; only the place of what is found becomes better.",
