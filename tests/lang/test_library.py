@@ -173,8 +173,8 @@ def test_every_option_of_every_slot_compiles() -> None:
     for choices in _some_choices(400, 2):
         bound = made.bound(choices)
         new = left & set(bound.items())
-        if new:
-            text = linked(made.library, "pixel", bound)
+        for entry in ("pixel", "missed_hit") if new else ():
+            text = linked(made.library, entry, bound)
             gpu.create_shader_module(code=text)
             left -= {(name, each) for name, each in new if f" {name}" in text}
     # programs of boxes never ask for the surface between texels

@@ -28,6 +28,23 @@ def clamp(uv: Vec2) -> Vec2:
     return saturate(uv)
 
 
+@slot
+def nearest_copy(apart: Vec2) -> Vec2:
+    """The distance between two places, to the nearest copy of the second."""
+
+
+@shader
+def wrap_apart(apart: Vec2) -> Vec2:
+    """Tiles repeat: at most half a tile along each axis."""
+    return apart - floor(apart + 0.5)
+
+
+@shader
+def clamp_apart(apart: Vec2) -> Vec2:
+    """There is one tile."""
+    return apart
+
+
 # --- the same for cells, which lie between texel centres; counted in floats: no processor ------
 # divides whole numbers in many lanes
 
@@ -79,7 +96,7 @@ def clamp_baked(cell: Vec2, extent: Vec2) -> bool:
 def edges_of(edge: Literal["wrap", "clamp"]) -> dict[Any, Any]:
     """The slots of this module as an edge binds them."""
     both = {
-        "wrap": (wrap, wrap_cell, wrap_baked),
-        "clamp": (clamp, clamp_cell, clamp_baked),
+        "wrap": (wrap, wrap_apart, wrap_cell, wrap_baked),
+        "clamp": (clamp, clamp_apart, clamp_cell, clamp_baked),
     }
-    return dict(zip((in_tile, cells_in_map, cell_is_baked), both[edge], strict=True))
+    return dict(zip((in_tile, nearest_copy, cells_in_map, cell_is_baked), both[edge], strict=True))

@@ -12,7 +12,7 @@ class Ray:
     `uv` is where it meets the polygon, at height `level`. While it falls through the whole range
     of heights, from 1 to 0, its texture coordinates move by `fall`. `cosine` is V · N, 1 head-on
     and 0 along the surface; `scale` is the range of heights in tile widths. `lod` and `fade` say
-    how smooth the heights are read (`shaders.height`), where they are read smooth.
+    how smooth the heights are read (`techniques.height`), where they are read smooth.
     """
 
     uv: Vec2

@@ -11,11 +11,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from basrelief.lang import Shader
 from basrelief.lang.library import EDGE, Library, library_of
 from basrelief.lang.resources import Edge, buffer_record
 from basrelief.rendering.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shading import pixel
+from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.surfaces.surface import SurfaceSettings
 from basrelief.shading.variant import RULES, Choices, bindings_of
 from basrelief.techniques import TECHNIQUES, Technique, cone_bake
@@ -51,7 +53,7 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "casts": (False,),
 }
 """What the programs of a page differ in, beside the technique: the fields of `Choices`."""
-ENTRIES = (pixel.pixel, *BAKES)
+ENTRIES: tuple[Shader[..., Any], ...] = (pixel.pixel, missed_hit, *BAKES)
 Techniques = Mapping[str, Technique[..., Any]]
 
 

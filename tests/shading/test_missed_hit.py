@@ -1,0 +1,104 @@
+"""The page's missed hits against the library's ruler, pixel by pixel."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from basrelief.engine import choose_engine
+from basrelief.lang import Buffer, Vec2
+from basrelief.lang.program import Program
+from basrelief.lang.types import leaves
+from basrelief.material import Material
+from basrelief.measure.errors import missed, overshoot, uv_error
+from basrelief.measure.truth import Truth, truth
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.programs import map_edge, rays_of, values_of
+from basrelief.rendering.render import render
+from basrelief.scene import Object, Orbit, Scene
+from basrelief.shading.missed_hit import DrawnWord, PictureSize, TrueWord, missed_hit
+from basrelief.shading.pixel import Pixel
+from basrelief.techniques.edge import edges_of
+from helpers.made_up import map_of
+
+SIZE = (40, 26)
+HEIGHTS = np.random.default_rng(4).random((12, 20))
+
+
+def noise(**options: Any) -> Scene:
+    """A plane of noise, seen at a flat angle and from a corner."""
+    thing = Object(Material("noise", height=map_of(HEIGHTS)), scale=0.3, **options)
+    return Scene((thing,), Orbit(azimuth=25.0, elevation=24.0))
+
+
+def planes(word: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
+    """The planes of a picture, of which only coordinates and hits are read."""
+    known = {"uv.x": uv[:, :, 0], "uv.y": uv[:, :, 1]}
+    words = []
+    for name, _ in leaves(Pixel):
+        plane = known.get(name, np.zeros(hit.shape)).astype(np.float32).view(np.int32)
+        words += (hit.astype(np.int32) if name == "hit" else plane).ravel().tolist()
+    return Buffer([word(bits) for bits in words], word)
+
+
+def by_shader(
+    scene: Scene, frame: Frame, true: Truth, engine: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Missed and passed, as a page finds them."""
+    thing = scene.objects[0]
+    edge = map_edge(thing)
+    program = Program(missed_hit, {**rays_of(thing).bindings, **edges_of(edge)}, edge)
+    values = values_of(thing, scene, SIZE)
+    found = choose_engine(engine).run(
+        program,
+        {
+            **{name: values[name] for name in ("view", "placement", "depth")},
+            "picture": PictureSize(*SIZE, Vec2(*true.texels)),
+            "drawn": planes(DrawnWord, frame.uv, frame.hit),
+            "truth": planes(TrueWord, true.uv, true.there),
+        },
+        SIZE,
+    )
+    return found["missed"] != 0, found["passed"] != 0
+
+
+@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("projection", ["full", "biased", "limited"])
+@pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
+def test_they_are_those_of_the_ruler(technique, projection, edge, engine) -> None:
+    scene = noise(technique=technique, projection=projection, edge=edge)
+    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    true = truth(scene, SIZE, engine="cpu")
+    lost, passed = by_shader(scene, frame, true, engine)
+    # all but the pixels where 32 bits cannot tell one side of a limit from the other
+    sure = ~(np.abs(np.nan_to_num(uv_error(frame, true)) - 1.0) < 1e-3)
+    np.testing.assert_array_equal(lost[sure], missed(frame, true)[sure])
+    along = np.nan_to_num(overshoot(frame, true))
+    clear = np.abs(along) > 1e-3
+    assert clear.sum() > 100
+    np.testing.assert_array_equal(passed[clear], along[clear] > 0.0)
+    assert 20 < lost.sum() < true.there.sum()
+
+
+def test_what_is_not_drawn_is_missed_and_has_not_passed() -> None:
+    scene = noise(technique="exact")
+    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    true = truth(scene, SIZE, engine="cpu")
+    frame.hit[3:9, 5:30] = False
+    lost, passed = by_shader(scene, frame, true, "cpu")
+    np.testing.assert_array_equal(lost, ~frame.hit & true.there)
+    assert not (lost & passed).any()
+
+
+def test_further_than_half_a_tile_is_off_where_nothing_repeats() -> None:
+    """A whole tile off is right where tiles repeat, and missed where they do not."""
+    for edge in ("wrap", "clamp"):
+        scene = noise(technique="exact", edge=edge)
+        frame = render(scene, size=SIZE, samples=1, engine="cpu")
+        true = truth(scene, SIZE, engine="cpu")
+        frame.uv[:, :, 0] += 1.0
+        lost, _ = by_shader(scene, frame, true, "cpu")
+        assert lost.any() == (edge == "clamp")
