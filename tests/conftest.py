@@ -16,7 +16,6 @@ import pytest
 from hypothesis import settings
 
 TESTS = Path(__file__).parent
-ROCK058 = TESTS.parent.parent / "shared" / "data" / "Rock058_1K-JPG"
 
 # How long an example takes says more about the machine's other work than about the code.
 settings.register_profile("unhurried", deadline=None)
@@ -120,7 +119,5 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def rock058() -> Path:
-    """The folder of ambientCG's Rock058, which stands beside the repository, not in it."""
-    if not ROCK058.is_dir():
-        pytest.skip(f"Rock058_1K-JPG from ambientCG is not in {ROCK058.parent}")
-    return ROCK058
+    """The folder of a scanned rock surface, 256² texels."""
+    return TESTS / "data" / "Rock058"
