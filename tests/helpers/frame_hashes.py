@@ -1,0 +1,64 @@
+"""Digests of the planes of the CPU engine's frames, stored so that any changed bit shows.
+
+`frame_hashes.json` has a line for each of `frame_cases.CASES`, a digest for each plane. Code that
+is only moved or rearranged keeps them all; they change only in commits that say why. To store them
+anew, and see which cases and planes differ:
+
+    PYTHONPATH=tests .venv-test/bin/python -m helpers.frame_hashes
+    git diff --word-diff tests/rendering/frame_hashes.json
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+import numpy as np
+
+from basrelief import Frame
+from helpers import frame_cases
+from helpers.repository import TESTS
+
+STORE = TESTS / "rendering" / "frame_hashes.json"
+PLANES = ("color", "depth", "uv", "hit", "reads")
+DIGITS = 12
+"""Of a digest in hexadecimal: two planes that differ have the same once in 2⁴⁸."""
+Digests = dict[str, str]
+"""A digest for each plane."""
+
+
+def digests(frame: Frame) -> Digests:
+    """Digests of a frame's planes: type, shape and bytes.
+
+    Fails where a plane holds NaN, which processors write with different bits.
+    """
+    return {name: _digest(name, getattr(frame, name)) for name in PLANES}
+
+
+def _digest(name: str, plane: np.ndarray) -> str:
+    assert not np.isnan(plane).any(), f"NaN in {name}: its bits depend on the processor"
+    stored = plane.astype(plane.dtype.newbyteorder("<"))
+    head = f"{stored.dtype.str} {stored.shape} ".encode()
+    return hashlib.sha256(head + stored.tobytes()).hexdigest()[:DIGITS]
+
+
+def stored() -> dict[str, Digests]:
+    """The stored digests by case."""
+    return json.loads(STORE.read_text(encoding="utf-8"))
+
+
+def text(of_cases: dict[str, Digests]) -> str:
+    """The stored form: JSON, sorted, one case a line."""
+    lines = [f"  {json.dumps(name)}: {json.dumps(of_cases[name])}" for name in sorted(of_cases)]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def store_all() -> None:
+    """Draw every case and store its digests."""
+    made = {name: digests(frame_cases.drawn(name)) for name in frame_cases.CASES}
+    STORE.write_text(text(made), encoding="utf-8")
+    print(f"{STORE}: {len(made)} cases")
+
+
+if __name__ == "__main__":
+    store_all()
