@@ -295,7 +295,8 @@ export class Bakes {
   // no longer than a submission should.
   async run(key, kind, values, [width, height], texture, below = 0, inSector = false) {
     const job = await this.job(key, inSector);
-    if (!this.packers.has(kind) && KINDS[kind].texel) this.packers.set(kind, await this.packer(kind));
+    if (!this.packers.has(kind) && KINDS[kind].texel)
+      this.packers.set(kind, await this.packer(kind));
     const wide = Math.ceil(width / ROW) * ROW;
     const most = Math.max(1, Math.floor(ROOM / (4 * KINDS[kind].planes * wide)));
     // others' heights may have come meanwhile, and the job's buffers be gone
@@ -393,7 +394,10 @@ export class Bakes {
     const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
     const pass = encoder.beginComputePass();
     pass.setPipeline(pipeline);
-    pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }));
+    pass.setBindGroup(
+      0,
+      device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }),
+    );
     pass.dispatchWorkgroups(Math.ceil(wide / 8), Math.ceil(rows / 8));
     pass.end();
   }

@@ -162,9 +162,13 @@ export class Colors {
     const format = navigator.gpu.getPreferredCanvasFormat();
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
     this.context.configure({ device, format, usage, alphaMode: "opaque" });
-    const against = (planes, truth) => MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
+    const against = (planes, truth) =>
+      MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
     const missed = (side, truth) =>
-      against(side, truth).replace(/(apart|missed|passed)(_at)?\(/g, (_, name) => `${name}_${side}(`);
+      against(side, truth).replace(
+        /(apart|missed|passed)(_at)?\(/g,
+        (_, name) => `${name}_${side}(`,
+      );
     const truths = { left: "truth", right: "right_truth" };
     const sides = Object.entries(truths).map(
       ([side, truth]) => missed(side, truth) + SIDE.replaceAll("SIDE", side),

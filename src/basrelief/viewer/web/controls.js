@@ -12,8 +12,18 @@ export function afterPress(act) {
     else addEventListener("pointerup", () => setTimeout(act), { once: true });
   });
 }
-for (const [name, now] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]]) {
-  addEventListener(name, () => { pressed = now; }, true);
+for (const [name, now] of [
+  ["pointerdown", true],
+  ["pointerup", false],
+  ["pointercancel", false],
+]) {
+  addEventListener(
+    name,
+    () => {
+      pressed = now;
+    },
+    true,
+  );
 }
 
 export function element(name, attributes = {}, ...children) {
@@ -174,7 +184,11 @@ export function color(view, path, label, doc = "") {
   };
   field.addEventListener("input", () => {
     const codes = [1, 3, 5].map((k) => Number.parseInt(field.value.slice(k, k + 2), 16) / 255);
-    set(view.state, path, codes.map((x) => Number(decoded(x).toPrecision(4))));
+    set(
+      view.state,
+      path,
+      codes.map((x) => Number(decoded(x).toPrecision(4))),
+    );
     view.changed();
   });
   view.shows.push(show);

@@ -184,7 +184,9 @@ export class Drawing {
       const still = () =>
         this.pictures.field === field && this.normalsFor(state) === wanted && needed();
       const texels = await bakes.normals(state.scale * width, still);
-      const { normal } = await this.texturesOf({ normal: channelLevels({ width, height, texels }) });
+      const { normal } = await this.texturesOf({
+        normal: channelLevels({ width, height, texels }),
+      });
       if (!still()) {
         normal.destroy();
         throw new Left();
@@ -376,7 +378,10 @@ export class Drawing {
     // where something failed it is not what is wanted
     const { technique, compare, show } = this.state;
     const measured = [technique, compare, show].join();
-    this.heard({ drawn: { technique, compare }, ...(measured !== this.measured && { figures: null }) });
+    this.heard({
+      drawn: { technique, compare },
+      ...(measured !== this.measured && { figures: null }),
+    });
     this.measured = measured;
     this.frames.touched();
   }

@@ -27,7 +27,10 @@ export async function pictureOf(file, most) {
 async function byCanvas(file, most) {
   let bitmap;
   try {
-    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    bitmap = await createImageBitmap(file, {
+      colorSpaceConversion: "none",
+      premultiplyAlpha: "none",
+    });
   } catch {
     throw new Error("this is no picture that the browser can read");
   }
@@ -49,7 +52,10 @@ function check({ width, height }, most) {
 // The page's pictures with one map, or some channels of one, taken from a dropped picture.
 export function replaced(pictures, slot, picture, { channel, polarity, green }) {
   const one = () => channelOf(picture, channel, polarity === "depth");
-  const [old, response] = [pictures.base_color ?? PLAIN.base_color, pictures.response ?? PLAIN.response];
+  const [old, response] = [
+    pictures.base_color ?? PLAIN.base_color,
+    pictures.response ?? PLAIN.response,
+  ];
   const { width, height } = picture;
   switch (slot) {
     case "height":
@@ -125,8 +131,13 @@ function channelOf(picture, channel, over) {
 
 // Colours as fractions of light.
 function withLight(picture) {
-  const table = Uint16Array.from({ length: 65536 }, (_, k) => roundEven(inLight(k / 65535) * 65535));
-  return { ...picture, texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])) };
+  const table = Uint16Array.from({ length: 65536 }, (_, k) =>
+    roundEven(inLight(k / 65535) * 65535),
+  );
+  return {
+    ...picture,
+    texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])),
+  };
 }
 
 const opaque = ({ width, height, texels }) => ({

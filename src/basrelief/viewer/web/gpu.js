@@ -248,7 +248,8 @@ export class Job {
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
-      if (kind === "sampler") return { binding, resource: gpu.samplers[made.program.edge ?? "wrap"] };
+      if (kind === "sampler")
+        return { binding, resource: gpu.samplers[made.program.edge ?? "wrap"] };
       if (kind === "map") return { binding, resource: this.textures[name].createView() };
       return { binding, resource: { buffer: this.uniforms.get(name) } };
     });

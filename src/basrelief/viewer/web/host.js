@@ -31,11 +31,14 @@ export class Host {
     if (this.waiting) return;
     this.waiting = true;
     const left = this.toldAt + APART - performance.now();
-    setTimeout(() => {
-      this.waiting = false;
-      this.toldAt = performance.now();
-      this.send("state");
-    }, Math.max(0, left));
+    setTimeout(
+      () => {
+        this.waiting = false;
+        this.toldAt = performance.now();
+        this.send("state");
+      },
+      Math.max(0, left),
+    );
   }
 
   send(what) {

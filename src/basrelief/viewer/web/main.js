@@ -69,7 +69,10 @@ class View {
     document.body.classList.add("with");
     byId("panel").hidden = false;
     if (this.data.scaledTo) {
-      this.say(`Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`, true);
+      this.say(
+        `Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`,
+        true,
+      );
     }
     try {
       await this.loadMaps();
@@ -128,7 +131,9 @@ class View {
       if (this.gpu !== gpu) return;
       gpu.lost = true;
       this.reopening = this.reopen();
-      this.say(`The graphics device was lost (${firstLine(message || reason)}); starting it again.`);
+      this.say(
+        `The graphics device was lost (${firstLine(message || reason)}); starting it again.`,
+      );
       const { drawing } = this;
       // a page that still opens waits for the device itself
       if (!drawing) return;
@@ -184,7 +189,11 @@ class View {
     if (this.host) return;
     clearTimeout(this.linking);
     this.linking = setTimeout(() => {
-      history.replaceState(null, "", toHash(this.state, this.start) || location.pathname + location.search);
+      history.replaceState(
+        null,
+        "",
+        toHash(this.state, this.start) || location.pathname + location.search,
+      );
     }, 300);
   }
 
@@ -198,7 +207,15 @@ class View {
       this.host?.tell();
       return;
     }
-    const choices = [...Object.keys(this.data.menus), "compare", "show", "lights", "fades", "apart", "layer"];
+    const choices = [
+      ...Object.keys(this.data.menus),
+      "compare",
+      "show",
+      "lights",
+      "fades",
+      "apart",
+      "layer",
+    ];
     const lens = ({ camera }) => camera.orthographic_height === null;
     this.changed(choices.some((name) => name in changed) || lens(this.state) !== lens(before));
   }
@@ -378,9 +395,7 @@ class View {
   async takeMap(file, wanted) {
     const { slot, ...how } = this.meant(file, wanted);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) =>
-      this.withoutBakes(replaced(held, slot, picture, how), slot),
-    );
+    await this.changeMaps((held) => this.withoutBakes(replaced(held, slot, picture, how), slot));
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // what has opacity of its own brings that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
@@ -400,7 +415,9 @@ class View {
   meant({ name }, wanted) {
     const found = meaningOf(name, this.data.names);
     if (!wanted && !found) {
-      throw new Error("its name says no map that the page takes; under “Maps”, drop it on the one that it is to be");
+      throw new Error(
+        "its name says no map that the page takes; under “Maps”, drop it on the one that it is to be",
+      );
     }
     // a name of another map says nothing of this one
     const said = !wanted || found?.slot === wanted ? found : { polarity: "height", green: "gl" };
@@ -442,7 +459,10 @@ class View {
   tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
     if (slot === "height" && this.pictures.normal) {
-      this.say("The normals are still those of the normal map; without it they are made of the heights.", true);
+      this.say(
+        "The normals are still those of the normal map; without it they are made of the heights.",
+        true,
+      );
     }
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
@@ -483,7 +503,10 @@ class View {
       devicePixelRatio,
       Math.sqrt(MOST_PIXELS / Math.max(1, clientWidth * clientHeight)),
     );
-    this.resize(Math.max(16, Math.round(clientWidth * fine)), Math.max(16, Math.round(clientHeight * fine)));
+    this.resize(
+      Math.max(16, Math.round(clientWidth * fine)),
+      Math.max(16, Math.round(clientHeight * fine)),
+    );
   }
 
   resize(width, height) {
@@ -509,7 +532,9 @@ class View {
     this.drawing.frames.present();
     const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
     if (!blob) {
-      this.say("The browser makes no picture of the canvas; make the window smaller and try again.");
+      this.say(
+        "The browser makes no picture of the canvas; make the window smaller and try again.",
+      );
       return;
     }
     const link = document.createElement("a");
@@ -527,11 +552,15 @@ class View {
 
   async copy(kind) {
     const text = this.text(kind);
-    const without = this.pictures === this.began ? "" : " The maps that were changed are not in it.";
+    const without =
+      this.pictures === this.began ? "" : " The maps that were changed are not in it.";
     byId("copied").textContent = text + (without && `\n${without.trim()}`);
     try {
       await navigator.clipboard.writeText(text);
-      this.say(`Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`, true);
+      this.say(
+        `Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`,
+        true,
+      );
     } catch {
       this.say(`The browser does not let the page copy: take it from the panel.${without}`, true);
     }
@@ -582,7 +611,8 @@ class View {
     line.append(close);
     const box = byId("messages");
     // what is only told makes room for what went wrong
-    while (box.children.length >= MESSAGES) (box.querySelector(".quiet") ?? box.firstChild).remove();
+    while (box.children.length >= MESSAGES)
+      (box.querySelector(".quiet") ?? box.firstChild).remove();
     box.append(line);
     line.scrollIntoView({ block: "nearest" });
     // what is only told goes by itself; what went wrong stays until it is read

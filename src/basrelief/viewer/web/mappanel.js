@@ -22,13 +22,29 @@ const HOW = {
   channel: ["Channel", [["luminance", "luminance"], ...[..."rgba"].map((c) => [c, c])]],
   polarity: [
     "White is",
-    [["", "as its name says"], ["height", "high, or as it is"], ["depth", "deep: turn it over"]],
+    [
+      ["", "as its name says"],
+      ["height", "high, or as it is"],
+      ["depth", "deep: turn it over"],
+    ],
   ],
-  green: ["Green is", [["", "as its name says"], ["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]],
+  green: [
+    "Green is",
+    [
+      ["", "as its name says"],
+      ["gl", "up (OpenGL)"],
+      ["dx", "down (DirectX)"],
+    ],
+  ],
 };
 
 export function maps(view) {
-  const file = element("input", { type: "file", accept: "image/*", id: "map-file", multiple: true });
+  const file = element("input", {
+    type: "file",
+    accept: "image/*",
+    id: "map-file",
+    multiple: true,
+  });
   file.addEventListener("change", () => {
     view.takeMaps([...file.files]);
     file.value = "";
@@ -54,7 +70,8 @@ function row(view, slot) {
   const picture = view.pictures[held];
   const source = view.sources[slot];
   // a map that nobody gave is what its place in another one is filled with
-  const shown = picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
+  const shown =
+    picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
   const frame = element("span", { class: "thumb" });
   if (shown) frame.append(thumbnail(picture, channels, light));
   const size = shown ? `${picture.width} × ${picture.height}` : instead(view, slot);

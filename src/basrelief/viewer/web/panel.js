@@ -11,7 +11,8 @@ function rows(view, path, settings) {
     if (!Array.isArray(each.default)) {
       return [number(view, [...path, each.name], { ...each, label: words(each.name) })];
     }
-    if (each.name.endsWith("color")) return [color(view, [...path, each.name], words(each.name), each.doc)];
+    if (each.name.endsWith("color"))
+      return [color(view, [...path, each.name], words(each.name), each.doc)];
     return each.default.map((_, k) =>
       number(view, [...path, each.name, k], {
         ...each,
@@ -33,7 +34,9 @@ export function build(view, panel) {
   const within = active.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
-    ...[technique, relief, light, camera, surface, air, maps, picture, share].map((make) => make(view)),
+    ...[technique, relief, light, camera, surface, air, maps, picture, share].map((make) =>
+      make(view),
+    ),
   );
   for (const made of panel.querySelectorAll("details")) {
     if (opened.has(made.id)) made.open = opened.get(made.id);
@@ -96,13 +99,24 @@ function about(view) {
 
 // A menu of names that mean themselves.
 const named = (view, name, label, after) =>
-  menu(view, [name], label, view.data.menus[name].map((each) => [each, words(each)]), after);
+  menu(
+    view,
+    [name],
+    label,
+    view.data.menus[name].map((each) => [each, words(each)]),
+    after,
+  );
 
 const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
 const tiling = (view, path, label) => [
-  ...pair(view, [...path, "tiles"], `${label} tiling`, { low: 0.1, high: 32, step: 0.1, soft: true }),
+  ...pair(view, [...path, "tiles"], `${label} tiling`, {
+    low: 0.1,
+    high: 32,
+    step: 0.1,
+    soft: true,
+  }),
   ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01, soft: true }),
 ];
 
@@ -182,7 +196,12 @@ function lamp(view, k) {
   if (kind === "spot") {
     made.push(
       degrees("angle", 1, 179, "cone"),
-      number(view, [...path, "softness"], { label: `${name} softness`, low: 0, high: 1, step: 0.01 }),
+      number(view, [...path, "softness"], {
+        label: `${name} softness`,
+        low: 0,
+        high: 1,
+        step: 0.01,
+      }),
     );
   }
   made.push(
@@ -194,7 +213,11 @@ function lamp(view, k) {
       soft: true,
     }),
     color(view, [...path, "color"], `${name} color`),
-    element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` })),
+    element(
+      "div",
+      { class: "buttons" },
+      button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
+    ),
   );
   return made;
 }
@@ -237,7 +260,12 @@ function camera(view) {
       "Drag turns; with Shift, or the right button, it moves; with Alt or Ctrl it turns the first directional light. The wheel zooms.",
     ),
     number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
-    number(view, path("elevation"), { ...degrees, label: "camera elevation", low: view.state.shape === "plane" ? 2 : -89, high: 89 }),
+    number(view, path("elevation"), {
+      ...degrees,
+      label: "camera elevation",
+      low: view.state.shape === "plane" ? 2 : -89,
+      high: 89,
+    }),
     number(view, path("distance"), {
       label: "distance",
       low: 0.1,
@@ -292,7 +320,9 @@ const ACTS = {
 
 function surface(view) {
   const { data, state } = view;
-  const finish = data.settings.finish[state.surface].filter(({ name }) => ACTS[name]?.(view) ?? true);
+  const finish = data.settings.finish[state.surface].filter(
+    ({ name }) => ACTS[name]?.(view) ?? true,
+  );
   return section(
     "Surface",
     false,

@@ -75,7 +75,11 @@ function unfilter(raw, height, row, pixel) {
 
 // Paeth's predictor: which of three is nearest to left + up − corner.
 function nearest(left, up, corner) {
-  const [a, b, c] = [Math.abs(up - corner), Math.abs(left - corner), Math.abs(left + up - 2 * corner)];
+  const [a, b, c] = [
+    Math.abs(up - corner),
+    Math.abs(left - corner),
+    Math.abs(left + up - 2 * corner),
+  ];
   if (a <= b && a <= c) return left;
   return b <= c ? up : corner;
 }

@@ -97,7 +97,8 @@ export function toCommand(state, data) {
   const said = told(state, data);
   const values = (each, sign) =>
     Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
-  const quoted = (text) => (/^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+  const quoted = (text) =>
+    /^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`;
   const parts = ["basrelief", "render", data.source];
   const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, String(x));
   const tiles = (pair) => pair.map(short).join("x");
@@ -144,7 +145,9 @@ export function toPython(state, data) {
     if (typeof x === "string") return JSON.stringify(x);
     if (Array.isArray(x)) return `(${x.map(value).join(", ")})`;
     if (typeof x === "number") return short(x);
-    return `{${Object.entries(x).map(([name, y]) => `"${name}": ${value(y)}`).join(", ")}}`;
+    return `{${Object.entries(x)
+      .map(([name, y]) => `"${name}": ${value(y)}`)
+      .join(", ")}}`;
   };
   const listed = (given) => Object.entries(given).map(([key, x]) => `${key}=${value(x)}`);
   const call = (name, given) => `basrelief.${name}(${listed(given).join(", ")})`;
