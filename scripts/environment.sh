@@ -1,4 +1,4 @@
-# What scripts/test and scripts/demo share: finding Python and making an environment.
+# What scripts/test and scripts/demo share: finding Python, making environments, installing packages.
 # To be sourced, from the repository root.
 
 say() { printf '== %s\n' "$*"; }
@@ -53,4 +53,20 @@ make_environment() {
   "$python" -m venv "$folder"
   "$folder/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
   printf '%s\n' "$wanted" >"$folder/made-from"
+}
+
+# make_node_modules: the tools for JavaScript that package.json names, in the versions of
+# package-lock.json. Those that are there are kept until one of these files changes. False where
+# Node.js or the tools cannot be installed.
+make_node_modules() {
+  local wanted
+  if ! { command -v node && command -v npm; } >/dev/null; then
+    say "installing nodejs and npm"
+    debian_install nodejs npm || return 1
+  fi
+  wanted=$(uname -sm && cksum package.json package-lock.json)
+  [[ $(cat node_modules/made-from 2>/dev/null) == "$wanted" ]] && return
+  say "making node_modules with Node.js $(node --version)"
+  npm ci --no-audit --no-fund --loglevel error || return 1
+  printf '%s\n' "$wanted" >node_modules/made-from
 }

@@ -295,8 +295,9 @@ export class Bakes {
   // no longer than a submission should.
   async run(key, kind, values, [width, height], texture, below = 0, inSector = false) {
     const job = await this.job(key, inSector);
-    if (!this.packers.has(kind) && KINDS[kind].texel)
+    if (!this.packers.has(kind) && KINDS[kind].texel) {
       this.packers.set(kind, await this.packer(kind));
+    }
     const wide = Math.ceil(width / ROW) * ROW;
     const most = Math.max(1, Math.floor(ROOM / (4 * KINDS[kind].planes * wide)));
     // others' heights may have come meanwhile, and the job's buffers be gone

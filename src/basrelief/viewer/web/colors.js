@@ -198,9 +198,9 @@ export class Colors {
   put({ size, canvas, texels, background, divider, show, samples, figures, first }) {
     const view = new DataView(new ArrayBuffer(4 * WORDS));
     const floats = [...canvas, ...texels];
-    size.forEach((x, k) => view.setUint32(4 * k, x, true));
-    floats.forEach((x, k) => view.setFloat32(8 + 4 * k, x, true));
-    background.forEach((x, k) => view.setFloat32(32 + 4 * k, x, true));
+    for (const [k, x] of size.entries()) view.setUint32(4 * k, x, true);
+    for (const [k, x] of floats.entries()) view.setFloat32(8 + 4 * k, x, true);
+    for (const [k, x] of background.entries()) view.setFloat32(32 + 4 * k, x, true);
     view.setFloat32(48, divider, true);
     view.setUint32(52, shows.indexOf(show), true);
     view.setFloat32(56, samples, true);

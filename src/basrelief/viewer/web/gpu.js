@@ -248,8 +248,9 @@ export class Job {
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
-      if (kind === "sampler")
+      if (kind === "sampler") {
         return { binding, resource: gpu.samplers[made.program.edge ?? "wrap"] };
+      }
       if (kind === "map") return { binding, resource: this.textures[name].createView() };
       return { binding, resource: { buffer: this.uniforms.get(name) } };
     });
@@ -272,7 +273,7 @@ export class Job {
   }
 }
 
-function layoutEntry({ kind, name, type }, binding) {
+function layoutEntry({ kind, type }, binding) {
   const entry = { binding, visibility: GPUShaderStage.COMPUTE };
   if (kind === "map") {
     const sampleType = type === "HeightField" ? "unfilterable-float" : "uint";

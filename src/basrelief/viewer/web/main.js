@@ -611,8 +611,9 @@ class View {
     line.append(close);
     const box = byId("messages");
     // what is only told makes room for what went wrong
-    while (box.children.length >= MESSAGES)
+    while (box.children.length >= MESSAGES) {
       (box.querySelector(".quiet") ?? box.firstChild).remove();
+    }
     box.append(line);
     line.scrollIntoView({ block: "nearest" });
     // what is only told goes by itself; what went wrong stays until it is read

@@ -11,8 +11,9 @@ function rows(view, path, settings) {
     if (!Array.isArray(each.default)) {
       return [number(view, [...path, each.name], { ...each, label: words(each.name) })];
     }
-    if (each.name.endsWith("color"))
+    if (each.name.endsWith("color")) {
       return [color(view, [...path, each.name], words(each.name), each.doc)];
+    }
     return each.default.map((_, k) =>
       number(view, [...path, each.name, k], {
         ...each,

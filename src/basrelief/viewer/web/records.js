@@ -9,13 +9,15 @@ function put(view, word, type, value, layouts) {
       put(view, word + offset, inner, value[name], layouts);
     }
   } else if (type === "Mat3") {
-    value.forEach((x, k) => view.setFloat32(4 * (word + 4 * Math.floor(k / 3) + (k % 3)), x, true));
+    for (const [k, x] of value.entries()) {
+      view.setFloat32(4 * (word + 4 * Math.floor(k / 3) + (k % 3)), x, true);
+    }
   } else {
-    [value].flat().forEach((x, k) => {
+    for (const [k, x] of [value].flat().entries()) {
       const place = 4 * (word + k);
       if (ints.has(type)) view.setInt32(place, x, true);
       else view.setFloat32(place, x, true);
-    });
+    }
   }
 }
 
@@ -30,6 +32,6 @@ export function packList(type, items, layouts) {
   const { words, align } = layouts[type];
   const view = new DataView(new ArrayBuffer(4 * (align + words * Math.max(items.length, 1))));
   view.setInt32(0, items.length, true);
-  items.forEach((item, k) => put(view, align + k * words, type, item, layouts));
+  for (const [k, item] of items.entries()) put(view, align + k * words, type, item, layouts);
   return view.buffer;
 }
