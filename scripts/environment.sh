@@ -60,13 +60,16 @@ make_environment() {
 # Node.js or the tools cannot be installed.
 make_node_modules() {
   local wanted
-  if ! { command -v node && command -v npm; } >/dev/null; then
+  if ! has_node && command -v apt-get >/dev/null; then
     say "installing nodejs and npm"
-    debian_install nodejs npm || return 1
+    debian_install nodejs npm || true
   fi
+  has_node || return 1
   wanted=$(uname -sm && cksum package.json package-lock.json)
   [[ $(cat node_modules/made-from 2>/dev/null) == "$wanted" ]] && return
   say "making node_modules with Node.js $(node --version)"
-  npm ci --no-audit --no-fund --loglevel error || return 1
+  npm ci --no-audit --no-fund --loglevel error >/dev/null || return 1
   printf '%s\n' "$wanted" >node_modules/made-from
 }
+
+has_node() { command -v node && command -v npm; } >/dev/null
