@@ -1,4 +1,4 @@
-# What scripts/test and scripts/demo share: finding Python and making an environment.
+# What scripts/test and scripts/demo share: finding Python, making environments, installing packages.
 # To be sourced, from the repository root.
 
 say() { printf '== %s\n' "$*"; }
@@ -54,3 +54,22 @@ make_environment() {
   "$folder/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
   printf '%s\n' "$wanted" >"$folder/made-from"
 }
+
+# make_node_modules: the tools for JavaScript that package.json names, in the versions of
+# package-lock.json. Those that are there are kept until one of these files changes. False where
+# Node.js or the tools cannot be installed.
+make_node_modules() {
+  local wanted
+  if ! has_node && command -v apt-get >/dev/null; then
+    say "installing nodejs and npm"
+    debian_install nodejs npm || true
+  fi
+  has_node || return 1
+  wanted=$(uname -sm && cksum package.json package-lock.json)
+  [[ $(cat node_modules/made-from 2>/dev/null) == "$wanted" ]] && return
+  say "making node_modules with Node.js $(node --version)"
+  npm ci --no-audit --no-fund --loglevel error >/dev/null || return 1
+  printf '%s\n' "$wanted" >node_modules/made-from
+}
+
+has_node() { command -v node && command -v npm; } >/dev/null

@@ -80,6 +80,10 @@ def test_wheel(tmp_path: Path) -> None:
     data = {path.relative_to(source).as_posix() for path in source.rglob("*.toml")}
     assert len(data) == len(basrelief.PRESETS)
     assert data <= names
+    web = source / "basrelief" / "viewer" / "web"
+    code = {path.relative_to(source).as_posix() for path in web.glob("*.js")}
+    assert code
+    assert {name for name in names if name.endswith((".js", ".ts", ".json"))} == code
     assert "basrelief/py.typed" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.split("/")[0].split("-")[0] for name in names} == {"basrelief"}

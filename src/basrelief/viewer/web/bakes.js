@@ -6,6 +6,32 @@ import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
 import { words } from "view/text.js";
 
+/** @import { Data, Pair, Sector } from "view/data" */
+/** @import { Gpu, ProgramValues, Viewable } from "view/gpu.js" */
+/** @import { Edge } from "view/link.js" */
+/** @import { Pace } from "view/pace.js" */
+
+/**
+ * Progress callback: takes the share that is done.
+ * @typedef {(share: number) => void} Tell
+ */
+/**
+ * Cancellation check: whether the result is still wanted.
+ * @typedef {() => boolean} Wanted
+ */
+/**
+ * One level of the heights.
+ * @typedef {{ field: Viewable, size: Pair }} HeightLevel
+ */
+/**
+ * The result of a bake.
+ * @typedef {GPUTexture | Uint16Array} Kept
+ */
+/**
+ * The kinds of textures that a program's planes are packed into.
+ * @typedef {"heights" | "records" | "windows" | "cones" | "normals"} Kind
+ */
+
 const ROW = 64; // words that a row of a copy is a multiple of
 const LONG = 60; // milliseconds that a submission should take; drivers stop those of seconds
 const FIRST = 2 ** 12; // invocations of a program's first submission, of which nothing is known
@@ -37,6 +63,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   texels[p] = texel(p);
 }
 `;
+/** @type {{ [Name in Kind]: { planes: number, texel?: string } }} */
 const KINDS = {
   heights: { planes: 1 },
   // two words that hold the four channels already
@@ -56,35 +83,106 @@ const KINDS = {
 export class Left extends Error {}
 
 export class Bakes {
-  // Of the heights in a texture with all its levels, for maps that end as an `edge` says.
+  /**
+   * Of the heights in a texture with all its levels, for maps that end as an `edge` says.
+   * @param {Gpu} gpu
+   * @param {Data} data
+   * @param {GPUTexture} field
+   * @param {number} highest
+   * @param {Edge} edge
+   * @param {Pace} pace
+   */
   constructor(gpu, data, field, highest, edge, pace) {
-    Object.assign(this, { gpu, data, field, highest, edge, pace });
+    this.gpu = gpu;
+    this.data = data;
+    this.field = field;
+    this.highest = highest;
+    this.edge = edge;
+    this.pace = pace;
+    /** @type {Pair} */
     this.size = [field.width, field.height];
+    /** @type {Map<string, GPUTexture>} */
     this.tables = new Map();
+    /** @type {Map<string, unknown>} */
     this.failures = new Map();
+    /** @type {Map<string, Job>} */
     this.jobs = new Map();
+    /** @type {Map<Kind, GPUComputePipeline>} */
     this.packers = new Map();
-    this.speeds = new Map(); // milliseconds and invocations of each program's last submission
+    /**
+     * Milliseconds and invocations of each program's last submission.
+     * @type {Map<string, Pair>}
+     */
+    this.speeds = new Map();
     this.over = false;
+    // the bake in progress
+    /** @type {Tell} */
+    this.tell = () => {};
+    /** @type {Wanted} */
+    this.wanted = () => true;
+    this.done = 0;
+    this.whole = 1;
+    /** @type {Promise<void>[]} */
+    this.refused = [];
+    /** @type {Set<GPUTexture>} */
+    this.scratch = new Set();
+    // buffers that are reused
+    /** @type {GPUBuffer | undefined} */
+    this.planes = undefined;
+    /** @type {GPUBuffer | undefined} */
+    this.packed = undefined;
+    /** @type {GPUBuffer | undefined} */
+    this.packing = undefined;
   }
 
-  // The table `name`, made once; `tell` hears what share is done, and `wanted` whether to go on.
-  // What could not be made is not tried again.
+  /**
+   * The table `name`, made once; `tell` hears what share is done, and `wanted` whether to go on.
+   * What could not be made is not tried again.
+   * @param {string} name
+   * @param {Tell} tell
+   * @param {Wanted} wanted
+   */
   async table(name, tell, wanted) {
     if (this.failures.has(name)) throw this.failures.get(name);
-    if (!this.tables.has(name)) {
-      try {
-        if (!(name in this)) throw new Error(`the page cannot bake ${words(name)}`);
-        this.tables.set(name, await this.making(() => this[name](), tell, wanted));
-      } catch (error) {
-        if (!(error instanceof Left)) this.failures.set(name, error);
-        throw error;
-      }
+    const known = this.tables.get(name);
+    if (known) return known;
+    try {
+      const steps = this.steps(name);
+      if (!steps) throw new Error(`the page cannot bake ${words(name)}`);
+      const made = await this.making(steps, tell, wanted);
+      this.tables.set(name, made);
+      return made;
+    } catch (error) {
+      if (!(error instanceof Left)) this.failures.set(name, error);
+      throw error;
     }
-    return this.tables.get(name);
   }
 
-  // Normals of a relief that rises so much a texel, four 16-bit channels a texel.
+  /**
+   * The steps of a table, null for one that the page cannot bake.
+   * @param {string} name
+   * @returns {(() => Promise<GPUTexture>) | null}
+   */
+  steps(name) {
+    switch (name) {
+      case "bounds":
+        return () => this.bounds();
+      case "mip_bounds":
+        return () => this.mip_bounds();
+      case "cone_map":
+        return () => this.cone_map();
+      case "relaxed_cone_map":
+        return () => this.relaxed_cone_map();
+      default:
+        return null;
+    }
+  }
+
+  /**
+   * Normals of a relief that rises so much a texel, four 16-bit channels a texel.
+   * @param {number} per_texel
+   * @param {Wanted} wanted
+   */
   normals(per_texel, wanted) {
     const steps = async () => {
       const made = this.texture(this.size, false);
@@ -95,17 +193,25 @@ export class Bakes {
     return this.making(steps, undefined, wanted);
   }
 
-  // Go through a bake's steps; of its textures only the one that it returns is kept.
+  /**
+   * Go through a bake's steps; of its textures only the one that it returns is kept.
+   * @template {Kept} T
+   * @param {() => Promise<T>} steps
+   * @param {Tell} tell
+   * @param {Wanted} wanted
+   * @returns {Promise<T>}
+   */
   async making(steps, tell = () => {}, wanted = () => true) {
     Object.assign(this, { tell, wanted, done: 0, whole: 1, refused: [], scratch: new Set() });
-    let made = null;
+    /** @type {Kept | null} */
+    let kept = null;
     try {
-      const found = await steps();
+      const made = await steps();
       this.stay();
-      made = found;
+      kept = made;
       return made;
     } finally {
-      for (const each of this.scratch) if (each !== made) each.destroy();
+      for (const each of this.scratch) if (each !== kept) each.destroy();
     }
   }
 
@@ -128,7 +234,10 @@ export class Bakes {
     return this.boundsOf(this.field.mipLevelCount);
   }
 
-  // Of so many levels, below one another.
+  /**
+   * Of so many levels, below one another.
+   * @param {number} count
+   */
   async boundsOf(count) {
     const { block, farBlock } = this.data.bakes.bounds;
     const levels = Array.from({ length: count }, (_, k) => this.level(k));
@@ -144,7 +253,11 @@ export class Bakes {
     return table;
   }
 
-  // A level of the heights as a map of its own.
+  /**
+   * A level of the heights as a map of its own.
+   * @param {number} k
+   * @returns {HeightLevel}
+   */
   level(k) {
     const { field } = this;
     const view = { baseMipLevel: k, mipLevelCount: 1 };
@@ -154,6 +267,11 @@ export class Bakes {
     };
   }
 
+  /**
+   * @param {HeightLevel} level
+   * @param {GPUTexture} table
+   * @param {number} below
+   */
   async near({ field, size }, table, below) {
     const { block, reach } = this.data.bakes.bounds;
     const windows = await this.widened(await this.tops(field, size, block, reach), 1, reach);
@@ -161,8 +279,14 @@ export class Bakes {
     await this.run("near_record", "records", { field, windows }, records, table, below);
   }
 
+  /**
+   * @param {HeightLevel} level
+   * @param {GPUTexture} table
+   * @param {number} below
+   */
   async far({ field, size }, table, below) {
     const { farBlock, farReach, farWindows } = this.data.bakes.bounds;
+    /** @type {ProgramValues} */
     const found = {};
     let [wide, width] = [await this.tops(field, size, farBlock, farReach), 1];
     for (const [name, wanted] of farWindows) {
@@ -173,18 +297,30 @@ export class Bakes {
     await this.run("far_record", "records", { field, ...found }, records, table, below);
   }
 
-  // The highest points of the blocks of so many cells, and of a margin of blocks around.
+  /**
+   * The highest points of the blocks of so many cells, and of a margin of blocks around.
+   * @param {Viewable} field
+   * @param {Pair} size
+   * @param {number} side
+   * @param {number} margin
+   */
   tops(field, size, side, margin) {
     const wide = blocks(size, side).map((n) => n + 2 * margin);
     this.speeds.delete("block_top"); // it goes by the side
     return this.heights("block_top", { blocks: { side, margin }, field }, wide);
   }
 
-  // Windows of a wanted width in blocks, from narrower ones that overlap.
+  /**
+   * Windows of a wanted width in blocks, from narrower ones that overlap.
+   * @param {GPUTexture} windows
+   * @param {number} width
+   * @param {number} wanted
+   */
   async widened(windows, width, wanted) {
     let [wide, now] = [windows, width];
     while (now < wanted) {
       const apart = Math.min(now, wanted - now);
+      /** @type {Pair} */
       const size = [wide.width, wide.height];
       wide = await this.heights("window_top", { overlap: { apart }, field: wide }, size);
       now += apart;
@@ -223,13 +359,20 @@ export class Bakes {
     return count;
   }
 
-  // The steepest line, squared, from each vertex to those of a field; `squared` is used up.
+  /**
+   * The steepest line, squared, from each vertex to those of a field; `squared` is used up.
+   * @param {GPUTexture} those
+   * @param {Sector | null} sector
+   * @param {GPUTexture} squared
+   */
   async steepest(those, sector, squared) {
     const { blocks: across, sectors } = this.data.bakes.cones;
     const [first, last] = (sector ?? sectors[0]).ends;
-    let [slopes, windows] = [squared, null];
+    let slopes = squared;
+    /** @type {GPUTexture | null} */
+    let narrower = null;
     for (let k = 0; k < this.octaves(); k++) {
-      windows = await this.windows(k, those, windows);
+      const windows = await this.windows(k, those, narrower);
       const nearest = k ? (across * 2 ** k) / 2 : 0;
       const values = {
         octave: { nearest, highest: this.highest, first, last },
@@ -241,30 +384,43 @@ export class Bakes {
       const steeper = await this.heights("steepest", values, this.size, Boolean(sector));
       this.free(slopes);
       slopes = steeper;
+      narrower = windows;
       this.done += 1;
       this.tell(this.done / this.whole);
     }
-    this.free(windows);
+    if (narrower) this.free(narrower);
     return slopes;
   }
 
-  // Windows of 2 ** k texels, from narrower ones, which are used up; the first from heights.
+  /**
+   * Windows of 2 ** k texels, from narrower ones, which are used up; the first from heights.
+   * @param {number} k
+   * @param {GPUTexture} field
+   * @param {GPUTexture | null} windows
+   */
   async windows(k, field, windows) {
     const held = this.held(k);
     const size = this.size.map((n) => n + held.before);
     const made = this.texture(size, false);
-    const [key, values] = k
-      ? ["next_windows", { made: held, narrower: this.held(k - 1), windows }]
-      : ["first_windows", { made: held, field }];
-    await this.run(key, "windows", values, size, made);
-    if (windows) this.free(windows);
+    if (windows) {
+      const values = { made: held, narrower: this.held(k - 1), windows };
+      await this.run("next_windows", "windows", values, size, made);
+      this.free(windows);
+    } else {
+      await this.run("first_windows", "windows", { made: held, field }, size, made);
+    }
     return made;
   }
 
+  /** @param {number} k */
   held(k) {
     return { width: 2 ** k, before: this.edge === "clamp" ? 2 ** (k + 1) - 1 : 0 };
   }
 
+  /**
+   * @param {string} key
+   * @param {ProgramValues} values
+   */
   async cones(key, values) {
     const table = this.texture(this.size, false);
     await this.run(key, "cones", values, this.size, table);
@@ -273,12 +429,22 @@ export class Bakes {
 
   // --- a step
 
+  /**
+   * @param {string} key
+   * @param {ProgramValues} values
+   * @param {Pair} size
+   * @param {boolean} inSector
+   */
   async heights(key, values, size, inSector = false) {
     const made = this.texture(size, true);
     await this.run(key, "heights", values, size, made, 0, inSector);
     return made;
   }
 
+  /**
+   * @param {Pair} size
+   * @param {boolean} heights
+   */
   texture(size, heights) {
     const { value, failed } = this.gpu.checked(() => this.gpu.emptyTexture(size, heights));
     this.refused.push(failed);
@@ -286,18 +452,29 @@ export class Bakes {
     return value;
   }
 
+  /** @param {GPUTexture} texture */
   free(texture) {
     this.scratch.delete(texture);
     texture.destroy();
   }
 
-  // Run a program over a picture, into a texture from row `below` on, as many rows at once as take
-  // no longer than a submission should.
+  /**
+   * Run a program over a picture, into a texture from row `below` on, as many rows at once as take
+   * no longer than a submission should.
+   * @param {string} key
+   * @param {Kind} kind
+   * @param {ProgramValues} values
+   * @param {Pair} size
+   * @param {GPUTexture} texture
+   * @param {number} below
+   * @param {boolean} inSector
+   */
   async run(key, kind, values, [width, height], texture, below = 0, inSector = false) {
     const job = await this.job(key, inSector);
-    if (!this.packers.has(kind) && KINDS[kind].texel) this.packers.set(kind, await this.packer(kind));
+    const { planes, texel } = KINDS[kind];
+    if (texel && !this.packers.has(kind)) this.packers.set(kind, await this.packer(kind, texel));
     const wide = Math.ceil(width / ROW) * ROW;
-    const most = Math.max(1, Math.floor(ROOM / (4 * KINDS[kind].planes * wide)));
+    const most = Math.max(1, Math.floor(ROOM / (4 * planes * wide)));
     // others' heights may have come meanwhile, and the job's buffers be gone
     this.stay();
     job.put(values);
@@ -320,13 +497,21 @@ export class Bakes {
     }
   }
 
-  // What a submission took; of the few rows that are left at the end only that they took long.
+  /**
+   * What a submission took; of the few rows that are left at the end only that they took long.
+   * @param {string} key
+   * @param {number} took
+   * @param {number} count
+   */
   note(key, took, count) {
     const [, before] = this.speeds.get(key) ?? [0, 0];
     if (2 * count >= before || took > LONG) this.speeds.set(key, [took, count]);
   }
 
-  // How many invocations of a program should take as long as a submission should.
+  /**
+   * How many invocations of a program should take as long as a submission should.
+   * @param {string} key
+   */
   room(key) {
     const [took, count] = this.speeds.get(key) ?? [LONG, FIRST];
     return Math.min((LONG / Math.max(took, 0.01)) * count, Math.max(GROWTH * count, FIRST));
@@ -337,28 +522,41 @@ export class Bakes {
     if (this.over || !this.wanted()) throw new Left();
   }
 
+  /**
+   * @param {string} entry
+   * @param {boolean} in_sector
+   */
   async job(entry, in_sector) {
     const name = `${entry} ${in_sector}`;
-    if (!this.jobs.has(name)) {
-      const program = linked(this.data.programs, entry, { edge: this.edge, in_sector });
-      const made = await this.gpu.pipeline(program);
-      this.stay();
-      this.jobs.set(name, new Job(this.gpu, made, this.data));
-    }
-    return this.jobs.get(name);
+    const known = this.jobs.get(name);
+    if (known) return known;
+    const program = linked(this.data.programs, entry, { edge: this.edge, in_sector });
+    const compiled = await this.gpu.pipeline(program);
+    this.stay();
+    const made = new Job(this.gpu, compiled, this.data);
+    this.jobs.set(name, made);
+    return made;
   }
 
+  /**
+   * @param {Job} job
+   * @param {Kind} kind
+   * @param {number} wide
+   * @param {number} first
+   * @param {number} last
+   * @param {{ texture: GPUTexture, origin: Pair, size: Pair }} target
+   */
   submit(job, kind, wide, first, last, { texture, origin, size }) {
     const { device } = this.gpu;
     const rows = last - first;
     const { planes: count, texel } = KINDS[kind];
-    this.planes = this.roomFor(this.planes, 4 * count * wide * rows);
-    job.dispatch(this.planes, [wide, rows], first, last, { top: first });
+    const planes = this.roomFor(this.planes, 4 * count * wide * rows);
+    this.planes = planes;
+    job.dispatch(planes, [wide, rows], first, last, { top: first });
     const encoder = device.createCommandEncoder();
-    if (texel) this.pack(encoder, kind, wide, rows);
     encoder.copyBufferToTexture(
       {
-        buffer: texel ? this.packed : this.planes,
+        buffer: texel ? this.pack(encoder, kind, planes, wide, rows) : planes,
         bytesPerRow: (texel ? 8 : 4) * wide,
         rowsPerImage: rows,
       },
@@ -368,36 +566,58 @@ export class Bakes {
     device.queue.submit([encoder.finish()]);
   }
 
-  // A buffer of at least so many bytes: the one that is there, or another in its place.
+  /**
+   * A buffer of at least so many bytes: the one that is there, or another in its place.
+   * @param {GPUBuffer | undefined} buffer
+   * @param {number} bytes
+   */
   roomFor(buffer, bytes) {
-    if (buffer?.size >= bytes) return buffer;
+    if (buffer && buffer.size >= bytes) return buffer;
     buffer?.destroy();
     return this.gpu.planes(1, bytes / 4, 1);
   }
 
-  async packer(kind) {
+  /**
+   * @param {Kind} kind
+   * @param {string} texel
+   */
+  async packer(kind, texel) {
     const { device } = this.gpu;
-    const code = PACK.replace("TEXEL", KINDS[kind].texel);
+    const code = PACK.replace("TEXEL", texel);
     const module = device.createShaderModule({ code, label: `pack ${kind}` });
     const compute = { module, entryPoint: "main" };
     return device.createComputePipelineAsync({ layout: "auto", compute });
   }
 
-  pack(encoder, kind, wide, rows) {
+  /**
+   * @param {GPUCommandEncoder} encoder
+   * @param {Kind} kind
+   * @param {GPUBuffer} planes
+   * @param {number} wide
+   * @param {number} rows
+   */
+  pack(encoder, kind, planes, wide, rows) {
     const { device } = this.gpu;
-    const pipeline = this.packers.get(kind);
+    const pipeline = /** @type {GPUComputePipeline} */ (this.packers.get(kind));
     this.packed = this.roomFor(this.packed, 8 * wide * rows);
     this.packing ??= this.gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
     device.queue.writeBuffer(this.packing, 0, new Uint32Array([wide, rows, wide * rows, 0]));
-    const buffers = [this.packing, this.planes, this.packed];
+    const buffers = [this.packing, planes, this.packed];
     const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
     const pass = encoder.beginComputePass();
     pass.setPipeline(pipeline);
-    pass.setBindGroup(0, device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }));
+    pass.setBindGroup(
+      0,
+      device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }),
+    );
     pass.dispatchWorkgroups(Math.ceil(wide / 8), Math.ceil(rows / 8));
     pass.end();
+    return this.packed;
   }
 }
 
-// How many blocks of so many cells a side a map has.
+/**
+ * How many blocks of so many cells a side a map has.
+ * @type {(size: Pair, side: number) => Pair}
+ */
 const blocks = (size, side) => size.map((n) => Math.ceil(n / side));

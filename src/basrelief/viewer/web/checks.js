@@ -1,28 +1,50 @@
 // A state held to what the library takes, whoever says it: a slider, a link, a notebook.
 
+/** @import { Data, Light, Limits, Pair, Setting, Values } from "view/data" */
+/** @import { State } from "view/state.js" */
+
+/** @typedef {{ [name: string]: unknown }} Fields */
+/** @typedef {[low: number | null, high: number | null]} Range */
+
+/** @type {<T>(value: T) => T} */
 export const copyOf = (value) => structuredClone(value);
 
-const isObject = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
+/** @param {unknown} x @returns {x is Fields} */
+export const isObject = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
+/** @param {unknown} x @returns {x is number} */
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
 // what the page works out for itself as long as nobody says it
 const OPEN = new Set(["distance", "orthographic_height"]);
 
-// `other` laid over `base`, where it has the same kind of values; what it does not know is left.
+/**
+ * `other` laid over `base`, where it has the same kind of values; what it does not know is left.
+ * @template {object} T
+ * @param {T} base
+ * @param {unknown} other
+ * @param {Data} data
+ * @returns {T}
+ */
 export function merged(base, other, data) {
   const made = copyOf(base);
+  const fields = /** @type {Fields} */ (made);
   for (const [name, value] of Object.entries(isObject(other) ? other : {})) {
     if (!Object.hasOwn(made, name)) continue;
     if (name === "lights") {
-      if (Array.isArray(value)) made.lights = value.map((each) => lightOf(each, data));
-    } else if (isObject(made[name])) {
-      made[name] = merged(made[name], value, data);
-    } else if (fits(made[name], value, OPEN.has(name))) {
-      made[name] = copyOf(value);
+      if (Array.isArray(value)) fields.lights = value.map((each) => lightOf(each, data));
+      continue;
     }
+    const mine = fields[name];
+    if (isObject(mine)) fields[name] = merged(mine, value, data);
+    else if (fits(mine, value, OPEN.has(name))) fields[name] = copyOf(value);
   }
   return made;
 }
 
+/**
+ * @param {unknown} mine
+ * @param {unknown} value
+ * @param {boolean} open
+ */
 function fits(mine, value, open) {
   if (open) return value === null || isNumber(value);
   if (Array.isArray(mine)) {
@@ -31,16 +53,30 @@ function fits(mine, value, open) {
   return typeof mine === "number" ? isNumber(value) : typeof mine === typeof value;
 }
 
+/**
+ * @param {unknown} said
+ * @param {Data} data
+ * @returns {Light}
+ */
 function lightOf(said, data) {
   const [usual] = data.defaults.lights;
   const made = merged(usual, said, data);
   return data.lightKinds.includes(made.kind) ? made : { ...made, kind: usual.kind };
 }
 
-// A state with every choice one that there is, and every number within its range; in place.
+/**
+ * A state with every choice one that there is, and every number within its range; in place.
+ * @param {State} state
+ * @param {State} start
+ * @param {Data} data
+ */
 export function held(state, start, data) {
-  for (const [name, known] of Object.entries(data.menus)) {
-    if (!known.includes(state[name])) state[name] = start[name];
+  /** @type {{ [name: string]: unknown[] }} */
+  const menus = data.menus;
+  /** @type {Fields[]} */
+  const [now, then] = [state, start];
+  for (const [name, known] of Object.entries(menus)) {
+    if (!known.includes(now[name])) now[name] = then[name];
   }
   if (!["", ...data.menus.technique].includes(state.compare)) state.compare = "";
   if (!data.shows.includes(state.show)) state.show = start.show;
@@ -57,40 +93,73 @@ export function held(state, start, data) {
   return state;
 }
 
+/**
+ * @template {number | number[]} T
+ * @param {T} x
+ * @param {Range} range
+ * @returns {T}
+ */
 function within(x, [low, high]) {
-  if (Array.isArray(x)) return x.map((each) => within(each, [low, high]));
-  return Math.max(low ?? -Infinity, Math.min(high ?? Infinity, x));
+  /** @type {(n: number) => number} */
+  const each = (n) => Math.max(low ?? -Infinity, Math.min(high ?? Infinity, n));
+  return /** @type {T} */ (Array.isArray(x) ? x.map(each) : each(x));
 }
 
+/**
+ * @param {Values} values
+ * @param {Setting[]} settings
+ */
 function holdRecord(values, settings) {
   for (const { name, low, high, whole } of settings) {
     values[name] = within(values[name], [low, high]);
-    if (whole) values[name] = Math.round(values[name]);
+    if (whole) values[name] = Math.round(Number(values[name]));
   }
 }
 
+/**
+ * @param {State} state
+ * @param {Data} data
+ */
 function holdSettings(state, { techniques, settings }) {
   for (const [name, { settings: own }] of Object.entries(techniques)) {
     holdRecord(state.settings[name], own);
   }
   for (const [name, own] of Object.entries(settings.finish)) holdRecord(state.finish[name], own);
-  for (const name of ["shading", "shadowing", "smoothing", "air"]) {
+  for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "air"])) {
     holdRecord(state[name], settings[name]);
   }
 }
 
+/**
+ * @param {State} state
+ * @param {Limits} limits
+ */
 function holdNumbers(state, { numbers, lights, camera }) {
-  for (const [name, range] of Object.entries(numbers)) state[name] = within(state[name], range);
-  for (const light of state.lights) {
-    for (const [name, range] of Object.entries(lights)) light[name] = within(light[name], range);
-  }
-  for (const [name, range] of Object.entries(camera)) {
-    if (state.camera[name] !== null) state.camera[name] = within(state.camera[name], range);
+  holdRanges(state, numbers);
+  for (const light of state.lights) holdRanges(light, lights);
+  holdRanges(state.camera, camera);
+}
+
+/**
+ * Clamp numbers of a record to their ranges; null stays.
+ * @param {Fields} record
+ * @param {{ [name: string]: Range }} ranges
+ */
+function holdRanges(record, ranges) {
+  for (const [name, range] of Object.entries(ranges)) {
+    const value = /** @type {number | number[] | null} */ (record[name]);
+    if (value !== null) record[name] = within(value, range);
   }
 }
 
-// Tiles may be mirrored, but not be none.
+/**
+ * Tiles may be mirrored, but not be none.
+ * @param {State} state
+ * @param {State} start
+ * @param {Limits} limits
+ */
 function holdTilings(state, start, { least, most }) {
+  /** @type {(now: Pair, then: Pair) => Pair} */
   const tiles = (now, then) =>
     now.map((n, k) => (Math.abs(n) >= least && Math.abs(n) <= most ? n : then[k]));
   state.tiling = tiles(state.tiling, start.tiling);

@@ -1,6 +1,37 @@
 // From a program's planes to the screen: samples added up, debug pictures, figures. This is the
 // page's own WGSL; what is drawn is computed by the library's programs.
 
+/** @import { DebugColors, Pair, Show } from "view/data" */
+/** @import { Gpu } from "view/gpu.js" */
+
+/**
+ * A drawn picture: its planes, and the sum of its samples.
+ * @typedef {{ planes: GPUBuffer, sum: GPUBuffer }} SideBuffers
+ */
+/**
+ * Measurements of a picture.
+ * @typedef {object} Figures
+ * @property {number} hits pixels that show the object
+ * @property {number} reads of all pixels
+ * @property {number} most reads of one pixel
+ * @property {number} missed pixels
+ * @property {number} nearest depth
+ * @property {number} furthest depth
+ */
+/**
+ * The parameters of a display pass.
+ * @typedef {object} PictureView
+ * @property {Pair} size of the drawn picture
+ * @property {Pair} canvas
+ * @property {Pair} texels of the heights
+ * @property {number[]} background
+ * @property {number} divider in pixels of the canvas
+ * @property {Show} show
+ * @property {number} samples
+ * @property {Figures} [figures]
+ * @property {boolean} [first] whether this is the first sample of the sum
+ */
+
 const COMMON = `
 struct View {
   size: vec2u,
@@ -155,16 +186,27 @@ const WORDS = 24;
 const shows = ["color", "reads", "missed", "depth"];
 
 export class Colors {
+  /**
+   * @param {Gpu} gpu
+   * @param {HTMLCanvasElement} canvas
+   * @param {DebugColors} told
+   */
   constructor(gpu, canvas, told) {
     this.gpu = gpu;
     const { device } = gpu;
-    this.context = canvas.getContext("webgpu");
+    this.context = /** @type {GPUCanvasContext} */ (canvas.getContext("webgpu"));
     const format = navigator.gpu.getPreferredCanvasFormat();
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
     this.context.configure({ device, format, usage, alphaMode: "opaque" });
-    const against = (planes, truth) => MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
+    /** @type {(planes: string, truth: string) => string} */
+    const against = (planes, truth) =>
+      MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
+    /** @type {(side: string, truth: string) => string} */
     const missed = (side, truth) =>
-      against(side, truth).replace(/(apart|missed|passed)(_at)?\(/g, (_, name) => `${name}_${side}(`);
+      against(side, truth).replace(
+        /(apart|missed|passed)(_at)?\(/g,
+        (_, name) => `${name}_${side}(`,
+      );
     const truths = { left: "truth", right: "right_truth" };
     const sides = Object.entries(truths).map(
       ([side, truth]) => missed(side, truth) + SIDE.replaceAll("SIDE", side),
@@ -185,18 +227,23 @@ export class Colors {
     this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
   }
 
+  /**
+   * @param {string} code
+   * @param {string} label
+   */
   compute(code, label) {
     const module = this.gpu.device.createShaderModule({ code, label });
     const compute = { module, entryPoint: "main" };
     return this.gpu.device.createComputePipeline({ layout: "auto", compute });
   }
 
+  /** @param {PictureView} view */
   put({ size, canvas, texels, background, divider, show, samples, figures, first }) {
     const view = new DataView(new ArrayBuffer(4 * WORDS));
     const floats = [...canvas, ...texels];
-    size.forEach((x, k) => view.setUint32(4 * k, x, true));
-    floats.forEach((x, k) => view.setFloat32(8 + 4 * k, x, true));
-    background.forEach((x, k) => view.setFloat32(32 + 4 * k, x, true));
+    for (const [k, x] of size.entries()) view.setUint32(4 * k, x, true);
+    for (const [k, x] of floats.entries()) view.setFloat32(8 + 4 * k, x, true);
+    for (const [k, x] of background.entries()) view.setFloat32(32 + 4 * k, x, true);
     view.setFloat32(48, divider, true);
     view.setUint32(52, shows.indexOf(show), true);
     view.setFloat32(56, samples, true);
@@ -207,11 +254,20 @@ export class Colors {
     this.gpu.device.queue.writeBuffer(this.view, 0, view.buffer);
   }
 
+  /**
+   * @param {GPURenderPipeline | GPUComputePipeline} pipeline
+   * @param {GPUBuffer[]} buffers
+   */
   group(pipeline, buffers) {
     const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
     return this.gpu.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
   }
 
+  /**
+   * @param {GPUComputePipeline} pipeline
+   * @param {GPUBuffer[]} buffers
+   * @param {[x: number, y?: number]} groups
+   */
   pass(pipeline, buffers, groups) {
     const encoder = this.gpu.device.createCommandEncoder();
     const pass = encoder.beginComputePass();
@@ -222,14 +278,23 @@ export class Colors {
     this.gpu.device.queue.submit([encoder.finish()]);
   }
 
-  // Add a whole sample's colours to a sum.
+  /**
+   * Add a whole sample's colours to a sum.
+   * @param {SideBuffers} side
+   * @param {PictureView} view
+   */
   accumulate(side, view) {
     this.put(view);
     const groups = view.size.map((n) => Math.ceil(n / 8));
     this.pass(this.add, [this.view, side.planes, side.sum], groups);
   }
 
-  // Each side with the truth that it is held against.
+  /**
+   * Each side with the truth that it is held against.
+   * @param {[drawn: SideBuffers, truth: SideBuffers]} left
+   * @param {[drawn: SideBuffers, truth: SideBuffers]} right
+   * @param {PictureView} view
+   */
   present([left, truth], [right, rightTruth], view) {
     this.put(view);
     const encoder = this.gpu.device.createCommandEncoder();
@@ -246,7 +311,13 @@ export class Colors {
     this.gpu.device.queue.submit([encoder.finish()]);
   }
 
-  // What a picture's planes say: pixels that show the object, mean and most reads, missed, depths.
+  /**
+   * What a picture's planes say: pixels that show the object, mean and most reads, missed, depths.
+   * @param {SideBuffers} side
+   * @param {SideBuffers} truth
+   * @param {PictureView} view
+   * @returns {Promise<Figures>}
+   */
   async figures(side, truth, view) {
     this.put(view);
     const { device } = this.gpu;

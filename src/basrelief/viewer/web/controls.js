@@ -2,43 +2,97 @@
 
 import { decoded, encoded } from "view/srgb.js";
 
+/** @import { Fields } from "view/checks.js" */
+/** @import { View } from "view/main.js" */
+/** @import { State } from "view/state.js" */
+
+/**
+ * Where a value lies in the state: ["settings", "relief", "max_steps"], ["tiling", 0].
+ * @typedef {(string | number)[]} Path
+ */
+/** @typedef {HTMLElement & { disabled?: boolean }} Control */
+/** @typedef {[value: string, text: string, there?: boolean, why?: string]} Option */
+/**
+ * Options of a control for a number.
+ * @typedef {object} NumberOptions
+ * @property {string} label
+ * @property {string} [doc]
+ * @property {number | null} [low]
+ * @property {number | null} [high]
+ * @property {boolean} [whole]
+ * @property {number | null} [step]
+ * @property {boolean} [soft] whether the range is the slider's alone and grows with the value
+ * @property {() => number} [open] the value where the state has null
+ */
+
 const WRITING = 800; // milliseconds between the letters of a name
+/** @type {{ [key: string]: number }} */
+const WAYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 let pressed = false;
 
-// Do something once no button is held: what was pressed must be there still when it is let go.
+/**
+ * Do something once no button is held: what was pressed must be there still when it is let go.
+ * @param {() => void} act
+ */
 export function afterPress(act) {
   setTimeout(() => {
     if (!pressed) act();
     else addEventListener("pointerup", () => setTimeout(act), { once: true });
   });
 }
-for (const [name, now] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]]) {
-  addEventListener(name, () => { pressed = now; }, true);
-}
+/** @type {(now: boolean) => () => void} */
+const press = (now) => () => {
+  pressed = now;
+};
+addEventListener("pointerdown", press(true), true);
+addEventListener("pointerup", press(false), true);
+addEventListener("pointercancel", press(false), true);
 
+/**
+ * @template {keyof HTMLElementTagNameMap} Name
+ * @param {Name} name
+ * @param {{ [name: string]: string | boolean }} attributes
+ * @param {(Node | string)[]} children
+ * @returns {HTMLElementTagNameMap[Name]}
+ */
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
-    if (key in made && typeof value !== "string") made[key] = value;
-    else made.setAttribute(key, value);
+    if (key in made && typeof value !== "string") Reflect.set(made, key, value);
+    else made.setAttribute(key, String(value));
   }
   made.append(...children);
   return made;
 }
 
-// Where a value lies in the state: ["settings", "relief", "max_steps"], ["tiling", 0].
-const at = (state, path) => path.reduce((value, key) => value[key], state);
+/** @type {(state: State, path: Path) => unknown} */
+const at = (state, path) => {
+  /** @type {unknown} */
+  let value = state;
+  for (const key of path) value = /** @type {Fields} */ (value)[key];
+  return value;
+};
+
+/**
+ * @param {State} state
+ * @param {Path} path
+ * @param {unknown} value
+ */
 function set(state, path, value) {
-  at(state, path.slice(0, -1))[path.at(-1)] = value;
+  const record = /** @type {Fields} */ (at(state, path.slice(0, -1)));
+  record[path[path.length - 1]] = value;
 }
 
-// A slider and a number for one value. Wide ranges of numbers above 0 go by powers. Where `soft` the
-// range is that of the slider alone, and grows to hold what the value is. `open` says what a value is
-// that is left to the page: null in the state.
+/**
+ * A slider and a number for one value. Wide ranges of numbers above 0 go by powers.
+ * @param {View} view
+ * @param {Path} path
+ * @param {NumberOptions} how
+ */
 export function number(view, path, how) {
   const { label, doc = "", low, high, whole = false, step = null, soft = false, open } = how;
   const id = path.join(".");
-  const valued = () => at(view.state, path) ?? open();
+  const valued = () => /** @type {number} */ (at(view.state, path) ?? open?.());
   const start = valued();
   const ends = [low ?? Math.min(0, 2 * start), high ?? Math.max(4 * Math.abs(start), 2)];
   const [least, most] = soft ? [Math.min(ends[0], start), Math.max(ends[1], start)] : ends;
@@ -46,7 +100,9 @@ export function number(view, path, how) {
   const wide = most > 128 && least >= 0;
   const offset = least > 0 ? least : 1;
   const span = Math.log((most - least + offset) / offset);
+  /** @type {(x: number) => number} */
   const toSlider = (x) => (wide ? Math.log((x - least + offset) / offset) / span : x);
+  /** @type {(x: number) => number} */
   const fromSlider = (x) => (wide ? least - offset + offset * Math.exp(x * span) : x);
   const fine = whole ? 1 : (step ?? 10 ** Math.floor(Math.log10((most - least) / 100)));
   const slider = element("input", {
@@ -65,6 +121,7 @@ export function number(view, path, how) {
     ...(lowest != null && { min: String(lowest) }),
     ...(highest != null && { max: String(highest) }),
   });
+  /** @type {(x: number) => number} */
   const rounded = (x) => {
     if (whole) return Math.round(x);
     return Number(x.toPrecision(wide ? 3 : 6));
@@ -74,13 +131,14 @@ export function number(view, path, how) {
     // who holds it keeps the range that it has
     const held = document.activeElement === slider;
     if (!wide) {
-      slider.max = String(Math.max(held ? slider.max : most, value));
-      slider.min = String(Math.min(held ? slider.min : least, value));
+      slider.max = String(Math.max(held ? Number(slider.max) : most, value));
+      slider.min = String(Math.min(held ? Number(slider.min) : least, value));
     }
     slider.value = String(toSlider(value));
     slider.setAttribute("aria-valuetext", String(value));
     if (document.activeElement !== field) field.value = String(Number(value.toPrecision(4)));
   };
+  /** @type {(value: number) => void} */
   const take = (value) => {
     if (!Number.isFinite(value)) return;
     let held = Math.max(lowest ?? -Infinity, Math.min(highest ?? Infinity, value));
@@ -90,7 +148,7 @@ export function number(view, path, how) {
   };
   // by powers a key goes to the next number that differs
   slider.addEventListener("keydown", (event) => {
-    const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    const way = WAYS[event.key];
     if (!wide || !way) return;
     event.preventDefault();
     const value = valued();
@@ -114,7 +172,14 @@ export function number(view, path, how) {
   return row;
 }
 
-// A menu for one choice; `options` are [value, text, whether it can be had, why not].
+/**
+ * A menu for one choice; `options` are [value, text, whether it can be had, why not].
+ * @param {View} view
+ * @param {Path} path
+ * @param {string} label
+ * @param {Option[]} options
+ * @param {(value: string) => void} after
+ */
 export function menu(view, path, label, options, after = () => {}) {
   const id = path.join(".");
   const select = element("select", { id, name: id });
@@ -124,7 +189,7 @@ export function menu(view, path, label, options, after = () => {}) {
     select.append(option);
   }
   const show = () => {
-    select.value = at(view.state, path);
+    select.value = String(at(view.state, path));
   };
   // who writes a name is in the middle of it: another menu in this one's place would not know
   let wrote = -Infinity;
@@ -147,8 +212,14 @@ export function menu(view, path, label, options, after = () => {}) {
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);
 }
 
-// A box to tick for a value, which is what `ticked` says then, and `not` otherwise. It needs a name of
-// its own where the value has another control, too.
+/**
+ * A box to tick for a value, which is what `ticked` says then, and `not` otherwise. It needs a name of
+ * its own where the value has another control, too.
+ * @param {View} view
+ * @param {Path} path
+ * @param {string} label
+ * @param {{ name?: string, ticked?: () => unknown, not?: unknown }} options
+ */
 export function check(view, path, label, { name, ticked = () => true, not = false } = {}) {
   const id = name ?? path.join(".");
   const box = element("input", { type: "checkbox", id, name: id });
@@ -164,17 +235,28 @@ export function check(view, path, label, { name, ticked = () => true, not = fals
   return element("div", { class: "check" }, box, element("label", { for: id }, label));
 }
 
-// A colour, chosen as it is seen and held as light: linear, 0 to 1.
+/**
+ * A colour, chosen as it is seen and held as light: linear, 0 to 1.
+ * @param {View} view
+ * @param {Path} path
+ * @param {string} label
+ * @param {string} doc
+ */
 export function color(view, path, label, doc = "") {
   const id = path.join(".");
   const field = element("input", { type: "color", id, name: id });
   const show = () => {
-    const codes = at(view.state, path).map((x) => Math.round(255 * encoded(Math.min(x, 1))));
+    const light = /** @type {number[]} */ (at(view.state, path));
+    const codes = light.map((x) => Math.round(255 * encoded(Math.min(x, 1))));
     field.value = `#${codes.map((n) => n.toString(16).padStart(2, "0")).join("")}`;
   };
   field.addEventListener("input", () => {
     const codes = [1, 3, 5].map((k) => Number.parseInt(field.value.slice(k, k + 2), 16) / 255);
-    set(view.state, path, codes.map((x) => Number(decoded(x).toPrecision(4))));
+    set(
+      view.state,
+      path,
+      codes.map((x) => Number(decoded(x).toPrecision(4))),
+    );
     view.changed();
   });
   view.shows.push(show);
@@ -182,19 +264,35 @@ export function color(view, path, label, doc = "") {
   return element("div", { class: "menu", title: doc }, element("label", { for: id }, label), field);
 }
 
-// The control before or after one in the panel.
+/**
+ * The control before or after one in the panel.
+ * @param {Element | null} control
+ * @param {1 | -1} way
+ */
 function beside(control, way) {
-  const all = [...document.querySelectorAll("#panel :is(summary, input, select, button)")];
-  const seen = all.filter((each) => each.offsetParent !== null && !each.disabled);
-  return seen[seen.indexOf(control) + way];
+  const all = /** @type {NodeListOf<Control>} */ (
+    document.querySelectorAll("#panel :is(summary, input, select, button)")
+  );
+  const seen = [...all].filter((each) => each.offsetParent !== null && !each.disabled);
+  return seen[seen.indexOf(/** @type {Control} */ (control)) + way];
 }
 
+/**
+ * @param {string} text
+ * @param {() => void} act
+ * @param {{ [name: string]: string }} attributes
+ */
 export function button(text, act, attributes = {}) {
   const made = element("button", { type: "button", ...attributes }, text);
   made.addEventListener("click", act);
   return made;
 }
 
+/**
+ * @param {string} title
+ * @param {boolean} open
+ * @param {Node[]} rows
+ */
 export function section(title, open, ...rows) {
   const made = element("details", {}, element("summary", {}, title), ...rows);
   made.open = open;

@@ -8,9 +8,42 @@ import { linked } from "view/link.js";
 import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
 import { firstLine, words } from "view/text.js";
 
+/** @import { Data, Heights, Light, LightKind, Pair, Tiling, Values } from "view/data" */
+/** @import { PlacedOrbit } from "view/camera.js" */
+/** @import { Figures } from "view/colors.js" */
+/** @import { Pictures } from "view/dropped.js" */
+/** @import { Gpu, ProgramValues } from "view/gpu.js" */
+/** @import { Choices, Edge } from "view/link.js" */
+/** @import { Level, Picture } from "view/maps.js" */
+/** @import { State } from "view/state.js" */
+
+/**
+ * News of a drawing: the properties that changed.
+ * @typedef {object} News
+ * @property {string} [error]
+ * @property {string} [busy] the work in progress, "" when there is none
+ * @property {{ technique: string, compare: string }} [drawn]
+ * @property {{ left: Figures, right?: Figures, missed: boolean } | null} [figures]
+ * @property {number} [milliseconds]
+ * @property {number | null} [gpuMilliseconds] by timestamp queries, null without
+ * @property {Pair} [timedAt] the size of the timed frame
+ * @property {Pair} [size]
+ * @property {number} [samples]
+ */
+/** @typedef {"left" | "right" | "truth" | "right_truth"} SideName */
+/** @typedef {{ left: State } & { [side in SideName]?: State }} Wanted */
+/** @typedef {{ state: State, job: Job }} Side */
+/** @typedef {{ left: Side } & { [side in SideName]?: Side }} Shown */
+/**
+ * Choices that bind the slots of a program.
+ * @typedef {Choices & { technique: string, heights: Heights, edge: Edge, normal: boolean }}
+ *   ProgramChoices
+ */
+
 const JOBS = 8; // programs whose values are kept, beside those that are shown
 const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
 const NOTHING = single([0, 0, 0, 65535]);
+/** @type {{ [name: string]: Picture }} */
 const MISSING = {
   field: single([65535]),
   distances: single([65535]),
@@ -20,24 +53,52 @@ const MISSING = {
 const HEIGHTS = ["field", "distances"];
 
 export class Drawing {
+  /**
+   * @param {Gpu} gpu
+   * @param {Data} data
+   * @param {HTMLCanvasElement} canvas
+   * @param {(news: News) => void} heard
+   */
   constructor(gpu, data, canvas, heard) {
-    Object.assign(this, { gpu, data });
+    this.gpu = gpu;
+    this.data = data;
     // what a lost device brings about is no news
+    /** @type {(news: News) => void} */
     this.heard = (news) => this.held || heard(news);
     this.held = false;
+    /** @type {Pictures} */
     this.pictures = {};
+    /** @type {{ [name: string]: Picture }} */
     this.taken = {}; // and what stands for those that are missing
+    /** @type {Pair} */
+    this.texels = [1, 1]; // of the heights
+    this.highest = 1; // of them
+    /** @type {Map<string, Bakes>} */
     this.bakes = new Map(); // by edge, those of normals apart
+    /** @type {string | null} */
     this.bakedFor = null; // the numbers that the normals are made for
+    /** @type {string | null} */
     this.awaited = null; // and those that they are to be made for
+    /** @type {number | null} */
     this.resting = null;
     this.renewing = 0;
+    /** @type {Promise<void>} */
     this.making = Promise.resolve();
+    /** @type {{ [name: string]: GPUTexture }} */
     this.textures = {};
+    /** @type {Map<string, Job>} */
     this.jobs = new Map();
-    this.state = null;
+    /** @type {State | null} */
+    this.latest = null; // the state that is requested
+    /** @type {State | null} */
+    this.state = null; // the state that is shown
+    /** @type {Promise<void> | null} */
+    this.compiling = null;
+    /** @type {unknown} */
     this.failed = null;
+    /** @type {Set<string>} */
     this.told = new Set(); // what could not be shown, and is said already
+    /** @type {Shown | null} */
     this.shown = null; // the state and the job of each side
     this.measured = ""; // what figures are of
     this.frames = new Frames(this, canvas);
@@ -45,11 +106,14 @@ export class Drawing {
 
   // --- maps
 
-  // `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
-  // missing, but is given a texel in its place. All or none of what changed is taken: rejects where
-  // the GPU refuses one.
+  /**
+   * `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
+   * missing, but is given a texel in its place. All or none of what changed is taken: rejects where
+   * the GPU refuses one.
+   * @param {Pictures} pictures
+   */
   async setMaps(pictures) {
-    const shown = { ...MISSING, ...pictures };
+    const shown = Object.assign({ ...MISSING }, pictures);
     const held = this.taken;
     const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
     const levels = Object.fromEntries(
@@ -72,7 +136,9 @@ export class Drawing {
     }
   }
 
+  /** @param {{ [name: string]: Level<Uint16Array | Float32Array>[] }} levels */
   async texturesOf(levels) {
+    /** @type {{ [name: string]: GPUTexture }} */
     const made = {};
     try {
       const { failed } = this.gpu.checked(() => {
@@ -88,76 +154,104 @@ export class Drawing {
     }
   }
 
+  /**
+   * @param {string} name
+   * @param {Picture} picture
+   * @returns {Level<Uint16Array | Float32Array>[]}
+   */
   levels(name, picture) {
     if (HEIGHTS.includes(name)) return heightLevels(picture);
     if (name === "unbaked" || this.isBake(name)) return [picture];
     return channelLevels(picture, name.endsWith("color") && hasHoles(picture));
   }
 
+  /** @param {string} name */
   isBake(name) {
     return Object.values(this.data.techniques).some(({ bake }) => bake === name);
   }
 
-  // What a state's technique has baked, undefined where it is not there: out of the page, or made
-  // here.
+  /**
+   * What a state's technique has baked, undefined where it is not there: out of the page, or made
+   * here.
+   * @param {State} state
+   */
   baked(state) {
     const { name, edge } = this.bakeOf(state);
     if (edge === "wrap" && this.textures[name]) return this.textures[name];
     return this.bakes.get(edge)?.tables.get(name);
   }
 
-  // What a state's technique needs, as `programs` has it: "" where it needs nothing.
+  /**
+   * What a state's technique needs, as `programs` has it: "" where it needs nothing.
+   * @param {State} state
+   */
   bakeOf(state) {
     const { technique, heights, edge } = this.choices(state);
     const { bake } = this.data.techniques[technique];
     return { name: bake && heights === "mip" ? `mip_${bake}` : (bake ?? ""), edge };
   }
 
-  // What was made of the heights before is of no use any more.
+  /**
+   * What was made of the heights before is of no use any more.
+   * @param {Level<Uint16Array | Float32Array>} heights
+   */
   newHeights({ width, height, texels }) {
     this.texels = [width, height];
-    this.highest = texels.reduce((most, x) => Math.max(most, x), 0);
+    this.highest = 0;
+    for (const height of texels) this.highest = Math.max(this.highest, height);
     for (const each of this.bakes.values()) each.destroy();
     this.bakes.clear();
   }
 
+  /**
+   * @param {Edge} edge
+   * @param {string} use
+   */
   bakesFor(edge, use = "") {
     const name = use + edge;
-    if (!this.bakes.has(name)) {
-      const { gpu, data, textures, highest, frames } = this;
-      this.bakes.set(name, new Bakes(gpu, data, textures.field, highest, edge, frames.pace));
-    }
-    return this.bakes.get(name);
+    const known = this.bakes.get(name);
+    if (known) return known;
+    const { gpu, data, textures, highest, frames } = this;
+    const made = new Bakes(gpu, data, textures.field, highest, edge, frames.pace);
+    this.bakes.set(name, made);
+    return made;
   }
 
-  // Where there is no normal map, normals are made of the heights, by the library's own program: for
-  // what numbers, null where none are needed.
+  /**
+   * Where there is no normal map, normals are made of the heights, by the library's own program: for
+   * what numbers, null where none are needed.
+   * @param {State} state
+   */
   normalsFor(state) {
     const { normal, field } = this.pictures;
     if (normal || !field || !this.choices(state).normal) return null;
     return `${state.scale} ${this.choices(state).edge}`;
   }
 
-  // The first normals are waited for; others are made once the numbers rest, and until then those
-  // that there are do.
+  /**
+   * The first normals are waited for; others are made once the numbers rest, and until then those
+   * that there are do.
+   * @param {State} state
+   */
   async ensureNormals(state) {
     const wanted = this.normalsFor(state);
     if (wanted !== null && this.bakedFor === null) await this.makeNormals(state, () => true);
     const settled = wanted === null || wanted === this.bakedFor;
     if (!settled && wanted === this.awaited) return;
-    clearTimeout(this.resting);
+    clearTimeout(this.resting ?? undefined);
     this.awaited = settled ? null : wanted;
     this.resting = settled ? null : setTimeout(() => this.renewNormals(), REST);
   }
 
   async renewNormals() {
-    const state = this.latest;
-    const wanted = this.normalsFor(state);
     this.resting = null;
+    const state = this.latest;
+    if (!state) return;
+    const wanted = this.normalsFor(state);
     if (wanted === null) return;
     this.renewing += 1;
     try {
-      await this.makeNormals(state, () => this.normalsFor(this.latest) === wanted);
+      await this.makeNormals(state, () => this.normalsFor(this.latest ?? state) === wanted);
       if (this.awaited === wanted) this.awaited = null;
       if (this.shown) this.frames.touched();
     } catch (error) {
@@ -165,26 +259,32 @@ export class Drawing {
       else if (this.awaited === wanted && this.bakedFor !== null) {
         // turned away and back
         this.awaited = null;
-        await this.ensureNormals(this.latest);
+        await this.ensureNormals(this.latest ?? state);
       }
     } finally {
       this.renewing -= 1;
     }
   }
 
-  // One after another, each unless it is made or not `needed` any more by then.
+  /**
+   * One after another, each unless it is made or not `needed` any more by then.
+   * @param {State} state
+   * @param {() => boolean} needed
+   */
   makeNormals(state, needed) {
     const made = this.making.then(async () => {
       const wanted = this.normalsFor(state);
-      if (wanted === null || wanted === this.bakedFor) return;
       const { field } = this.pictures;
+      if (!field || wanted === null || wanted === this.bakedFor) return;
       const { width, height } = field;
       const bakes = this.bakesFor(this.choices(state).edge, "normals ");
       // another map may be dropped
       const still = () =>
         this.pictures.field === field && this.normalsFor(state) === wanted && needed();
       const texels = await bakes.normals(state.scale * width, still);
-      const { normal } = await this.texturesOf({ normal: channelLevels({ width, height, texels }) });
+      const { normal } = await this.texturesOf({
+        normal: channelLevels({ width, height, texels }),
+      });
       if (!still()) {
         normal.destroy();
         throw new Left();
@@ -199,26 +299,35 @@ export class Drawing {
 
   // --- values
 
+  /**
+   * @param {State} state
+   * @param {Pair} size
+   * @returns {PlacedOrbit}
+   */
   camera(state, size) {
-    const camera = { ...state.camera };
-    if (camera.distance === null) {
-      const { outline } = this.data.shapes[state.shape];
-      camera.distance = framing(camera, outline, size, this.data.filled);
-    }
-    return camera;
+    const { camera } = state;
+    const { outline } = this.data.shapes[state.shape];
+    const distance = camera.distance ?? framing(camera, outline, size, this.data.filled);
+    return { ...camera, distance };
   }
 
-  // What binds the slots of a program, as `programs.choices_of` has it.
+  /**
+   * What binds the slots of a program, as `programs.choices_of` has it.
+   * @param {State} state
+   * @returns {ProgramChoices}
+   */
   choices(state) {
     const { pictures, data } = this;
     const technique = pictures.field ? state.technique : "flat";
     const { boxes, heights } = data.techniques[technique];
+    /** @type {(tiling: Tiling) => boolean} */
     const repeats = ({ tiles, shift }) => shift.some(Boolean) || tiles.some((n) => n <= 0 || n > 1);
     const tilings = [{ tiles: state.tiling, shift: state.shift }];
     if (state.apart) tilings.push(...Object.values(state.tilings));
     if (state.layer) tilings.push(state.layer_tiling);
     const clipped = state.edge === "clip";
     const wraps = state.edge === "wrap" || (clipped && tilings.some(repeats));
+    /** @type {(name: string) => boolean} */
     const has = (name) => Boolean(pictures[name]);
     const layer = state.layer && data.constants.layer;
     return {
@@ -240,6 +349,12 @@ export class Drawing {
     };
   }
 
+  /**
+   * @param {State} state
+   * @param {Pair} size
+   * @param {Pair} sample
+   * @returns {ProgramValues}
+   */
   values(state, size, sample) {
     const { data, textures } = this;
     const { technique } = this.choices(state);
@@ -247,7 +362,8 @@ export class Drawing {
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
     const { proportion, places } = this.lying(state);
     const finish = { ...state.finish[state.surface] };
-    if (finish.emission) finish.emission = finish.emission.map((x) => x * this.glow());
+    const { emission } = finish;
+    if (Array.isArray(emission)) finish.emission = emission.map((x) => x * this.glow());
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
@@ -273,31 +389,42 @@ export class Drawing {
     return this.pictures.emission?.dropped ? 1 : this.data.constants.glow;
   }
 
-  // How the maps lie beside the heights, as `Object.map_places` has it.
+  /**
+   * How the maps lie beside the heights, as `Object.map_places` has it.
+   * @param {State} state
+   */
   lying(state) {
     const main = { tiles: state.tiling, shift: state.shift };
     const { constants } = this.data;
+    /** @type {(tiling: Tiling) => number[]} */
     const beside = ({ tiles, shift }) => {
       const ratio = tiles.map((n, k) => n / main.tiles[k]);
       return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
     };
+    /** @type {Values} */
     const places = {};
     for (const [name, own] of Object.entries(state.tilings)) {
       places[name] = beside(state.apart ? own : main);
     }
     const { pictures } = this;
-    const own = state.apart && pictures.normal ? places.normal : [1, 1];
+    const own = state.apart && pictures.normal ? beside(state.tilings.normal) : [1, 1];
     const proportion = constants.proportion * Math.abs(own[0] / own[1]);
-    places.layer = beside(state.layer ? state.layer_tiling : main);
-    const stretch = Math.abs(places.layer[1] / places.layer[0]);
+    const layer = beside(state.layer ? state.layer_tiling : main);
+    const stretch = Math.abs(layer[1] / layer[0]);
+    places.layer = layer;
     places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
     return { proportion, places };
   }
 
   // --- what is drawn
 
-  // The pictures that a state asks for, by where they are shown.
+  /**
+   * The pictures that a state asks for, by where they are shown.
+   * @param {State} state
+   * @returns {Wanted}
+   */
   wanted(state) {
+    /** @type {Wanted} */
     const found = { left: state };
     const other = state.compare;
     if (other) {
@@ -307,17 +434,28 @@ export class Drawing {
     }
     // the truth fills the same space, along straight rays; techniques that lie otherwise have their own
     if (state.show === "missed") {
-      const exactly = { technique: "exact", projection: "full", heights: "sharp" };
-      found.truth = { ...state, ...exactly, shadows: "none" };
       const { right } = found;
+      /** @type {State} */
+      const truth = {
+        ...state,
+        technique: "exact",
+        projection: "full",
+        heights: "sharp",
+        shadows: "none",
+      };
+      found.truth = truth;
       if (right && right.level !== state.level) {
-        found.right_truth = { ...found.truth, level: right.level };
+        found.right_truth = { ...truth, level: right.level };
       }
     }
     return found;
   }
 
-  // Show another state; resolves when its programs are there and a frame is asked for.
+  /**
+   * Show another state; resolves when its programs are there and a frame is asked for.
+   * @param {State} state
+   * @returns {Promise<void>}
+   */
   async show(state) {
     this.latest = state;
     if (this.compiling) return this.compiling;
@@ -330,10 +468,13 @@ export class Drawing {
   }
 
   async prepare() {
+    /** @type {State | null} */
     let state = null;
     while (state !== this.latest) {
-      state = this.latest;
+      state = /** @type {State} */ (this.latest);
+      /** @type {Set<string>} */
       const failures = new Set();
+      /** @type {(side: string, state: State, error: unknown) => void} */
       const failing = (side, { technique }, error) => {
         const message = `${technique}: ${firstLine(error)}`;
         failures.add(`${side} ${message}`);
@@ -342,15 +483,18 @@ export class Drawing {
       try {
         await this.ensureNormals(state);
         const { left, ...others } = this.wanted(state);
+        /** @type {Shown} */
         const shown = { left: await this.side("left", left) };
+        /** @type {Partial<State>} */
         const lost = {};
         for (const [side, each] of Object.entries(others)) {
           try {
-            shown[side] = await this.side(side, each);
+            shown[/** @type {SideName} */ (side)] = await this.side(side, each);
           } catch (error) {
             if (error instanceof Left) throw error;
             // the rest is drawn all the same
-            Object.assign(lost, side === "right" ? { compare: "" } : { show: "color" });
+            if (side === "right") lost.compare = "";
+            else lost.show = "color";
             failing(side, each, error);
           }
         }
@@ -371,17 +515,25 @@ export class Drawing {
       // what could be shown meanwhile is told anew when it cannot again
       this.told = failures;
     }
-    if (!this.shown) return;
+    if (!this.shown || !this.state) return;
     this.leaveJobs();
     // where something failed it is not what is wanted
     const { technique, compare, show } = this.state;
     const measured = [technique, compare, show].join();
-    this.heard({ drawn: { technique, compare }, ...(measured !== this.measured && { figures: null }) });
+    this.heard({
+      drawn: { technique, compare },
+      ...(measured !== this.measured && { figures: null }),
+    });
     this.measured = measured;
     this.frames.touched();
   }
 
-  // What one picture needs: its bake and its program.
+  /**
+   * What one picture needs: its bake and its program.
+   * @param {string} side
+   * @param {State} state
+   * @returns {Promise<Side>}
+   */
   async side(side, state) {
     if (this.bakeOf(state).name && !this.baked(state)) await this.bakeFor(state);
     const program = linked(this.data.programs, "pixel", this.choices(state));
@@ -399,7 +551,7 @@ export class Drawing {
 
   // Of the programs that are not shown only the last keep their values.
   leaveJobs() {
-    const shown = Object.values(this.shown).map(({ job }) => job);
+    const shown = Object.values(this.shown ?? {}).map(({ job }) => job);
     const others = [...this.jobs].filter(([, job]) => !shown.includes(job));
     for (const [name, job] of others.slice(0, Math.max(0, others.length - JOBS))) {
       this.jobs.delete(name);
@@ -407,15 +559,17 @@ export class Drawing {
     }
   }
 
+  /** @param {State} state */
   async bakeFor(state) {
     const { name, edge } = this.bakeOf(state);
+    /** @type {(share: number) => void} */
     const tell = (share) => {
       const percent = share ? ` ${Math.floor(100 * share)} %` : "";
       this.heard({ busy: `baking ${words(name)} for ${words(state.technique)} …${percent}` });
     };
     // who has turned to another technique need not wait for this one
     const needed = () =>
-      Object.values(this.wanted(this.latest)).some((each) => {
+      Object.values(this.wanted(this.latest ?? state)).some((each) => {
         const other = this.bakeOf(each);
         return other.name === name && other.edge === edge;
       });
@@ -433,7 +587,11 @@ export class Drawing {
   }
 }
 
-// A light as `scene.lights` makes it.
+/**
+ * A light as `scene.lights` makes it.
+ * @param {Light} light
+ * @param {LightKind[]} kinds
+ */
 function lightRecord(light, kinds) {
   const half = ((light.angle / 2) * Math.PI) / 180;
   const spot = light.kind === "spot";

@@ -4,14 +4,41 @@ import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
 import { decoded as inLight } from "view/srgb.js";
 
+/** @import { Green, Slot } from "view/data" */
+/** @import { Picture } from "view/maps.js" */
+
+/**
+ * Pictures by name: maps and baked tables.
+ * @typedef {{ [name: string]: Picture | undefined }} Pictures
+ */
+/**
+ * Options for reading a picture.
+ * @typedef {{ channel: string, polarity: string, green: string }} Reading
+ */
+/** @typedef {Picture & { bits: number, lost?: boolean }} FilePicture */
+/**
+ * Channels by their place in a picture.
+ * @typedef {{ [c: number]: Uint16Array }} Channels
+ */
+
+/** @type {{ [slot: string]: number }} */
 const PLACES = { occlusion: 0, roughness: 1, metallic: 2 };
+/** @type {{ [slot: string]: string }} */
+const WHOLE = { height: "field", normal: "normal", emission: "emission" };
+/** @type {{ [slot: string]: number[] }} */
+const OF_COLOR = { base_color: [0, 1, 2], opacity: [3] };
 const PLAIN = {
   base_color: single([39321, 39321, 39321, 65535]),
   response: single([65535, 52428, 0, 65535]),
 };
 
-// { width, height, bits, texels } of four 16-bit channels as they are stored; `lost` where the file
-// has more bits than are read. A side is at most `most` texels long.
+/**
+ * { width, height, bits, texels } of four 16-bit channels as they are stored; `lost` where the file
+ * has more bits than are read. A side is at most `most` texels long.
+ * @param {File} file
+ * @param {number} most
+ * @returns {Promise<FilePicture>}
+ */
 export async function pictureOf(file, most) {
   const bytes = new Uint8Array(await file.arrayBuffer());
   const header = headerOf(bytes);
@@ -23,22 +50,34 @@ export async function pictureOf(file, most) {
   return { ...(await byCanvas(file, most)), lost: header?.bits === 16 };
 }
 
-// What the browser reads: 8 bits a channel.
+/**
+ * What the browser reads: 8 bits a channel.
+ * @param {File} file
+ * @param {number} most
+ */
 async function byCanvas(file, most) {
   let bitmap;
   try {
-    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    bitmap = await createImageBitmap(file, {
+      colorSpaceConversion: "none",
+      premultiplyAlpha: "none",
+    });
   } catch {
     throw new Error("this is no picture that the browser can read");
   }
   const { width, height } = bitmap;
   check(bitmap, most);
-  const context = new OffscreenCanvas(width, height).getContext("2d");
+  const canvas = new OffscreenCanvas(width, height);
+  const context = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
   context.drawImage(bitmap, 0, 0);
   const { data } = context.getImageData(0, 0, width, height);
   return { width, height, bits: 8, texels: Uint16Array.from(data, (code) => code * 257) };
 }
 
+/**
+ * @param {{ width: number, height: number }} size
+ * @param {number} most
+ */
 function check({ width, height }, most) {
   if (Math.max(width, height) > most) {
     const size = `${width} × ${height}`;
@@ -46,10 +85,20 @@ function check({ width, height }, most) {
   }
 }
 
-// The page's pictures with one map, or some channels of one, taken from a dropped picture.
+/**
+ * The page's pictures with one map, or some channels of one, taken from a dropped picture.
+ * @param {Pictures} pictures
+ * @param {Slot} slot
+ * @param {Picture} picture
+ * @param {Reading} how
+ * @returns {Pictures}
+ */
 export function replaced(pictures, slot, picture, { channel, polarity, green }) {
   const one = () => channelOf(picture, channel, polarity === "depth");
-  const [old, response] = [pictures.base_color ?? PLAIN.base_color, pictures.response ?? PLAIN.response];
+  const [old, response] = [
+    pictures.base_color ?? PLAIN.base_color,
+    pictures.response ?? PLAIN.response,
+  ];
   const { width, height } = picture;
   switch (slot) {
     case "height":
@@ -57,8 +106,8 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
     case "base_color": {
       const color = withLight(picture);
       // what has no opacity of its own, as the library sees it, leaves that of the map
-      const alpha = varies(picture, 3);
-      const places = { ...threeOf(color), ...(alpha && { 3: channelAt(picture, 3) }) };
+      const places = threeOf(color);
+      if (varies(picture, 3)) places[3] = channelAt(picture, 3);
       return { ...pictures, base_color: merged(old, picture, places) };
     }
     case "opacity": {
@@ -77,22 +126,31 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
   return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
 }
 
-// The page's pictures without one map, or with some channels as they are where there is none.
+/**
+ * The page's pictures without one map, or with some channels as they are where there is none.
+ * @param {Pictures} pictures
+ * @param {Slot} slot
+ * @returns {Pictures}
+ */
 export function without(pictures, slot) {
   const left = { ...pictures };
-  const whole = { height: "field", normal: "normal", emission: "emission" }[slot];
+  const whole = WHOLE[slot];
   if (whole) {
     delete left[whole];
     return left;
   }
-  const color = { base_color: [0, 1, 2], opacity: [3] }[slot];
+  const color = OF_COLOR[slot];
   const name = color ? "base_color" : "response";
   const none = (color ?? [PLACES[slot]]).map((c) => [c, channelAt(PLAIN[name], c)]);
   left[name] = merged(left[name] ?? PLAIN[name], PLAIN[name], Object.fromEntries(none));
   return left;
 }
 
-// Whether a channel is not the same everywhere.
+/**
+ * Whether a channel is not the same everywhere.
+ * @param {Picture} picture
+ * @param {number} c
+ */
 export function varies({ texels }, c) {
   for (let k = c; k < texels.length; k += 4) if (texels[k] !== texels[c]) return true;
   return false;
@@ -100,14 +158,24 @@ export function varies({ texels }, c) {
 
 // --- channels -----------------------------------------------------------------------------------
 
+/**
+ * @param {Picture} picture
+ * @param {number} c
+ */
 function channelAt({ width, height, texels }, c) {
   const made = new Uint16Array(width * height);
   for (let k = 0; k < made.length; k++) made[k] = texels[4 * k + c];
   return made;
 }
 
+/** @type {(picture: Picture) => Channels} */
 const threeOf = (picture) => Object.fromEntries([0, 1, 2].map((c) => [c, channelAt(picture, c)]));
 
+/**
+ * @param {Picture} picture
+ * @param {string} channel "luminance", or one of "rgba"
+ * @param {boolean} over whether white is black
+ */
 function channelOf(picture, channel, over) {
   const { width, height, texels } = picture;
   let made;
@@ -123,12 +191,21 @@ function channelOf(picture, channel, over) {
   return over ? made.map((code) => 65535 - code) : made;
 }
 
-// Colours as fractions of light.
+/**
+ * Colours as fractions of light.
+ * @param {Picture} picture
+ */
 function withLight(picture) {
-  const table = Uint16Array.from({ length: 65536 }, (_, k) => roundEven(inLight(k / 65535) * 65535));
-  return { ...picture, texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])) };
+  const table = Uint16Array.from({ length: 65536 }, (_, k) =>
+    roundEven(inLight(k / 65535) * 65535),
+  );
+  return {
+    ...picture,
+    texels: picture.texels.map((code, k) => (k % 4 === 3 ? code : table[code])),
+  };
 }
 
+/** @type {(picture: Picture) => Picture} */
 const opaque = ({ width, height, texels }) => ({
   width,
   height,
@@ -136,12 +213,18 @@ const opaque = ({ width, height, texels }) => ({
   texels: texels.map((code, k) => (k % 4 === 3 ? 65535 : code)),
 });
 
+/** @type {(picture: Picture) => Picture} */
 const turned = (picture) => ({
   ...picture,
   texels: picture.texels.map((code, k) => (k % 4 === 1 ? 65535 - code : code)),
 });
 
-// A map with some channels, by place, from a picture; the smaller is brought to the size of the larger.
+/**
+ * A map with some channels, by place, from a picture; the smaller is brought to the size of the larger.
+ * @param {Picture} old
+ * @param {{ width: number, height: number }} size of the channels
+ * @param {Channels} places
+ */
 function merged(old, { width, height }, places) {
   const larger = { width: Math.max(old.width, width), height: Math.max(old.height, height) };
   const texels = new Uint16Array(4 * larger.width * larger.height);
@@ -154,13 +237,25 @@ function merged(old, { width, height }, places) {
   return { width: larger.width, height: larger.height, count: 4, texels };
 }
 
-// As `material.pyramids._resized`: bilinear, seamless at the edges, rows before columns.
+/**
+ * As `material.pyramids._resized`: bilinear, seamless at the edges, rows before columns.
+ * @param {Uint16Array} channel
+ * @param {{ width: number, height: number }} size
+ * @param {{ width: number, height: number }} wanted
+ */
 function resized(channel, { width, height }, wanted) {
   const rows = stretched(channel, height, wanted.height, width, true);
   return stretched(rows, width, wanted.width, wanted.height, false);
 }
 
-// One axis of `have` texels brought to `want`, on `lines` lines that lie beside one another.
+/**
+ * One axis of `have` texels brought to `want`, on `lines` lines that lie beside one another.
+ * @param {Uint16Array} from
+ * @param {number} have
+ * @param {number} want
+ * @param {number} lines
+ * @param {boolean} down whether the axis is that of the rows
+ */
 function stretched(from, have, want, lines, down) {
   if (have === want) return from;
   const step = down ? lines : 1;

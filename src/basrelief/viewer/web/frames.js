@@ -8,16 +8,41 @@ import { rowsApart } from "view/gpu.js";
 import { Pace } from "view/pace.js";
 import { firstLine } from "view/text.js";
 
+/** @import { Pair } from "view/data" */
+/** @import { Figures, PictureView, SideBuffers } from "view/colors.js" */
+/** @import { State } from "view/state.js" */
+/** @import { Drawing, Shown, SideName } from "view/drawing.js" */
+
+/**
+ * A frame in flight.
+ * @typedef {object} MovingFrame
+ * @property {number} began milliseconds
+ * @property {Pair} size
+ * @property {boolean} full whether it has the size of the canvas
+ * @property {boolean} fresh whether one of its programs had drawn nothing before
+ * @property {string} measured the key of its figures
+ * @property {boolean} alone whether no other frame was in flight
+ * @property {boolean} timed whether its programs write timestamps
+ */
+/** @typedef {MovingFrame & { work: number }} LandedFrame */
+
 export const REST = 150; // milliseconds after which nothing moves any more
 const PLANES = 9;
 
 export class Frames {
-  // Of a drawing, which says what is shown and what its programs are given.
+  /**
+   * Of a drawing, which says what is shown and what its programs are given.
+   * @param {Drawing} drawing
+   * @param {HTMLCanvasElement} canvas
+   */
   constructor(drawing, canvas) {
     const { gpu, data } = drawing;
-    Object.assign(this, { drawing, canvas, gpu });
+    this.drawing = drawing;
+    this.canvas = canvas;
+    this.gpu = gpu;
     this.colors = new Colors(gpu, canvas, data.colors);
     this.pace = new Pace(Boolean(gpu.stamps));
+    /** @type {{ [side in SideName]?: SideBuffers & { area: number } }} */
     this.sides = {}; // buffers, by where they are shown
     this.limit = data.samples.length;
     this.count = 0; // frames that were drawn while something moved
@@ -26,8 +51,19 @@ export class Frames {
     this.row = 0; // and rows of the next one
     this.fresh = false; // whether a program has drawn nothing yet
     this.reporting = false; // whether something is read back of a frame, while others may be drawn
+    /** @type {LandedFrame | null} */
     this.unreported = null; // the frame that it is to be read of next
     this.timing = false; // whether the GPU's clock is not read yet
+    this.asked = false; // whether an animation frame is requested
+    this.running = false; // whether a part of the picture at rest is being drawn
+    this.movedAt = -Infinity;
+    /** @type {Pair} */
+    this.drawnSize = [0, 0]; // of the picture that is drawn
+    this.drawn = 0; // and its samples
+    /** @type {[milliseconds: number, gpuMilliseconds: number | null]} */
+    this.spent = [0, 0]; // on the next sample
+    /** @type {Figures | undefined} */
+    this.found = undefined; // of both sides
   }
 
   get shown() {
@@ -55,6 +91,7 @@ export class Frames {
     });
   }
 
+  /** @returns {Pair} */
   get size() {
     return [this.canvas.width, this.canvas.height];
   }
@@ -62,8 +99,9 @@ export class Frames {
   // Buffers for a picture of the canvas's size, on each side.
   room() {
     const area = this.canvas.width * this.canvas.height;
-    for (const name of ["left", "right", "truth", "right_truth"]) {
-      const needed = this.shown[name] || name === "left" ? area : 1;
+    const names = /** @type {const} */ (["left", "right", "truth", "right_truth"]);
+    for (const name of names) {
+      const needed = this.shown?.[name] || name === "left" ? area : 1;
       const held = this.sides[name];
       if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
       held?.planes.destroy();
@@ -111,8 +149,10 @@ export class Frames {
     this.dirty = false;
     this.room();
     const { measured } = this.drawing;
-    const frame = { began: performance.now(), size, full, fresh, measured, alone: !pace.flying };
-    frame.timed = this.sample(size, 0, 0, size[1]);
+    const began = performance.now();
+    const timed = this.sample(size, 0, 0, size[1]);
+    /** @type {MovingFrame} */
+    const frame = { began, size, full, fresh, measured, alone: !pace.flying, timed };
     this.accumulate(size, true);
     this.drawnSize = size;
     this.drawn = 1;
@@ -127,6 +167,7 @@ export class Frames {
     this.gpu.device.queue.onSubmittedWorkDone().then(land, land);
   }
 
+  /** @param {MovingFrame} frame */
   landed(frame) {
     const { pace } = this;
     pace.flying -= 1;
@@ -138,8 +179,11 @@ export class Frames {
     this.goOn();
   }
 
-  // Tell of a frame what has to be read back. The next do not wait for that, and of those that come
-  // meanwhile only the last is told of.
+  /**
+   * Tell of a frame what has to be read back. The next do not wait for that, and of those that come
+   * meanwhile only the last is told of.
+   * @param {LandedFrame} frame
+   */
   async report(frame) {
     if (this.unreported?.timed) this.timing = false;
     this.unreported = frame;
@@ -157,11 +201,16 @@ export class Frames {
     this.goOn();
   }
 
-  // That a device is lost is told by itself.
+  /**
+   * That a device is lost is told by itself.
+   * @param {unknown} error
+   */
   failed(error) {
-    if (error.name !== "AbortError") this.drawing.heard({ error: firstLine(error) });
+    const lost = error instanceof Error && error.name === "AbortError";
+    if (!lost) this.drawing.heard({ error: firstLine(error) });
   }
 
+  /** @param {LandedFrame} frame */
   async read({ size, work, timed, full, alone, fresh, measured }) {
     this.unreported = null;
     const clock = timed ? await this.stamped() : null;
@@ -192,7 +241,9 @@ export class Frames {
     const cost = Math.max(pace.work(performance.now() - began), clock ?? 0);
     // the few rows that are left at the end say little
     if (2 * (last - this.row) >= rows) pace.note(cost, size[0] * (last - this.row));
-    this.spent = [this.spent[0] + cost, clock === null ? null : this.spent[1] + clock];
+    const [before, clockBefore] = this.spent;
+    const known = clock !== null && clockBefore !== null;
+    this.spent = [before + cost, known ? clockBefore + clock : null];
     if (this.dirty || !this.shown) return;
     this.row = last;
     if (last < size[1]) return;
@@ -208,28 +259,41 @@ export class Frames {
     if (this.done === 1) await this.figures();
   }
 
-  // Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
+  /**
+   * Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
+   * @param {Pair} size
+   * @param {number} number of the sample
+   * @param {number} first
+   * @param {number} last
+   */
   sample(size, number, first, last) {
     const timed = Boolean(this.gpu.stamps) && !this.timing;
-    const shown = Object.entries(this.shown);
-    shown.forEach(([side, { state, job }], k) => {
+    const shown = Object.entries(/** @type {Shown} */ (this.shown));
+    for (const [k, [side, { state, job }]] of shown.entries()) {
+      const { planes } = this.buffers(/** @type {SideName} */ (side));
       job.put(this.drawing.values(state, size, this.drawing.data.samples[number]));
-      job.dispatch(this.sides[side].planes, size, first, last, { stamp: timed ? k : null });
-    });
+      job.dispatch(planes, size, first, last, { stamp: timed ? k : null });
+    }
     if (timed) this.gpu.resolveStamps(shown.length);
     this.timing ||= timed;
     return timed;
   }
 
+  /**
+   * @param {Pair} size
+   * @param {boolean} first
+   */
   accumulate(size, first) {
     const view = { ...this.view(), size, first };
-    this.colors.accumulate(this.sides.left, view);
-    if (this.shown.right) this.colors.accumulate(this.sides.right, view);
+    this.colors.accumulate(this.buffers("left"), view);
+    if (this.shown?.right) this.colors.accumulate(this.buffers("right"), view);
   }
 
+  /** @returns {PictureView} */
   view() {
     const { canvas } = this;
-    const { state, texels } = this.drawing;
+    const { texels } = this.drawing;
+    const state = /** @type {State} */ (this.drawing.state);
     return {
       size: this.drawnSize,
       canvas: [canvas.width, canvas.height],
@@ -244,30 +308,41 @@ export class Frames {
 
   // Put what is drawn on the canvas, with the divider where it is now.
   present() {
-    if (!this.shown || !this.drawnSize || this.drawing.held) return;
-    const { left, right } = this.sides;
+    if (!this.shown || !this.drawn || this.drawing.held) return;
+    const [left, right] = [this.buffers("left"), this.buffers("right")];
     this.colors.present([left, this.truth("left")], [right, this.truth("right")], this.view());
   }
 
-  // The buffers that a side is held against.
+  /**
+   * The buffers that a side is held against.
+   * @param {"left" | "right"} side
+   */
   truth(side) {
-    return this.sides[side === "right" && this.shown.right_truth ? "right_truth" : "truth"];
+    return this.buffers(side === "right" && this.shown?.right_truth ? "right_truth" : "truth");
+  }
+
+  /**
+   * The buffers of a side, allocated by `room`.
+   * @param {SideName} side
+   */
+  buffers(side) {
+    return /** @type {SideBuffers} */ (this.sides[side]);
   }
 
   // What is measured on the picture; what another is drawn instead of by then is not told.
   async figures() {
     const { measured } = this.drawing;
-    const view = { ...this.view(), size: this.drawnSize };
-    const { sides, shown } = this;
+    const view = this.view();
+    const shown = /** @type {Shown} */ (this.shown);
     // both are asked for before anything else is drawn
     const [left, right] = await Promise.all([
-      this.colors.figures(sides.left, this.truth("left"), view),
-      shown.right && this.colors.figures(sides.right, this.truth("right"), view),
+      this.colors.figures(this.buffers("left"), this.truth("left"), view),
+      shown.right && this.colors.figures(this.buffers("right"), this.truth("right"), view),
     ]);
     if (!this.shown || this.drawing.measured !== measured) return;
     this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
     this.drawing.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
-    if (this.drawing.state.show !== "color" && !this.dirty) this.present();
+    if (view.show !== "color" && !this.dirty) this.present();
   }
 
   // What the programs took that were timed last, by the GPU's own clock.
@@ -279,10 +354,13 @@ export class Frames {
     }
   }
 
-  // The words of a side's planes, as they were drawn last.
+  /**
+   * The words of a side's planes, as they were drawn last.
+   * @param {SideName} side
+   */
   async words(side = "left") {
     const [width, height] = this.drawnSize;
-    const words = await this.gpu.read(this.sides[side].planes);
+    const words = await this.gpu.read(this.buffers(side).planes);
     return words.slice(0, 4 * PLANES * width * height);
   }
 }

@@ -2,13 +2,41 @@
 
 import { pack, packList } from "view/records.js";
 
+/** @import { Binding, Data, Pair } from "view/data" */
+/** @import { Program } from "view/link.js" */
+/** @import { Level } from "view/maps.js" */
+/** @import { Value } from "view/records.js" */
+
+/**
+ * A compiled program.
+ * @typedef {object} Compiled
+ * @property {GPUComputePipeline} pipeline
+ * @property {GPUBindGroupLayout} layout
+ * @property {Program} program
+ */
+/**
+ * Timestamp queries, their buffers, and the number of programs that were timed last.
+ * @typedef {{ queries: GPUQuerySet, resolved: GPUBuffer, read: GPUBuffer, count: number }} Stamps
+ */
+/**
+ * A texture, or one level of a texture.
+ * @typedef {{ createView(): GPUTextureView }} Viewable
+ */
+/**
+ * The arguments of a program by name: records, lists of records, textures.
+ * @typedef {{ [name: string]: Value | Value[] | Viewable }} ProgramValues
+ */
+
 const GROUP = 8;
 const TIMED = 4; // programs that are timed together at most
 const TRIES = 4; // times that a device is asked for
 const APART = 300; // milliseconds between them
 
 export class Gpu {
-  // A browser whose graphics process has just begun, or begun anew, may have a device a moment later.
+  /**
+   * A browser whose graphics process has just begun, or begun anew, may have a device a moment later.
+   * @returns {Promise<Gpu>}
+   */
   static async open() {
     if (!navigator.gpu) throw new Error("this browser has no WebGPU");
     for (let left = TRIES - 1; ; left--) {
@@ -24,12 +52,12 @@ export class Gpu {
   static async openOnce() {
     const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
     if (!adapter) throw new Error("WebGPU finds no graphics adapter here");
-    const wanted = [
+    const wanted = /** @type {const} */ ([
       "maxStorageBufferBindingSize",
       "maxBufferSize",
       "maxTextureDimension2D",
       "maxStorageBuffersPerShaderStage",
-    ];
+    ]);
     const device = await adapter.requestDevice({
       requiredLimits: Object.fromEntries(wanted.map((name) => [name, adapter.limits[name]])),
       requiredFeatures: adapter.features.has("timestamp-query") ? ["timestamp-query"] : [],
@@ -37,17 +65,25 @@ export class Gpu {
     return new Gpu(adapter, device);
   }
 
+  /**
+   * @param {GPUAdapter} adapter
+   * @param {GPUDevice} device
+   */
   constructor(adapter, device) {
     this.adapter = adapter;
     this.device = device;
     this.limits = device.limits;
+    /** @type {Map<string, Promise<Compiled>>} */
     this.pipelines = new Map();
+    this.lost = false;
     this.compiled = 0; // how many pipelines were ever made
+    /** @type {(mode: GPUAddressMode) => GPUSampler} */
     const sampler = (mode) => device.createSampler({ addressModeU: mode, addressModeV: mode });
     this.samplers = { wrap: sampler("repeat"), clamp: sampler("clamp-to-edge") };
     this.stamps = device.features.has("timestamp-query") ? this.timing() : null;
   }
 
+  /** @returns {Stamps} */
   timing() {
     const { device } = this;
     const usage = GPUBufferUsage;
@@ -60,9 +96,13 @@ export class Gpu {
     };
   }
 
-  // So many programs were timed: their times may be read.
+  /**
+   * So many programs were timed: their times may be read.
+   * @param {number} count
+   */
   resolveStamps(count) {
-    const { stamps, device } = this;
+    const { device } = this;
+    const stamps = /** @type {Stamps} */ (this.stamps);
     const encoder = device.createCommandEncoder();
     encoder.resolveQuerySet(stamps.queries, 0, 2 * count, stamps.resolved, 0);
     encoder.copyBufferToBuffer(stamps.resolved, 0, stamps.read, 0, 16 * count);
@@ -72,7 +112,7 @@ export class Gpu {
 
   // Milliseconds that they took together; not to be timed again before they are read.
   async readStamps() {
-    const { read, count } = this.stamps;
+    const { read, count } = /** @type {Stamps} */ (this.stamps);
     await read.mapAsync(GPUMapMode.READ);
     const times = new BigUint64Array(read.getMappedRange());
     let sum = 0;
@@ -81,18 +121,26 @@ export class Gpu {
     return sum;
   }
 
-  // The pipeline of a linked program, made once; rejects with what the compiler says, and is not
-  // compiled again.
+  /**
+   * The pipeline of a linked program, made once; rejects with what the compiler says, and is not
+   * compiled again.
+   * @param {Program} program
+   * @returns {Promise<Compiled>}
+   */
   pipeline(program) {
     const { key } = program;
-    if (!this.pipelines.has(key)) {
-      const made = this.build(program);
-      this.pipelines.set(key, made);
-      made.catch(() => {});
-    }
-    return this.pipelines.get(key);
+    const known = this.pipelines.get(key);
+    if (known) return known;
+    const made = this.build(program);
+    this.pipelines.set(key, made);
+    made.catch(() => {});
+    return made;
   }
 
+  /**
+   * @param {Program} program
+   * @returns {Promise<Compiled>}
+   */
   async build(program) {
     const { device } = this;
     this.compiled += 1;
@@ -108,6 +156,10 @@ export class Gpu {
     return { pipeline, layout, program };
   }
 
+  /**
+   * @param {ArrayBuffer} bytes
+   * @param {GPUBufferUsageFlags} usage
+   */
   buffer(bytes, usage) {
     const size = Math.max(16, bytes.byteLength);
     const made = this.device.createBuffer({ size, usage: usage | GPUBufferUsage.COPY_DST });
@@ -115,7 +167,11 @@ export class Gpu {
     return made;
   }
 
-  // A texture with all its levels: heights as r32float, four channels as rgba16uint.
+  /**
+   * A texture with all its levels: heights as r32float, four channels as rgba16uint.
+   * @param {Level<Uint16Array | Float32Array>[]} levels
+   * @param {boolean} heights
+   */
   texture(levels, heights) {
     const [{ width, height }] = levels;
     const texture = this.emptyTexture([width, height], heights, levels.length);
@@ -130,7 +186,12 @@ export class Gpu {
     return texture;
   }
 
-  // One of zeros, which is filled later.
+  /**
+   * One of zeros, which is filled later.
+   * @param {Pair} size
+   * @param {boolean} heights
+   * @param {number} mipLevelCount
+   */
   emptyTexture([width, height], heights, mipLevelCount = 1) {
     const most = this.limits.maxTextureDimension2D;
     if (Math.max(width, height) > most) {
@@ -145,10 +206,15 @@ export class Gpu {
     });
   }
 
-  // Do something with the GPU; `failed` rejects where the GPU refuses it.
+  /**
+   * Do something with the GPU; `failed` rejects where the GPU refuses it.
+   * @template T
+   * @param {() => T} act
+   * @returns {{ value: T, failed: Promise<void> }}
+   */
   checked(act) {
     const { device } = this;
-    const filters = ["out-of-memory", "validation"];
+    const filters = /** @type {const} */ (["out-of-memory", "validation"]);
     for (const filter of filters) device.pushErrorScope(filter);
     let found;
     let value;
@@ -165,13 +231,21 @@ export class Gpu {
     return { value, failed };
   }
 
-  // Where a program writes: so many planes of a picture.
+  /**
+   * Where a program writes: so many planes of a picture.
+   * @param {number} count
+   * @param {number} width
+   * @param {number} height
+   */
   planes(count, width, height) {
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
     return this.device.createBuffer({ size: 4 * count * width * height, usage });
   }
 
-  // What a texture of four channels holds, row by row.
+  /**
+   * What a texture of four channels holds, row by row.
+   * @param {GPUTexture} texture
+   */
   async readTexture(texture) {
     const { width, height } = texture;
     const row = Math.ceil((8 * width) / 256) * 256;
@@ -190,6 +264,7 @@ export class Gpu {
     return texels;
   }
 
+  /** @param {GPUBuffer} buffer */
   async read(buffer) {
     const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST;
     const copy = this.device.createBuffer({ size: buffer.size, usage });
@@ -203,7 +278,10 @@ export class Gpu {
   }
 }
 
-// Rows that begin where a binding may: at multiples of 256 bytes.
+/**
+ * Rows that begin where a binding may: at multiples of 256 bytes.
+ * @param {number} width
+ */
 export function rowsApart(width) {
   let rows = 64;
   while (rows > 1 && ((rows / 2) * width) % 64 === 0) rows /= 2;
@@ -212,20 +290,34 @@ export function rowsApart(width) {
 
 // A program with its values in place, to be run on rows of a picture as often as is wanted.
 export class Job {
+  /**
+   * @param {Gpu} gpu
+   * @param {Compiled} made
+   * @param {Data} data
+   */
   constructor(gpu, made, data) {
     this.gpu = gpu;
     this.made = made;
     this.data = data;
+    /** @type {Map<string, GPUBuffer>} */
     this.uniforms = new Map();
+    /** @type {ProgramValues} */
+    this.textures = {};
     this.run = gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
   }
 
-  // `values` by name: records, lists of them, textures; nothing is compiled for a new one.
+  /**
+   * `values` by name: records, lists of them, textures; nothing is compiled for a new one.
+   * @param {ProgramValues} values
+   */
   put(values) {
     const { gpu, data } = this;
     for (const { kind, name, type } of this.made.program.bindings) {
       if (kind !== "uniform" && kind !== "buffer") continue;
-      const bytes = (kind === "uniform" ? pack : packList)(type, values[name], data.records);
+      const bytes =
+        kind === "uniform"
+          ? pack(type, /** @type {Value} */ (values[name]), data.records)
+          : packList(type, /** @type {Value[]} */ (values[name]), data.records);
       const held = this.uniforms.get(name);
       if (held && held.size >= bytes.byteLength) {
         gpu.device.queue.writeBuffer(held, 0, bytes);
@@ -238,8 +330,15 @@ export class Job {
     this.textures = values;
   }
 
-  // Compute rows first … last − 1 of a picture into planes that hold `height` rows from `top` on;
-  // `first` is a multiple of `rowsApart` beyond that. `stamp` says as which of those timed.
+  /**
+   * Compute rows first … last − 1 of a picture into planes that hold `height` rows from `top` on;
+   * `first` is a multiple of `rowsApart` beyond that. `stamp` says as which of those timed.
+   * @param {GPUBuffer} planes
+   * @param {Pair} size
+   * @param {number} first
+   * @param {number} last
+   * @param {{ stamp?: number | null, top?: number }} options
+   */
   dispatch(planes, [width, height], first, last, { stamp = null, top = 0 } = {}) {
     const { gpu, made } = this;
     const { device } = gpu;
@@ -248,17 +347,24 @@ export class Job {
     const entries = made.program.bindings.map(({ kind, name }, binding) => {
       if (kind === "run") return { binding, resource: { buffer: this.run } };
       if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
-      if (kind === "sampler") return { binding, resource: gpu.samplers[made.program.edge ?? "wrap"] };
-      if (kind === "map") return { binding, resource: this.textures[name].createView() };
-      return { binding, resource: { buffer: this.uniforms.get(name) } };
+      if (kind === "sampler") return { binding, resource: gpu.samplers[made.program.edge] };
+      if (kind === "map") {
+        const texture = /** @type {Viewable} */ (this.textures[name]);
+        return { binding, resource: texture.createView() };
+      }
+      const buffer = /** @type {GPUBuffer} */ (this.uniforms.get(name));
+      return { binding, resource: { buffer } };
     });
     const encoder = device.createCommandEncoder();
-    const timestampWrites = {
-      querySet: gpu.stamps?.queries,
-      beginningOfPassWriteIndex: 2 * stamp,
-      endOfPassWriteIndex: 2 * stamp + 1,
-    };
-    const pass = encoder.beginComputePass(stamp === null ? {} : { timestampWrites });
+    const timestampWrites =
+      gpu.stamps && stamp !== null
+        ? {
+            querySet: gpu.stamps.queries,
+            beginningOfPassWriteIndex: 2 * stamp,
+            endOfPassWriteIndex: 2 * stamp + 1,
+          }
+        : undefined;
+    const pass = encoder.beginComputePass({ timestampWrites });
     pass.setPipeline(made.pipeline);
     pass.setBindGroup(0, device.createBindGroup({ layout: made.layout, entries }));
     pass.dispatchWorkgroups(Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP));
@@ -271,7 +377,13 @@ export class Job {
   }
 }
 
-function layoutEntry({ kind, name, type }, binding) {
+/**
+ * @param {Binding} bound
+ * @param {number} binding its number
+ * @returns {GPUBindGroupLayoutEntry}
+ */
+function layoutEntry({ kind, type }, binding) {
+  /** @type {GPUBindGroupLayoutEntry} */
   const entry = { binding, visibility: GPUShaderStage.COMPUTE };
   if (kind === "map") {
     const sampleType = type === "HeightField" ? "unfilterable-float" : "uint";
@@ -279,6 +391,7 @@ function layoutEntry({ kind, name, type }, binding) {
   } else if (kind === "sampler") {
     entry.sampler = { type: "non-filtering" };
   } else {
+    /** @type {{ [kind: string]: GPUBufferBindingType }} */
     const kinds = { run: "uniform", uniform: "uniform", planes: "storage" };
     entry.buffer = { type: kinds[kind] ?? "read-only-storage" };
   }

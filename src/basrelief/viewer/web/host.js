@@ -5,13 +5,23 @@
 
 import { copyOf } from "view/checks.js";
 
+/** @import { View } from "view/main.js" */
+/** @import { State } from "view/state.js" */
+
+/**
+ * A message from a page to its parent window.
+ * @typedef {{ basrelief: "ready" | "state", state: State }} PageMessage
+ */
+
 const APART = 60; // milliseconds between what is told, for sliders on the move
 
 export class Host {
+  /** @param {View} view */
   static around(view) {
     return window.parent === window ? null : new Host(view);
   }
 
+  /** @param {View} view */
   constructor(view) {
     this.view = view;
     this.waiting = false;
@@ -31,19 +41,28 @@ export class Host {
     if (this.waiting) return;
     this.waiting = true;
     const left = this.toldAt + APART - performance.now();
-    setTimeout(() => {
-      this.waiting = false;
-      this.toldAt = performance.now();
-      this.send("state");
-    }, Math.max(0, left));
+    setTimeout(
+      () => {
+        this.waiting = false;
+        this.toldAt = performance.now();
+        this.send("state");
+      },
+      Math.max(0, left),
+    );
   }
 
+  /** @param {PageMessage["basrelief"]} what */
   send(what) {
     // where the page around is served from is not for this one to know, and the settings no secret
-    window.parent.postMessage({ basrelief: what, state: copyOf(this.view.state) }, "*");
+    /** @type {PageMessage} */
+    const message = { basrelief: what, state: copyOf(this.view.state) };
+    window.parent.postMessage(message, "*");
   }
 
-  // Whether a person is at an element, and not somewhere in the page around.
+  /**
+   * Whether a person is at an element, and not somewhere in the page around.
+   * @param {Element} element
+   */
   focused(element) {
     return document.hasFocus() && document.activeElement === element;
   }

@@ -1,9 +1,21 @@
 // What a person does beside the panel: mouse, touch, keys on the picture, files that are dropped.
 
+/** @import { Pair, Slot } from "view/data" */
+/** @import { View } from "view/main.js" */
+
 const ZOOM = 1.12; // times nearer by a key
 const TURN = 0.4; // degrees a pixel
-const byId = (id) => document.getElementById(id);
+/** @type {{ [key: string]: Pair }} */
+const ARROWS = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+/** @type {(id: string) => HTMLElement} */
+const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
+/** @param {View} view */
 export function listen(view) {
   listenToPointers(view);
   listenToWheel(view);
@@ -18,10 +30,14 @@ export function listen(view) {
   new ResizeObserver(() => view.fit()).observe(byId("picture"));
 }
 
-// One finger or button turns; with Shift, or by the other buttons, it moves, with Alt or Ctrl it turns
-// the light; two fingers move and zoom.
+/**
+ * One finger or button turns; with Shift, or by the other buttons, it moves, with Alt or Ctrl it turns
+ * the light; two fingers move and zoom.
+ * @param {View} view
+ */
 function listenToPointers(view) {
   const { canvas } = view;
+  /** @type {Map<number, Pair>} */
   const pointers = new Map();
   let apart = 0;
   canvas.addEventListener("pointerdown", (event) => {
@@ -33,6 +49,7 @@ function listenToPointers(view) {
   canvas.addEventListener("pointermove", (event) => {
     const last = pointers.get(event.pointerId);
     if (!last) return;
+    /** @type {Pair} */
     const move = [event.clientX - last[0], event.clientY - last[1]];
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     if (pointers.size === 2) {
@@ -49,12 +66,13 @@ function listenToPointers(view) {
       view.turn(-move[0] * TURN, move[1] * TURN);
     }
   });
-  for (const name of ["pointerup", "pointercancel"]) {
+  for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) {
     canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
   }
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 }
 
+/** @param {View} view */
 function listenToWheel(view) {
   view.canvas.addEventListener(
     "wheel",
@@ -68,14 +86,12 @@ function listenToWheel(view) {
   );
 }
 
+/**
+ * @param {View} view
+ * @param {KeyboardEvent} event
+ */
 function key(view, event) {
-  const arrows = {
-    ArrowLeft: [-1, 0],
-    ArrowRight: [1, 0],
-    ArrowUp: [0, 1],
-    ArrowDown: [0, -1],
-  };
-  const arrow = arrows[event.key];
+  const arrow = ARROWS[event.key];
   if (event.ctrlKey || event.altKey || event.metaKey) return;
   if (arrow && event.shiftKey) view.pan(-arrow[0] * 20, arrow[1] * 20);
   else if (arrow) view.turn(arrow[0] * 4, arrow[1] * 4);
@@ -86,8 +102,10 @@ function key(view, event) {
   event.preventDefault();
 }
 
+/** @param {View} view */
 function listenToDivider(view) {
-  byId("divider").addEventListener("input", ({ target }) => view.divide(Number(target.value)));
+  const slider = /** @type {HTMLInputElement} */ (byId("divider"));
+  slider.addEventListener("input", () => view.divide(Number(slider.value)));
   const line = byId("line");
   line.addEventListener("pointerdown", (event) => line.setPointerCapture(event.pointerId));
   line.addEventListener("pointermove", (event) => {
@@ -97,14 +115,21 @@ function listenToDivider(view) {
   });
 }
 
-// A file over a map of the panel replaces that one; elsewhere its name says what it is.
+/**
+ * A file over a map of the panel replaces that one; elsewhere its name says what it is.
+ * @param {View} view
+ */
 function listenToDrops(view) {
   // a map takes one picture; what lies under the mouse may be a text in it
-  const under = ({ target, dataTransfer }) =>
-    dataTransfer.items.length === 1
-      ? (target.closest ? target : target.parentElement)?.closest("#panel .map")
-      : null;
-  const hasFiles = ({ dataTransfer }) => dataTransfer?.types.includes("Files");
+  /** @type {(event: DragEvent) => HTMLElement | null} */
+  const under = ({ target, dataTransfer }) => {
+    if (dataTransfer?.items.length !== 1 || !(target instanceof Node)) return null;
+    const element = target instanceof Element ? target : target.parentElement;
+    return element?.closest("#panel .map") ?? null;
+  };
+  /** @type {(event: DragEvent) => boolean} */
+  const hasFiles = ({ dataTransfer }) => dataTransfer?.types.includes("Files") ?? false;
+  /** @type {(row: HTMLElement | null) => void} */
   const mark = (row) => {
     for (const each of document.querySelectorAll("#panel .map.over")) each.classList.remove("over");
     row?.classList.add("over");
@@ -113,7 +138,7 @@ function listenToDrops(view) {
     document.body.classList.remove("dropping");
     mark(null);
   };
-  for (const name of ["dragenter", "dragover"]) {
+  for (const name of /** @type {const} */ (["dragenter", "dragover"])) {
     document.addEventListener(name, (event) => {
       if (!hasFiles(event)) return;
       event.preventDefault();
@@ -129,6 +154,7 @@ function listenToDrops(view) {
     if (!hasFiles(event)) return;
     event.preventDefault();
     done();
-    view.takeMaps([...event.dataTransfer.files], under(event)?.dataset.slot);
+    const slot = /** @type {Slot | undefined} */ (under(event)?.dataset.slot);
+    view.takeMaps([...(event.dataTransfer?.files ?? [])], slot);
   });
 }

@@ -15,14 +15,28 @@ import { build } from "view/panel.js";
 import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
 import { firstLine, words } from "view/text.js";
 
-const byId = (id) => document.getElementById(id);
+/** @import { Data, Pair, Shape, Slot } from "view/data" */
+/** @import { Figures } from "view/colors.js" */
+/** @import { News } from "view/drawing.js" */
+/** @import { FilePicture, Pictures, Reading } from "view/dropped.js" */
+/** @import { State } from "view/state.js" */
+
+/** @typedef {"python" | "command" | "link"} CopyKind */
+
+/** @type {(id: string) => HTMLElement} */
+const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+/** @type {(id: string) => string} */
+const textOf = (id) => byId(id).textContent ?? "";
 const MOST_PIXELS = 1920 * 1200;
 const MESSAGES = 8; // that are shown at once
 const READ = 8000; // milliseconds for which a message that is only told stays
 const AS_NAMED = { channel: "luminance", polarity: "", green: "" };
 const FURTHEST = 20; // widths of a shape that zooming goes away
 
-// Degrees as −180 to 180.
+/**
+ * Degrees as −180 to 180.
+ * @type {(degrees: number) => number}
+ */
 const wrapped = (degrees) => degrees - 360 * Math.floor((degrees + 180) / 360);
 
 export async function start() {
@@ -32,27 +46,62 @@ export async function start() {
   await view.ready;
 }
 
-class View {
+export class View {
+  // set by `open`
+  /** @type {Data} */
+  data;
+  /** @type {State} */
+  start;
+  /** @type {State} */
+  state;
+  /** @type {boolean} */
+  hasHeights;
+  /** @type {Data["mapSources"]} */
+  sources; // file names of the maps
+  /** @type {Gpu} */
+  gpu;
+  /** @type {Pictures} */
+  began; // as in the page
+  /** @type {Pictures} */
+  pictures;
+  /** @type {Drawing} */
+  drawing;
+  /** @type {Promise<void>} */
+  ready;
+
   constructor() {
+    /** @type {(() => void)[]} */
     this.shows = [];
+    /** @type {Reading} */
     this.drop = { ...AS_NAMED }; // how dropped pictures are read
     this.mapSaid = "";
     this.hashesRead = 0;
-    this.canvas = byId("canvas");
+    this.canvas = /** @type {HTMLCanvasElement} */ (byId("canvas"));
+    /** @type {Pair | null} */
     this.heldSize = null;
+    /** @type {Promise<void>} */
     this.mapping = Promise.resolve(); // maps are changed one after another
+    /** @type {News["drawn"] | null} */
     this.drawn = null; // what is on the canvas, where that is known
+    /** @type {News} */
+    this.news = {}; // the latest of each
+    /** @type {Promise<void> | undefined} */
+    this.reopening = undefined;
+    /** @type {number | null} */
+    this.rebuilding = null;
+    /** @type {number | undefined} */
+    this.linking = undefined;
     this.host = Host.around(this);
   }
 
   async open() {
     try {
-      const text = new TextDecoder().decode(await inflated(bytesOf(byId("data").textContent)));
+      const text = new TextDecoder().decode(await inflated(bytesOf(textOf("data"))));
       this.data = JSON.parse(text);
       this.start = { ...this.data.state, compare: "", divider: 0.5, show: "color", preset: "" };
       this.state = copyOf(this.start);
       this.hasHeights = this.data.hasHeights;
-      this.sources = { ...this.data.mapSources }; // the files of maps, by slot
+      this.sources = { ...this.data.mapSources };
     } catch (error) {
       this.say(`This page cannot be read: ${firstLine(error)}`);
       return;
@@ -69,7 +118,10 @@ class View {
     document.body.classList.add("with");
     byId("panel").hidden = false;
     if (this.data.scaledTo) {
-      this.say(`Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`, true);
+      this.say(
+        `Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`,
+        true,
+      );
     }
     try {
       await this.loadMaps();
@@ -102,7 +154,10 @@ class View {
     this.drawing = made;
   }
 
-  // Other maps, made of those that there are then; rejects where they cannot be taken.
+  /**
+   * Other maps, made of those that there are then; rejects where they cannot be taken.
+   * @param {(pictures: Pictures) => Pictures} change
+   */
   changeMaps(change) {
     const changed = this.mapping.then(async () => {
       const pictures = change(this.pictures);
@@ -114,21 +169,27 @@ class View {
   }
 
   async packedMaps() {
+    /** @type {Pictures} */
     const found = {};
     for (const [name, told] of Object.entries(this.data.maps)) {
-      found[name] = await unpacked(told, byId(`map-${name}`).textContent);
+      found[name] = await unpacked(told, textOf(`map-${name}`));
     }
     return found;
   }
 
-  // A lost device is opened anew; what goes wrong within one is told.
+  /**
+   * A lost device is opened anew; what goes wrong within one is told.
+   * @param {Gpu} gpu
+   */
   watch(gpu) {
     gpu.device.addEventListener("uncapturederror", ({ error }) => this.say(firstLine(error)));
     gpu.device.lost.then(async ({ reason, message }) => {
       if (this.gpu !== gpu) return;
       gpu.lost = true;
       this.reopening = this.reopen();
-      this.say(`The graphics device was lost (${firstLine(message || reason)}); starting it again.`);
+      this.say(
+        `The graphics device was lost (${firstLine(message || reason)}); starting it again.`,
+      );
       const { drawing } = this;
       // a page that still opens waits for the device itself
       if (!drawing) return;
@@ -160,8 +221,11 @@ class View {
     }
   }
 
-  // `choice`: what can be set is another now, so the panel is made anew; "soon" when nobody writes
-  // in it any more.
+  /**
+   * `choice`: what can be set is another now, so the panel is made anew; "soon" when nobody writes
+   * in it any more.
+   * @param {boolean | "soon"} choice
+   */
   changed(choice = false) {
     held(this.state, this.start, this.data);
     this.holdCamera();
@@ -169,7 +233,7 @@ class View {
     if (choice === true) this.rebuild();
     else for (const show of this.shows) show();
     if (choice === "soon") {
-      clearTimeout(this.rebuilding);
+      clearTimeout(this.rebuilding ?? undefined);
       this.rebuilding = setTimeout(() => afterPress(() => this.rebuildNow()), 800);
     }
     this.link();
@@ -184,29 +248,45 @@ class View {
     if (this.host) return;
     clearTimeout(this.linking);
     this.linking = setTimeout(() => {
-      history.replaceState(null, "", toHash(this.state, this.start) || location.pathname + location.search);
+      history.replaceState(
+        null,
+        "",
+        toHash(this.state, this.start) || location.pathname + location.search,
+      );
     }, 300);
   }
 
-  // Settings that come from outside, laid over those that there are.
+  /**
+   * Settings that come from outside, laid over those that there are.
+   * @param {unknown} told
+   */
   take(told) {
     const before = this.state;
     this.state = laidOver(before, told, this.data);
     this.holdCamera();
-    const changed = difference(this.state, before);
+    const changed = /** @type {object | undefined} */ (difference(this.state, before));
     if (!changed) {
       this.host?.tell();
       return;
     }
-    const choices = [...Object.keys(this.data.menus), "compare", "show", "lights", "fades", "apart", "layer"];
+    const choices = [
+      ...Object.keys(this.data.menus),
+      "compare",
+      "show",
+      "lights",
+      "fades",
+      "apart",
+      "layer",
+    ];
+    /** @type {(state: State) => boolean} */
     const lens = ({ camera }) => camera.orthographic_height === null;
     this.changed(choices.some((name) => name in changed) || lens(this.state) !== lens(before));
   }
 
   rebuild() {
-    clearTimeout(this.rebuilding);
+    clearTimeout(this.rebuilding ?? undefined);
     this.rebuilding = null;
-    build(this, byId("panel"));
+    build(this, /** @type {HTMLFormElement} */ (byId("panel")));
     this.updateDivider();
   }
 
@@ -220,6 +300,7 @@ class View {
     this.changed(true);
   }
 
+  /** @param {number} k */
   removeLight(k) {
     this.state.lights.splice(k, 1);
     this.changed(true);
@@ -229,6 +310,7 @@ class View {
     return this.data.constants.layer;
   }
 
+  /** @param {string} name */
   preset(name) {
     const found = this.data.presets[name]?.state;
     if (!found) return;
@@ -246,6 +328,7 @@ class View {
     if (found && difference(rest, found)) this.state.preset = "";
   }
 
+  /** @param {Shape} shape */
   reshaped(shape) {
     this.state.tiling = copyOf(this.data.shapes[shape].tiling);
     this.reframe();
@@ -288,6 +371,7 @@ class View {
 
   // --- the camera
 
+  /** @returns {Pair} */
   size() {
     return [this.canvas.width, this.canvas.height];
   }
@@ -303,6 +387,10 @@ class View {
     return orthographic_height ?? 2 * Math.tan((field_of_view * Math.PI) / 360) * distance;
   }
 
+  /**
+   * @param {number} azimuth
+   * @param {number} elevation
+   */
   turn(azimuth, elevation) {
     const { camera } = this.state;
     camera.azimuth = wrapped(camera.azimuth + azimuth);
@@ -310,7 +398,11 @@ class View {
     this.changed();
   }
 
-  // Turn the first light that comes from a direction.
+  /**
+   * Turn the first light that comes from a direction.
+   * @param {number} azimuth
+   * @param {number} elevation
+   */
   turnLight(azimuth, elevation) {
     const light = this.state.lights.find(({ kind }) => kind === "directional");
     if (!light) return;
@@ -319,6 +411,7 @@ class View {
     this.changed();
   }
 
+  /** @param {number} factor */
   zoom(factor) {
     const { camera } = this.state;
     const { distance } = this.wholeCamera();
@@ -327,7 +420,11 @@ class View {
     this.changed();
   }
 
-  // Move the target by pixels of the picture as it is shown.
+  /**
+   * Move the target by pixels of the picture as it is shown.
+   * @param {number} x
+   * @param {number} y
+   */
   pan(x, y) {
     const { camera } = this.state;
     const whole = this.wholeCamera();
@@ -359,8 +456,12 @@ class View {
 
   // --- maps
 
-  // Pictures as the map of a slot, or each as what its name says: those dropped together are a
-  // material's. What is wrong with one is told, and the others are taken.
+  /**
+   * Pictures as the map of a slot, or each as what its name says: those dropped together are a
+   * material's. What is wrong with one is told, and the others are taken.
+   * @param {File[]} files
+   * @param {Slot | ""} slot
+   */
   async takeMaps(files, slot = "") {
     const said = [];
     for (const file of files) {
@@ -375,12 +476,14 @@ class View {
     this.changed(true);
   }
 
+  /**
+   * @param {File} file
+   * @param {Slot | ""} wanted
+   */
   async takeMap(file, wanted) {
     const { slot, ...how } = this.meant(file, wanted);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) =>
-      this.withoutBakes(replaced(held, slot, picture, how), slot),
-    );
+    await this.changeMaps((held) => this.withoutBakes(replaced(held, slot, picture, how), slot));
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // what has opacity of its own brings that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
@@ -396,24 +499,35 @@ class View {
     Object.assign(this.state, { technique: "relief", level, projection });
   }
 
-  // What a file is to be used as, and how: by the panel, or else by its name.
+  /**
+   * What a file is to be used as, and how: by the panel, or else by its name.
+   * @param {File} file
+   * @param {Slot | ""} wanted
+   * @returns {Reading & { slot: Slot }}
+   */
   meant({ name }, wanted) {
     const found = meaningOf(name, this.data.names);
-    if (!wanted && !found) {
-      throw new Error("its name says no map that the page takes; under “Maps”, drop it on the one that it is to be");
+    const slot = wanted || found?.slot;
+    if (!slot) {
+      throw new Error(
+        "its name says no map that the page takes; under “Maps”, drop it on the one that it is to be",
+      );
     }
     // a name of another map says nothing of this one
-    const said = !wanted || found?.slot === wanted ? found : { polarity: "height", green: "gl" };
+    const said = found?.slot === slot ? found : { polarity: "height", green: "gl" };
     const { channel, polarity, green } = this.drop;
     return {
-      slot: wanted || found.slot,
+      slot,
       channel,
       polarity: polarity || said.polarity,
       green: green || said.green,
     };
   }
 
-  // Draw without a map.
+  /**
+   * Draw without a map.
+   * @param {Slot} slot
+   */
   async leaveMap(slot) {
     try {
       await this.changeMaps((held) => this.withoutBakes(without(held, slot), slot));
@@ -431,18 +545,31 @@ class View {
     this.changed(true);
   }
 
-  // What the page has baked is of its own heights.
+  /**
+   * What the page has baked is of its own heights.
+   * @param {Pictures} pictures
+   * @param {Slot} slot
+   */
   withoutBakes(pictures, slot) {
     const left = { ...pictures };
     if (slot !== "height") return left;
-    for (const { bake } of Object.values(this.data.techniques)) delete left[bake];
+    for (const { bake } of Object.values(this.data.techniques)) if (bake) delete left[bake];
     return left;
   }
 
+  /**
+   * @param {string} name
+   * @param {Slot} slot
+   * @param {FilePicture} picture
+   * @param {Reading} how
+   */
   tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
     if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
     if (slot === "height" && this.pictures.normal) {
-      this.say("The normals are still those of the normal map; without it they are made of the heights.", true);
+      this.say(
+        "The normals are still those of the normal map; without it they are made of the heights.",
+        true,
+      );
     }
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
@@ -455,6 +582,7 @@ class View {
 
   // --- the picture
 
+  /** @param {number} share */
   divide(share) {
     this.state.divider = Math.max(0, Math.min(1, share));
     if (this.drawing.state) this.drawing.state.divider = this.state.divider;
@@ -469,7 +597,7 @@ class View {
     const { technique, compare } = this.drawn ?? this.state;
     byId("line").hidden = !compare;
     byId("divider-row").hidden = !compare;
-    byId("divider").value = String(divider);
+    /** @type {HTMLInputElement} */ (byId("divider")).value = String(divider);
     byId("line").style.left = `${divider * 100}%`;
     byId("line-left").textContent = words(technique);
     byId("line-right").textContent = words(compare);
@@ -483,9 +611,16 @@ class View {
       devicePixelRatio,
       Math.sqrt(MOST_PIXELS / Math.max(1, clientWidth * clientHeight)),
     );
-    this.resize(Math.max(16, Math.round(clientWidth * fine)), Math.max(16, Math.round(clientHeight * fine)));
+    this.resize(
+      Math.max(16, Math.round(clientWidth * fine)),
+      Math.max(16, Math.round(clientHeight * fine)),
+    );
   }
 
+  /**
+   * @param {number} width
+   * @param {number} height
+   */
   resize(width, height) {
     if (this.canvas.width === width && this.canvas.height === height) return;
     this.canvas.width = width;
@@ -495,7 +630,12 @@ class View {
     this.drawing.frames.touched();
   }
 
-  // Draw at a size and so many samples, whatever the page's: for pictures that are compared.
+  /**
+   * Draw at a size and so many samples, whatever the page's: for pictures that are compared.
+   * @param {number} width
+   * @param {number} height
+   * @param {number} samples
+   */
   async draw(width, height, samples) {
     await this.mapping;
     this.heldSize = [width, height];
@@ -507,9 +647,12 @@ class View {
 
   async save() {
     this.drawing.frames.present();
+    /** @type {Blob | null} */
     const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
     if (!blob) {
-      this.say("The browser makes no picture of the canvas; make the window smaller and try again.");
+      this.say(
+        "The browser makes no picture of the canvas; make the window smaller and try again.",
+      );
       return;
     }
     const link = document.createElement("a");
@@ -519,19 +662,25 @@ class View {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
 
+  /** @param {CopyKind} kind */
   text(kind) {
     if (kind === "python") return toPython(this.state, this.data);
     if (kind === "command") return toCommand(this.state, this.data);
     return location.href.split("#")[0] + toHash(this.state, this.start);
   }
 
+  /** @param {CopyKind} kind */
   async copy(kind) {
     const text = this.text(kind);
-    const without = this.pictures === this.began ? "" : " The maps that were changed are not in it.";
+    const without =
+      this.pictures === this.began ? "" : " The maps that were changed are not in it.";
     byId("copied").textContent = text + (without && `\n${without.trim()}`);
     try {
       await navigator.clipboard.writeText(text);
-      this.say(`Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`, true);
+      this.say(
+        `Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`,
+        true,
+      );
     } catch {
       this.say(`The browser does not let the page copy: take it from the panel.${without}`, true);
     }
@@ -539,6 +688,7 @@ class View {
 
   // --- what is said
 
+  /** @param {News} news */
   hear(news) {
     if (news.error) this.say(news.error);
     if (news.busy !== undefined) byId("busy").textContent = news.busy;
@@ -548,20 +698,23 @@ class View {
       this.updateDivider();
     }
     const { milliseconds, gpuMilliseconds, timedAt, size, samples, figures } = this.news;
+    /** @type {(f: Figures) => string} */
     const reads = (f) => (f.hits ? (f.reads / f.hits).toFixed(1) : "0");
     const parts = [];
     // what has failed is not what is seen and measured
-    const other = this.drawn && this.drawn.technique !== this.state.technique;
-    if (other) parts.push(`${words(this.drawn.technique)} is still shown`);
+    const { drawn } = this;
+    const other = drawn && drawn.technique !== this.state.technique;
+    if (other) parts.push(`${words(drawn.technique)} is still shown`);
     if (figures) {
       const { left, right, missed } = figures;
       parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads a pixel`);
+      /** @type {(f: Figures) => string} */
       const share = (f) => ((100 * f.missed) / f.hits).toFixed(2);
       if (missed && left.hits) {
         parts.push(`missed ${share(left)}${right?.hits ? ` | ${share(right)}` : ""} %`);
       }
     }
-    if (milliseconds !== undefined) {
+    if (milliseconds !== undefined && timedAt) {
       const clock = gpuMilliseconds == null ? "" : ` (programs ${gpuMilliseconds.toFixed(1)})`;
       parts.push(`${milliseconds.toFixed(1)} ms${clock}`, timedAt.join(" × "));
     }
@@ -570,6 +723,10 @@ class View {
     byId("figures").textContent = byId("figures").title = parts.join(" · ");
   }
 
+  /**
+   * @param {string} message
+   * @param {boolean} quiet
+   */
   say(message, quiet = false) {
     const line = document.createElement("p");
     line.textContent = message;
@@ -582,7 +739,9 @@ class View {
     line.append(close);
     const box = byId("messages");
     // what is only told makes room for what went wrong
-    while (box.children.length >= MESSAGES) (box.querySelector(".quiet") ?? box.firstChild).remove();
+    while (box.children.length >= MESSAGES) {
+      (box.querySelector(".quiet") ?? box.firstElementChild)?.remove();
+    }
     box.append(line);
     line.scrollIntoView({ block: "nearest" });
     // what is only told goes by itself; what went wrong stays until it is read

@@ -3,7 +3,17 @@
 import { button, element, section } from "view/controls.js";
 import { thumbnail } from "view/thumbs.js";
 
-// What a picture can be used as: its name, and where in the page's pictures it lies.
+/** @import { Slot } from "view/data" */
+/** @import { Option } from "view/controls.js" */
+/** @import { Reading } from "view/dropped.js" */
+/** @import { View } from "view/main.js" */
+
+/** @typedef {{ name: string, held: string, channels: number[], light?: boolean }} SlotOptions */
+
+/**
+ * What a picture can be used as: its name, and where in the page's pictures it lies.
+ * @type {{ [Name in Slot]: SlotOptions }}
+ */
 export const SLOTS = {
   base_color: { name: "colour", held: "base_color", channels: [0, 1, 2], light: true },
   opacity: { name: "opacity", held: "base_color", channels: [3] },
@@ -15,22 +25,45 @@ export const SLOTS = {
   packed: { name: "packed (ORM)", held: "response", channels: [0, 1, 2] },
   emission: { name: "emission", held: "emission", channels: [0, 1, 2], light: true },
 };
+/** @type {Slot[]} */
 export const PACKED = ["occlusion", "roughness", "metallic"];
 
-// How a dropped picture is read; what is left to its name is what that says, if anything.
+/**
+ * How a dropped picture is read; what is left to its name is what that says, if anything.
+ * @type {{ [Name in keyof Reading]: [label: string, options: Option[]] }}
+ */
 const HOW = {
-  channel: ["Channel", [["luminance", "luminance"], ...[..."rgba"].map((c) => [c, c])]],
+  channel: ["Channel", ["luminance", ..."rgba"].map((c) => [c, c])],
   polarity: [
     "White is",
-    [["", "as its name says"], ["height", "high, or as it is"], ["depth", "deep: turn it over"]],
+    [
+      ["", "as its name says"],
+      ["height", "high, or as it is"],
+      ["depth", "deep: turn it over"],
+    ],
   ],
-  green: ["Green is", [["", "as its name says"], ["gl", "up (OpenGL)"], ["dx", "down (DirectX)"]]],
+  green: [
+    "Green is",
+    [
+      ["", "as its name says"],
+      ["gl", "up (OpenGL)"],
+      ["dx", "down (DirectX)"],
+    ],
+  ],
 };
 
+/** @param {View} view */
 export function maps(view) {
-  const file = element("input", { type: "file", accept: "image/*", id: "map-file", multiple: true });
+  const file = element("input", {
+    type: "file",
+    accept: "image/*",
+    id: "map-file",
+    multiple: true,
+  });
+  const slots = /** @type {Slot[]} */ (Object.keys(SLOTS));
+  const readings = /** @type {(keyof Reading)[]} */ (Object.keys(HOW));
   file.addEventListener("change", () => {
-    view.takeMaps([...file.files]);
+    view.takeMaps([...(file.files ?? [])]);
     file.value = "";
   });
   return section(
@@ -41,20 +74,25 @@ export function maps(view) {
       { class: "doc" },
       "Drop a picture on the map that it replaces; several at once are each what their names say.",
     ),
-    ...Object.keys(SLOTS).map((slot) => row(view, slot)),
+    ...slots.map((slot) => row(view, slot)),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
     element("p", { class: "doc" }, "How pictures are read that are dropped next:"),
-    ...Object.entries(HOW).map(([name, [label, options]]) => choice(view, name, label, options)),
+    ...readings.map((name) => choice(view, name, ...HOW[name])),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
   );
 }
 
+/**
+ * @param {View} view
+ * @param {Slot} slot
+ */
 function row(view, slot) {
   const { name, held, channels, light } = SLOTS[slot];
   const picture = view.pictures[held];
   const source = view.sources[slot];
   // a map that nobody gave is what its place in another one is filled with
-  const shown = picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
+  const shown =
+    picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
   const frame = element("span", { class: "thumb" });
   if (shown) frame.append(thumbnail(picture, channels, light));
   const size = shown ? `${picture.width} × ${picture.height}` : instead(view, slot);
@@ -88,17 +126,31 @@ function row(view, slot) {
   );
 }
 
+/**
+ * @param {View} view
+ * @param {Slot} slot
+ */
 function instead(view, slot) {
   if (slot === "normal" && view.hasHeights) return "made of the heights";
   return slot === "packed" ? "occlusion, roughness, metal in r, g, b" : "none";
 }
 
+/**
+ * @param {View} view
+ * @param {Slot} slot
+ */
 function choose(view, slot) {
   const file = element("input", { type: "file", accept: "image/*" });
-  file.addEventListener("change", () => view.takeMaps([...file.files], slot));
+  file.addEventListener("change", () => view.takeMaps([...(file.files ?? [])], slot));
   file.click();
 }
 
+/**
+ * @param {View} view
+ * @param {keyof Reading} name
+ * @param {string} label
+ * @param {Option[]} options
+ */
 function choice(view, name, label, options) {
   const id = `map-${name}`;
   const select = element("select", { id, name: id });

@@ -1,5 +1,23 @@
 // Maps: out of the page or out of a dropped picture, and their smaller levels.
 
+/** @import { PackedMap } from "view/data" */
+
+/**
+ * A map of one or four 16-bit channels, row by row from the top. `dropped` marks an emission map
+ * that a user has dropped.
+ * @typedef {{ width: number, height: number, count?: number, texels: Uint16Array,
+ *   dropped?: boolean }} Picture
+ */
+/**
+ * A level of a map.
+ * @template {Uint16Array | Float32Array} Texels
+ * @typedef {{ width: number, height: number, texels: Texels }} Level
+ */
+
+/**
+ * @param {string} text in base64
+ * @returns {Uint8Array<ArrayBuffer>}
+ */
 export function bytesOf(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
   const raw = atob(text);
@@ -8,12 +26,18 @@ export function bytesOf(text) {
   return bytes;
 }
 
+/** @param {BlobPart} bytes */
 export async function inflated(bytes) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// The finest level of a packed map: { width, height, count, texels: Uint16Array }.
+/**
+ * The finest level of a packed map.
+ * @param {PackedMap} map
+ * @param {string} content
+ * @returns {Promise<Picture>}
+ */
 export async function unpacked({ width, height, channels }, content) {
   const bytes = await inflated(bytesOf(content));
   const [area, count] = [width * height, channels.length];
@@ -36,7 +60,10 @@ export async function unpacked({ width, height, channels }, content) {
   return { width, height, count, texels };
 }
 
-// A map of one texel, for one that is missing.
+/**
+ * A map of one texel, for one that is missing.
+ * @type {(values: number[]) => Picture}
+ */
 export const single = (values) => ({
   width: 1,
   height: 1,
@@ -44,32 +71,54 @@ export const single = (values) => ({
   texels: Uint16Array.from(values),
 });
 
-// Whether something can be seen through a map of four channels.
+/**
+ * Whether something can be seen through a map of four channels.
+ * @param {Picture} picture
+ */
 export function hasHoles({ texels }) {
   for (let k = 3; k < texels.length; k += 4) if (texels[k] !== 65535) return true;
   return false;
 }
 
-// Heights as levels of float32, each half of the one before.
+/**
+ * Heights as levels of float32, each half of the one before.
+ * @param {Picture} picture
+ * @returns {Level<Float32Array>[]}
+ */
 export function heightLevels({ width, height, texels }) {
   const first = new Float32Array(texels.length);
   for (let k = 0; k < texels.length; k++) first[k] = texels[k] / 65535;
-  const levels = [{ width, height, texels: first }];
-  while (Math.max(levels.at(-1).width, levels.at(-1).height) > 1) {
-    levels.push(halved(levels.at(-1), 1));
+  let level = { width, height, texels: first };
+  const levels = [level];
+  while (Math.max(level.width, level.height) > 1) {
+    level = halved(level, 1);
+    levels.push(level);
   }
   return levels;
 }
 
-// Four channels of 16 bits as levels; where there is opacity colours count as much as they show.
+/**
+ * Four channels of 16 bits as levels; where there is opacity colours count as much as they show.
+ * @param {Picture} picture
+ * @param {boolean} cutOut
+ * @returns {Level<Uint16Array>[]}
+ */
 export function channelLevels({ width, height, texels }, cutOut = false) {
-  const levels = [{ width, height, texels }];
-  while (Math.max(levels.at(-1).width, levels.at(-1).height) > 1) {
-    levels.push(nextLevel(levels.at(-1), cutOut));
+  /** @type {Level<Uint16Array>} */
+  let level = { width, height, texels };
+  const levels = [level];
+  while (Math.max(level.width, level.height) > 1) {
+    level = nextLevel(level, cutOut);
+    levels.push(level);
   }
   return levels;
 }
 
+/**
+ * @param {Level<Uint16Array>} level
+ * @param {boolean} cutOut
+ * @returns {Level<Uint16Array>}
+ */
 function nextLevel(level, cutOut) {
   if (!cutOut) {
     if (level.width % 2 === 0 && level.height % 2 === 0) return quartered(level);
@@ -92,7 +141,10 @@ function nextLevel(level, cutOut) {
   return { ...made, texels };
 }
 
-// What `halved` and `roundEven` make of an even level, in whole numbers: a tenth of the time.
+/**
+ * What `halved` and `roundEven` make of an even level, in whole numbers: a tenth of the time.
+ * @param {Level<Uint16Array>} level
+ */
 function quartered({ width, height, texels }) {
   const [row, below] = [4 * width, height >> 1];
   const made = new Uint16Array((texels.length / 4) | 0);
@@ -107,6 +159,7 @@ function quartered({ width, height, texels }) {
   return { width: width >> 1, height: below, texels: made };
 }
 
+/** @param {number} x */
 export function roundEven(x) {
   const low = Math.floor(x);
   const rest = x - low;
@@ -114,7 +167,11 @@ export function roundEven(x) {
   return low % 2 === 0 ? low : low + 1;
 }
 
-// As `material.pyramids.halved`: rows first, then columns, in 32 bits.
+/**
+ * As `material.pyramids.halved`: rows first, then columns, in 32 bits.
+ * @param {Level<Uint16Array | Float32Array>} level
+ * @param {number} count channels
+ */
 function halved({ width, height, texels }, count) {
   const rows = along(texels, height, width * count, 1);
   const below = height === 1 ? 1 : height >> 1;
@@ -122,7 +179,13 @@ function halved({ width, height, texels }, count) {
   return { width: width === 1 ? 1 : width >> 1, height: below, texels: columns };
 }
 
-// Halves one axis of n items, each `stride` numbers long, `times` over.
+/**
+ * Halves one axis of n items, each `stride` numbers long, `times` over.
+ * @param {Uint16Array | Float32Array} from
+ * @param {number} n
+ * @param {number} stride
+ * @param {number} times
+ */
 function along(from, n, stride, times) {
   if (n === 1) return Float32Array.from(from);
   const m = n >> 1;

@@ -1,6 +1,17 @@
 // What a file's name says about it, by the library's own tables, as `material.conventions` reads it.
 
-// The map that a file is taken for, and how: { slot, polarity, green }, or null.
+/** @import { Green, Meaning, Names, Slot } from "view/data" */
+
+/**
+ * The meaning of a run of words, and the words around it.
+ * @typedef {{ slot: Slot | "", over: boolean, around: string[], green?: Green }} Place
+ */
+
+/**
+ * The map that a file is taken for, and how: { slot, polarity, green }, or null.
+ * @param {string} fileName
+ * @param {Names} names
+ */
 export function meaningOf(fileName, names) {
   const words = wordsOf(fileName.replace(/\.[^.]*$/, ""), names);
   const found = placeOf(words, names);
@@ -12,6 +23,10 @@ export function meaningOf(fileName, names) {
   return { slot, polarity: over !== turns ? "depth" : "height", green: green ?? "gl" };
 }
 
+/**
+ * @param {string} stem
+ * @param {Names} names
+ */
 function wordsOf(stem, { sizes, word, formats, resolutions }) {
   const text = stem.replace(new RegExp(sizes, "gi"), " ").replace(/d3d/gi, "Directx");
   return [...text.matchAll(new RegExp(word, "g"))]
@@ -20,12 +35,17 @@ function wordsOf(stem, { sizes, word, formats, resolutions }) {
     .map((found) => found.toLowerCase());
 }
 
-// The last run of words that is known, the longest first.
+/**
+ * The last run of words that is known, the longest first.
+ * @param {string[]} words
+ * @param {Names} names
+ * @returns {Place | null}
+ */
 function placeOf(words, names) {
   const { meanings, unreal, longest } = names;
-  const last = unreal[words.at(-1)];
+  const last = meanings[unreal[words.at(-1) ?? ""] ?? ""];
   if (words.length > 2 && words[0] === "t" && last) {
-    return { slot: meanings[last][0], over: meanings[last][1], around: [words.at(-2)] };
+    return { slot: last[0], over: last[1], around: words.slice(-2, -1) };
   }
   for (let end = words.length; end > 0; end--) {
     for (let start = Math.max(end - longest, 0); start < end; start++) {
@@ -40,7 +60,12 @@ function placeOf(words, names) {
   return null;
 }
 
-// Words written together, such as "normalgl".
+/**
+ * Words written together, such as "normalgl".
+ * @param {string} run
+ * @param {Names} names
+ * @returns {[Meaning, Green] | []}
+ */
 function withGreen(run, { meanings, green }) {
   for (const [spelling, way] of Object.entries(green)) {
     const meaning = run.endsWith(spelling) && meanings[run.slice(0, -spelling.length)];

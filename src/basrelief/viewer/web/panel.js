@@ -4,18 +4,31 @@ import { button, check, color, element, menu, number, section } from "view/contr
 import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
-// Rows for the settings of a record, a row for each component of a colour.
+/** @import { Menus, Setting, Shape } from "view/data" */
+/** @import { NumberOptions, Option, Path } from "view/controls.js" */
+/** @import { View } from "view/main.js" */
+
+/** @typedef {Omit<NumberOptions, "label">} Range */
+/** @typedef {(value: string) => void} MenuAction */
+
+/**
+ * Rows for the settings of a record, a row for each component of a colour.
+ * @param {View} view
+ * @param {Path} path
+ * @param {Setting[]} settings
+ * @returns {HTMLElement[]}
+ */
 function rows(view, path, settings) {
   return settings.flatMap((each) => {
-    const [start] = [each.default].flat();
     if (!Array.isArray(each.default)) {
       return [number(view, [...path, each.name], { ...each, label: words(each.name) })];
     }
-    if (each.name.endsWith("color")) return [color(view, [...path, each.name], words(each.name), each.doc)];
+    if (each.name.endsWith("color")) {
+      return [color(view, [...path, each.name], words(each.name), each.doc)];
+    }
     return each.default.map((_, k) =>
       number(view, [...path, each.name, k], {
         ...each,
-        default: start,
         high: each.high ?? 2,
         label: `${words(each.name)} ${"rgb"[k]}`,
       }),
@@ -23,28 +36,38 @@ function rows(view, path, settings) {
   });
 }
 
-// The whole panel, made anew where a choice changes what can be set.
+/**
+ * The whole panel, made anew where a choice changes what can be set.
+ * @param {View} view
+ * @param {HTMLFormElement} panel
+ */
 export function build(view, panel) {
   const opened = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
-  const active = document.activeElement;
+  const active = /** @type {HTMLInputElement | null} */ (document.activeElement);
   const inside = panel.contains(active);
-  const name = active.name || active.id;
-  const near = active.closest(".map")?.querySelector("button").id;
-  const within = active.closest("details")?.id;
+  const name = active?.name || active?.id;
+  const near = active?.closest(".map")?.querySelector("button")?.id;
+  const within = active?.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
-    ...[technique, relief, light, camera, surface, air, maps, picture, share].map((make) => make(view)),
+    ...[technique, relief, light, camera, surface, air, maps, picture, share].map((make) =>
+      make(view),
+    ),
   );
   for (const made of panel.querySelectorAll("details")) {
-    if (opened.has(made.id)) made.open = opened.get(made.id);
+    made.open = opened.get(made.id) ?? made.open;
   }
   if (!inside) return;
   // what is gone leaves the focus to what is near, or to its section
-  const places = [name, near].filter(Boolean).map((it) => panel.elements.namedItem(it));
+  const places = [name, near].map((it) => it && panel.elements.namedItem(it));
   const again = places.find(Boolean) ?? panel.querySelector(`#${within} summary`);
-  again?.focus();
+  /** @type {HTMLElement | null} */ (again)?.focus();
 }
 
+/**
+ * @param {View} view
+ * @returns {Option[]}
+ */
 function techniques(view) {
   return view.data.menus.technique.map((name) => {
     const why = !view.hasHeights && name !== "flat" ? "needs heights" : "";
@@ -52,13 +75,16 @@ function techniques(view) {
   });
 }
 
+/** @param {View} view */
 function technique(view) {
   const { data, state } = view;
   const made = data.techniques[state.technique];
+  /** @type {(name: string) => void} */
   const chosen = (name) => {
     const next = data.techniques[name];
     Object.assign(state, { level: next.level, projection: next.projection });
   };
+  /** @type {Option[]} */
   const presets = Object.entries(data.presets).map(([name, { state: there, why }]) => [
     name,
     name,
@@ -83,7 +109,10 @@ function technique(view) {
   );
 }
 
-// What the preset is, as long as it is one.
+/**
+ * What the preset is, as long as it is one.
+ * @param {View} view
+ */
 function about(view) {
   const text = element("p", { class: "doc", id: "about-preset" });
   const show = () => {
@@ -94,21 +123,39 @@ function about(view) {
   return text;
 }
 
-// A menu of names that mean themselves.
+/**
+ * A menu of names that mean themselves.
+ * @type {(view: View, name: keyof Menus, label: string, after?: MenuAction) => HTMLElement}
+ */
 const named = (view, name, label, after) =>
-  menu(view, [name], label, view.data.menus[name].map((each) => [each, words(each)]), after);
+  menu(
+    view,
+    [name],
+    label,
+    view.data.menus[name].map((each) => [each, words(each)]),
+    after,
+  );
 
+/** @type {(view: View, path: Path, label: string, range: Range) => HTMLElement[]} */
 const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
+/** @type {(view: View, path: Path, label: string) => HTMLElement[]} */
 const tiling = (view, path, label) => [
-  ...pair(view, [...path, "tiles"], `${label} tiling`, { low: 0.1, high: 32, step: 0.1, soft: true }),
+  ...pair(view, [...path, "tiles"], `${label} tiling`, {
+    low: 0.1,
+    high: 32,
+    step: 0.1,
+    soft: true,
+  }),
   ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01, soft: true }),
 ];
 
+/** @param {View} view */
 function relief(view) {
   const { data, state } = view;
   const able = data.techniques[state.technique].heights;
+  /** @type {Option[]} */
   const reads = data.menus.heights.map((name) => [
     name,
     name,
@@ -139,7 +186,7 @@ function relief(view) {
       : []),
     menu(view, ["heights"], "Heights", reads),
     ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
-    named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
+    named(view, "shape", "Shape", (shape) => view.reshaped(/** @type {Shape} */ (shape))),
     named(view, "edge", "Edge"),
     ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1, soft: true }),
     ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01, soft: true }),
@@ -152,13 +199,19 @@ function relief(view) {
   );
 }
 
-// What one light is; `k` counts from 0.
+/**
+ * What one light is; `k` counts from 0.
+ * @param {View} view
+ * @param {number} k
+ */
 function lamp(view, k) {
   const { kind } = view.state.lights[k];
   const path = ["lights", k];
   const name = `light ${k + 1}`;
+  /** @type {(part: string, low: number, high: number, label?: string) => HTMLElement} */
   const degrees = (part, low, high, label = part) =>
     number(view, [...path, part], { label: `${name} ${label}`, low, high, step: 1 });
+  /** @type {HTMLElement[]} */
   const made = [
     menu(
       view,
@@ -182,7 +235,12 @@ function lamp(view, k) {
   if (kind === "spot") {
     made.push(
       degrees("angle", 1, 179, "cone"),
-      number(view, [...path, "softness"], { label: `${name} softness`, low: 0, high: 1, step: 0.01 }),
+      number(view, [...path, "softness"], {
+        label: `${name} softness`,
+        low: 0,
+        high: 1,
+        step: 0.01,
+      }),
     );
   }
   made.push(
@@ -194,13 +252,19 @@ function lamp(view, k) {
       soft: true,
     }),
     color(view, [...path, "color"], `${name} color`),
-    element("div", { class: "buttons" }, button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` })),
+    element(
+      "div",
+      { class: "buttons" },
+      button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
+    ),
   );
   return made;
 }
 
+/** @param {View} view */
 function light(view) {
   const { data, state } = view;
+  /** @type {(setting: Setting) => boolean} */
   const shown = ({ name }) =>
     name === "ambient" ||
     (name === "directional_occlusion"
@@ -223,8 +287,12 @@ function light(view) {
   );
 }
 
-// Where it is seen from.
+/**
+ * Where it is seen from.
+ * @param {View} view
+ */
 function camera(view) {
+  /** @type {(name: string) => Path} */
   const path = (name) => ["camera", name];
   const degrees = { step: 1, soft: true };
   const parallel = view.state.camera.orthographic_height !== null;
@@ -237,7 +305,12 @@ function camera(view) {
       "Drag turns; with Shift, or the right button, it moves; with Alt or Ctrl it turns the first directional light. The wheel zooms.",
     ),
     number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
-    number(view, path("elevation"), { ...degrees, label: "camera elevation", low: view.state.shape === "plane" ? 2 : -89, high: 89 }),
+    number(view, path("elevation"), {
+      ...degrees,
+      label: "camera elevation",
+      low: view.state.shape === "plane" ? 2 : -89,
+      high: 89,
+    }),
     number(view, path("distance"), {
       label: "distance",
       low: 0.1,
@@ -263,6 +336,7 @@ function camera(view) {
   );
 }
 
+/** @type {{ [setting: string]: (kind: string) => boolean }} */
 const USED = {
   fog_color: () => true,
   fog_density: (kind) => kind !== "linear",
@@ -270,6 +344,7 @@ const USED = {
   fog_end: (kind) => kind === "linear",
 };
 
+/** @param {View} view */
 function air(view) {
   const { data, state } = view;
   const used = data.settings.air.filter(({ name }) => USED[name]?.(state.fog) ?? true);
@@ -282,7 +357,10 @@ function air(view) {
   );
 }
 
-// The numbers of a surface that have nothing to act on are left away.
+/**
+ * The numbers of a surface that have nothing to act on are left away.
+ * @type {{ [setting: string]: (view: View) => boolean }}
+ */
 const ACTS = {
   cutoff: ({ state }) => state.alpha === "mask",
   layer_color: ({ state }) => state.layer,
@@ -290,9 +368,12 @@ const ACTS = {
   emission: ({ pictures }) => Boolean(pictures.emission),
 };
 
+/** @param {View} view */
 function surface(view) {
   const { data, state } = view;
-  const finish = data.settings.finish[state.surface].filter(({ name }) => ACTS[name]?.(view) ?? true);
+  const finish = data.settings.finish[state.surface].filter(
+    ({ name }) => ACTS[name]?.(view) ?? true,
+  );
   return section(
     "Surface",
     false,
@@ -313,7 +394,9 @@ function surface(view) {
   );
 }
 
+/** @param {View} view */
 function picture(view) {
+  /** @type {Option[]} */
   const shows = [
     ["color", "the picture"],
     ["reads", "reads"],
@@ -334,6 +417,7 @@ function picture(view) {
   );
 }
 
+/** @param {View} view */
 function share(view) {
   const buttons = element(
     "div",

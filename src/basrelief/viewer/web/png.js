@@ -2,12 +2,27 @@
 
 import { inflated } from "view/maps.js";
 
+/**
+ * @typedef {object} Header
+ * @property {number} width
+ * @property {number} height
+ * @property {number} bits of a sample
+ * @property {number} type of its colours
+ * @property {number} interlaced 0 or 1
+ */
+
 const SIGNATURE = [137, 80, 78, 71, 13, 10, 26, 10];
+/** @type {{ [type: number]: number }} */
 const CHANNELS = { 0: 1, 2: 3, 3: 1, 4: 2, 6: 4 }; // by colour type: grey, RGB, palette, with alpha
 const PALETTE = 3;
+/** @type {{ [type: number]: number }} */
 const CLEAR = { 0: 1, 2: 3 }; // samples of the colour that stands for what is see-through
 
-// { width, height, bits, type, interlaced }, null for what is no PNG.
+/**
+ * Null for what is no PNG.
+ * @param {Uint8Array} bytes
+ * @returns {Header | null}
+ */
 export function headerOf(bytes) {
   if (bytes.length < 33 || SIGNATURE.some((byte, k) => bytes[k] !== byte)) return null;
   const view = new DataView(bytes.buffer, bytes.byteOffset);
@@ -15,22 +30,31 @@ export function headerOf(bytes) {
   return { width: view.getUint32(16), height: view.getUint32(20), bits, type, interlaced };
 }
 
-// Whether `decoded` reads it; the others are left to the browser.
+/**
+ * Whether `decoded` reads it; the others are left to the browser.
+ * @param {Header} header
+ */
 export function isRead({ bits, type, interlaced }) {
   const known = bits === 8 || (bits === 16 && type !== PALETTE);
   return known && type in CHANNELS && interlaced === 0;
 }
 
-// Red, green, blue and alpha of each texel as 16-bit codes, row by row from the top.
+/**
+ * Red, green, blue and alpha of each texel as 16-bit codes, row by row from the top.
+ * @param {Uint8Array<ArrayBuffer>} bytes
+ * @param {Header} header
+ */
 export async function decoded(bytes, header) {
-  const parts = { IDAT: [] };
+  const packed = [];
+  /** @type {{ [chunk: string]: Uint8Array }} */
+  const parts = {};
   for (const [name, part] of chunks(bytes)) {
-    if (name === "IDAT") parts.IDAT.push(part);
+    if (name === "IDAT") packed.push(part);
     else parts[name] = part;
   }
   let raw;
   try {
-    raw = await inflated(new Blob(parts.IDAT));
+    raw = await inflated(new Blob(packed));
   } catch {
     throw new Error("this PNG is damaged: it cannot be unpacked");
   }
@@ -43,6 +67,10 @@ export async function decoded(bytes, header) {
   return asColors(raw, header, parts);
 }
 
+/**
+ * @param {Uint8Array<ArrayBuffer>} bytes
+ * @returns {Generator<[name: string, part: Uint8Array<ArrayBuffer>]>}
+ */
 function* chunks(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset);
   for (let at = 8; at + 12 <= bytes.length; ) {
@@ -53,7 +81,13 @@ function* chunks(bytes) {
   }
 }
 
-// Rows of differences, each with a byte in front that says which, become rows of samples.
+/**
+ * Rows of differences, each with a byte in front that says which, become rows of samples.
+ * @param {Uint8Array} raw
+ * @param {number} height
+ * @param {number} row bytes
+ * @param {number} pixel bytes
+ */
 function unfilter(raw, height, row, pixel) {
   for (let y = 0; y < height; y++) {
     const [from, above] = [y * (row + 1) + 1, (y - 1) * (row + 1) + 1];
@@ -73,13 +107,27 @@ function unfilter(raw, height, row, pixel) {
   }
 }
 
-// Paeth's predictor: which of three is nearest to left + up − corner.
+/**
+ * Paeth's predictor: which of three is nearest to left + up − corner.
+ * @param {number} left
+ * @param {number} up
+ * @param {number} corner
+ */
 function nearest(left, up, corner) {
-  const [a, b, c] = [Math.abs(up - corner), Math.abs(left - corner), Math.abs(left + up - 2 * corner)];
+  const [a, b, c] = [
+    Math.abs(up - corner),
+    Math.abs(left - corner),
+    Math.abs(left + up - 2 * corner),
+  ];
   if (a <= b && a <= c) return left;
   return b <= c ? up : corner;
 }
 
+/**
+ * @param {Uint8Array} raw
+ * @param {Header} header
+ * @param {{ [chunk: string]: Uint8Array | undefined }} parts
+ */
 function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
   const [count, wide] = [CHANNELS[type], bits === 16];
   const row = (width * count * bits) / 8 + 1;
@@ -94,7 +142,7 @@ function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
         found[c] = wide ? (raw[from + 2 * c] << 8) | raw[from + 2 * c + 1] : raw[from + c];
       }
       const to = 4 * (y * width + x);
-      const [one, two, three, four] = found;
+      const [one, two, three] = found;
       if (type === PALETTE) {
         for (let c = 0; c < 3; c++) texels[to + c] = (PLTE?.[3 * one + c] ?? 0) * 257;
         texels[to + 3] = (tRNS?.[one] ?? 255) * 257;
@@ -105,13 +153,17 @@ function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
       texels[to] = one * unit;
       texels[to + 1] = (grey ? one : two) * unit;
       texels[to + 2] = (grey ? one : three) * unit;
-      const alpha = { 2: two * unit, 4: four * unit }[count] ?? 65535;
+      const alpha = count === 2 || count === 4 ? found[count - 1] * unit : 65535;
       texels[to + 3] = clear?.every((code, c) => code === found[c]) ? 0 : alpha;
     }
   }
   return texels;
 }
 
+/**
+ * @param {Uint8Array} bytes
+ * @param {number} count
+ */
 function samples(bytes, count) {
   if (bytes.length < 2 * count) throw new Error("this PNG is damaged: its clear colour is cut off");
   return Array.from({ length: count }, (_, c) => (bytes[2 * c] << 8) | bytes[2 * c + 1]);

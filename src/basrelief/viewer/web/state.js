@@ -1,14 +1,27 @@
 // What a person can change, as one plain object; as a link, a line of Python, a command line.
 
 import { travelling } from "view/camera.js";
-import { copyOf, held, merged } from "view/checks.js";
+import { copyOf, held, isObject, merged } from "view/checks.js";
 
-// Only what differs from another state, so that links stay short.
+/** @import { Data, Light, Orbit, Pair, SceneState, Setting, Show, Values } from "view/data" */
+/** @import { Fields } from "view/checks.js" */
+
+/**
+ * The state of a scene and of the page.
+ * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string }} State
+ */
+
+/**
+ * Only what differs from another state, so that links stay short.
+ * @param {unknown} now
+ * @param {unknown} then
+ * @returns {unknown} undefined where nothing does
+ */
 export function difference(now, then) {
-  const plain = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
-  if (!plain(now) || !plain(then)) {
+  if (!isObject(now) || !isObject(then)) {
     return JSON.stringify(now) === JSON.stringify(then) ? undefined : now;
   }
+  /** @type {Fields} */
   const found = {};
   for (const [name, value] of Object.entries(now)) {
     const left = difference(value, then[name]);
@@ -17,28 +30,47 @@ export function difference(now, then) {
   return Object.keys(found).length ? found : undefined;
 }
 
+/**
+ * @param {State} state
+ * @param {State} start
+ */
 export function toHash(state, start) {
   const left = difference(state, start);
   return left ? `#${encodeURIComponent(JSON.stringify(left))}` : "";
 }
 
+/**
+ * @param {string} hash
+ * @param {State} start
+ * @param {Data} data
+ */
 export function fromHash(hash, start, data) {
   if (hash.length < 2) return copyOf(start);
   return laidOver(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
 }
 
-// `other` laid over a state as far as it makes sense, whoever says so.
+/**
+ * `other` laid over a state as far as it makes sense, whoever says so.
+ * @type {(state: State, other: unknown, data: Data) => State}
+ */
 export const laidOver = (state, other, data) => held(merged(state, other, data), state, data);
 
 // --- as text ------------------------------------------------------------------------------------
 
+/** @type {(x: unknown) => string} */
 const short = (x) => String(Number(Number(x).toPrecision(7)));
+/** @type {(a: unknown, b: unknown) => boolean} */
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-// What the library would have to be told: all that is not its own default.
+/**
+ * What the library would have to be told: all that is not its own default.
+ * @param {State} state
+ * @param {Data} data
+ */
 function told(state, data) {
   const made = data.techniques[state.technique];
   const { settings, defaults } = data;
+  /** @type {(values: Values, known: Setting[]) => Values} */
   const changed = (values, known) =>
     Object.fromEntries(
       known.filter((s) => !same(values[s.name], s.default)).map((s) => [s.name, values[s.name]]),
@@ -51,12 +83,16 @@ function told(state, data) {
     smoothing: state.heights === "sharp" ? {} : changed(state.smoothing, settings.smoothing),
     air: state.fog === "none" ? {} : changed(state.air, settings.air),
   };
+  /** @type {Fields} */
   const plain = { technique: made.called };
+  /** @type {Fields} */
+  const now = state;
   const usual = { ...defaults.plain, level: made.level, projection: made.projection };
   for (const [name, value] of Object.entries(usual)) {
-    if (state[name] !== value) plain[name] = state[name];
+    if (now[name] !== value) plain[name] = now[name];
   }
   if (!made.heights.includes(state.heights)) delete plain.heights;
+  /** @type {<T>(value: T, usually: NoInfer<T>) => T | null} */
   const other = (value, usually) => (same(value, usually) ? null : value);
   const main = { tiles: state.tiling, shift: state.shift };
   const own = Object.entries(state.tilings).filter(([, each]) => !same(each, main));
@@ -74,7 +110,13 @@ function told(state, data) {
   };
 }
 
+/**
+ * @param {Orbit} camera
+ * @param {Orbit} usual
+ * @returns {Partial<Orbit>}
+ */
 function cameraOf(camera, usual) {
+  /** @type {Partial<Orbit>} */
   const made = { azimuth: camera.azimuth, elevation: camera.elevation };
   if (camera.distance !== null) made.distance = camera.distance;
   if (!same(camera.target, [0, 0, 0])) made.target = camera.target;
@@ -83,6 +125,10 @@ function cameraOf(camera, usual) {
   return made;
 }
 
+/**
+ * @param {Light} light
+ * @returns {Values}
+ */
 function lightOf(light) {
   const made = { color: light.color, intensity: light.intensity };
   const { azimuth, elevation, position, falloff, angle, softness } = light;
@@ -93,16 +139,26 @@ function lightOf(light) {
   return { ...lamp, target, angle, softness };
 }
 
+/**
+ * @param {State} state
+ * @param {Data} data
+ */
 export function toCommand(state, data) {
   const said = told(state, data);
+  /** @type {(each: Fields, sign: string) => string[]} */
   const values = (each, sign) =>
     Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
-  const quoted = (text) => (/^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+  /** @type {(text: string) => string} */
+  const quoted = (text) =>
+    /^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`;
   const parts = ["basrelief", "render", data.source];
+  /** @type {(name: string, x: unknown) => void} */
   const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, String(x));
+  /** @type {(pair: Pair) => string} */
   const tiles = (pair) => pair.map(short).join("x");
   // what begins with a minus would be taken for an option
-  const joined = (name, pair) => parts.push(`--${name}=${pair.map(short).join(",")}`);
+  /** @type {(name: string, numbers: number[]) => void} */
+  const joined = (name, numbers) => parts.push(`--${name}=${numbers.map(short).join(",")}`);
   for (const [name, x] of Object.entries(data.reading)) {
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
     else option(name, typeof x === "number" ? short(x) : x);
@@ -137,22 +193,30 @@ export function toCommand(state, data) {
   return parts.map(quoted).join(" ");
 }
 
+/**
+ * @param {State} state
+ * @param {Data} data
+ */
 export function toPython(state, data) {
   const said = told(state, data);
+  /** @type {(x: unknown) => string} */
   const value = (x) => {
     if (x === true) return "True";
     if (typeof x === "string") return JSON.stringify(x);
     if (Array.isArray(x)) return `(${x.map(value).join(", ")})`;
     if (typeof x === "number") return short(x);
-    return `{${Object.entries(x).map(([name, y]) => `"${name}": ${value(y)}`).join(", ")}}`;
+    const items = Object.entries(/** @type {Fields} */ (x));
+    return `{${items.map(([name, y]) => `"${name}": ${value(y)}`).join(", ")}}`;
   };
+  /** @type {(given: Fields) => string[]} */
   const listed = (given) => Object.entries(given).map(([key, x]) => `${key}=${value(x)}`);
+  /** @type {(name: string, given: Fields) => string} */
   const call = (name, given) => `basrelief.${name}(${listed(given).join(", ")})`;
   const given = listed(said.plain);
   for (const [name, each] of Object.entries(said.numbers)) {
     if (Object.keys(each).length) given.push(`${name}=${value(each)}`);
   }
-  for (const name of ["tiling", "shift", "fade", "background"]) {
+  for (const name of /** @type {const} */ (["tiling", "shift", "fade", "background"])) {
     if (said[name] !== null) given.push(`${name}=${value(said[name])}`);
   }
   if (said.tilings) {

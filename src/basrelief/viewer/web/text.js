@@ -1,4 +1,9 @@
 // Words for people.
 
+/** @type {(name: string) => string} */
 export const words = (name) => name.replaceAll("_", " ");
-export const firstLine = (error) => String(error?.message ?? error).split("\n")[0];
+/** @type {(error: unknown) => string} */
+export const firstLine = (error) => {
+  const { message } = /** @type {{ message?: string }} */ (error ?? {});
+  return String(message ?? error).split("\n")[0];
+};

@@ -2,24 +2,46 @@
 
 import { encoded } from "view/srgb.js";
 
+/** @import { Picture } from "view/maps.js" */
+/** @import { Pair } from "view/data" */
+
 const SIDE = 88; // pixels of the longer side
 const READS = 4; // texels a side that are averaged for a pixel, at most
-const made = new WeakMap(); // canvases by picture and channels
+/**
+ * Canvases by picture and channels.
+ * @type {WeakMap<Picture, { [channels: string]: HTMLCanvasElement }>}
+ */
+const made = new WeakMap();
 
-// The canvas of a map's channels: one as grey, three as colour, which `light` says to encode.
+/**
+ * The canvas of a map's channels: one as grey, three as colour, which `light` says to encode.
+ * @param {Picture} picture
+ * @param {number[]} channels
+ * @param {boolean} light
+ */
 export function thumbnail(picture, channels, light = false) {
-  const known = made.get(picture) ?? made.set(picture, {}).get(picture);
-  known[channels] ??= drawn(picture, channels, light);
-  return known[channels];
+  const known = made.get(picture) ?? {};
+  made.set(picture, known);
+  const name = channels.join();
+  known[name] ??= drawn(picture, channels, light);
+  return known[name];
 }
 
+/**
+ * @param {Picture} picture
+ * @param {number[]} channels
+ * @param {boolean} light
+ */
 function drawn({ width, height, count = 4, texels }, channels, light) {
   const share = SIDE / Math.max(width, height);
-  const size = [width, height].map((n) => Math.max(1, Math.round(n * share)));
+  /** @type {Pair} */
+  const whole = [width, height];
+  const size = whole.map((n) => Math.max(1, Math.round(n * share)));
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = size;
-  const context = canvas.getContext("2d");
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const image = context.createImageData(...size);
+  /** @type {(mean: number) => number} */
   const code = (mean) => 255 * (light ? encoded(mean / 65535) : mean / 65535);
   for (let y = 0, to = 0; y < size[1]; y++) {
     const rows = places(y, size[1], height);
@@ -40,7 +62,12 @@ function drawn({ width, height, count = 4, texels }, channels, light) {
   return canvas;
 }
 
-// Which of `have` texels a pixel of `want` is the mean of.
+/**
+ * Which of `have` texels a pixel of `want` is the mean of.
+ * @param {number} pixel
+ * @param {number} want
+ * @param {number} have
+ */
 function places(pixel, want, have) {
   const each = Math.max(1, Math.min(READS, Math.floor(have / want)));
   return Array.from({ length: each }, (_, k) =>

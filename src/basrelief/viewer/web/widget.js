@@ -3,18 +3,47 @@
 // What the page and the model both have by the same name is kept the same. Each side is told only
 // what it does not know yet, so that nothing goes round.
 
+/** @typedef {{ [name: string]: unknown }} Settings */
+/**
+ * A message from the page.
+ * @typedef {{ basrelief: "ready" | "state", state: Settings }} Message
+ */
+/**
+ * The model of the widget, as anywidget provides it.
+ * @typedef {object} Model
+ * @property {(name: string) => unknown} get
+ * @property {(name: string, value: unknown) => void} set
+ * @property {(event: string, act: () => void) => void} on
+ * @property {(event: string, act: () => void) => void} off
+ * @property {() => void} save_changes
+ */
+
 const TOGETHER = 20; // milliseconds: settings that follow one another from Python are one change
 // the page's name for a setting where the model has another
+/** @type {{ [name: string]: string | undefined }} */
 const MODEL_NAMES = { settings: "settings_of", finish: "finish_of" };
 
+/** @type {(name: string) => string} */
 const nameOf = (name) => MODEL_NAMES[name] ?? name;
-const same = (a, b) => a === b || (bothObjects(a, b) && sameParts(a, b));
+/** @type {(a: unknown, b: unknown) => boolean} */
+const same = (a, b) =>
+  a === b ||
+  (bothObjects(a, b) && sameParts(/** @type {Settings} */ (a), /** @type {Settings} */ (b)));
+/** @type {(a: unknown, b: unknown) => boolean} */
 const bothObjects = (a, b) => [a, b].every((x) => x !== null && typeof x === "object");
+/**
+ * @param {Settings} a
+ * @param {Settings} b
+ */
 function sameParts(a, b) {
   const names = Object.keys(a);
   return names.length === Object.keys(b).length && names.every((name) => same(a[name], b[name]));
 }
 
+/**
+ * @param {{ model: Model, el: HTMLElement }} widget
+ * @returns {() => void} the cleanup
+ */
 function render({ model, el }) {
   const frame = document.createElement("iframe");
   frame.title = "basrelief viewer";
@@ -25,13 +54,18 @@ function render({ model, el }) {
     frame.style.height = `${model.get("height")}px`;
   };
   fit();
-  const address = URL.createObjectURL(new Blob([model.get("_page")], { type: "text/html" }));
+  const address = URL.createObjectURL(
+    new Blob([/** @type {BlobPart} */ (model.get("_page"))], { type: "text/html" }),
+  );
   frame.src = address;
 
+  /** @type {Settings | null} */
   let known = null; // the page's settings as it has said or heard them last; null until it listens
+  /** @type {number | undefined} */
   let telling;
   const tell = () => {
     if (!known) return;
+    /** @type {Settings} */
     const news = {};
     for (const name of Object.keys(known)) {
       const value = model.get(nameOf(name));
@@ -41,17 +75,21 @@ function render({ model, el }) {
       frame.contentWindow?.postMessage({ basrelief: "state", state: news }, "*");
     }
   };
+  /** @type {(event: MessageEvent<Message | null>) => void} */
   const hear = ({ source, data }) => {
     if (!source || source !== frame.contentWindow || !data?.basrelief) return;
     if (data.basrelief === "ready") {
-      const shared = ([name]) => model.get(nameOf(name)) !== undefined;
+      const shared = Object.entries(data.state).filter(
+        ([name]) => model.get(nameOf(name)) !== undefined,
+      );
       // a frame that a notebook moves loads its page anew: that listens already
       const first = known === null;
-      known = Object.fromEntries(Object.entries(data.state).filter(shared));
+      known = Object.fromEntries(shared);
       if (first) for (const name of Object.keys(known)) model.on(`change:${nameOf(name)}`, changed);
       tell();
       return;
     }
+    if (!known) return;
     for (const name of Object.keys(known)) {
       if (same(data.state[name], known[name])) continue;
       known[name] = data.state[name];
@@ -80,7 +118,10 @@ function render({ model, el }) {
 
 // --- light and dark ------------------------------------------------------------------------------
 
-// The page within follows the colour scheme of its frame, which is that of what is behind it.
+/**
+ * The page within follows the colour scheme of its frame, which is that of what is behind it.
+ * @param {HTMLElement} frame
+ */
 function followScheme(frame) {
   const follow = () => {
     if (frame.isConnected) frame.style.colorScheme = darkBehind(frame) ? "dark" : "light";
@@ -93,16 +134,32 @@ function followScheme(frame) {
   return () => watcher.disconnect();
 }
 
+/** @param {Element} element */
 function darkBehind(element) {
-  for (let at = element; at; at = at.parentElement ?? at.getRootNode().host) {
+  /** @type {Element | null} */
+  let at = element;
+  for (; at; at = parentOf(at)) {
     const [r, g, b, alpha] = bytesOf(getComputedStyle(at).backgroundColor);
     if (alpha > 127) return 0.2126 * r + 0.7152 * g + 0.0722 * b < 128;
   }
   return matchMedia("(prefers-color-scheme: dark)").matches;
 }
 
+/**
+ * Out of a shadow tree, too.
+ * @param {Element} element
+ * @returns {Element | null}
+ */
+function parentOf(element) {
+  const root = element.getRootNode();
+  return element.parentElement ?? (root instanceof ShadowRoot ? root.host : null);
+}
+
 // Styles write colours in many ways, and a canvas reads them all.
-const probe = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+const probe = /** @type {CanvasRenderingContext2D} */ (
+  document.createElement("canvas").getContext("2d", { willReadFrequently: true })
+);
+/** @param {string} color */
 function bytesOf(color) {
   probe.clearRect(0, 0, 1, 1);
   probe.fillStyle = color;

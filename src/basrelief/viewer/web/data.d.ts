@@ -1,0 +1,257 @@
+// Types of the data that Python writes into a page as JSON: `viewer.state`, `viewer.printed`,
+// `viewer.layouts`, `viewer.maps`, `viewer.names` and `viewer.bakes`. A test checks the data of a page
+// against them.
+
+export type Pair = [number, number];
+export type Vec3 = [number, number, number];
+
+// --- the state
+
+export type Shape = "plane" | "box" | "sphere" | "cylinder";
+export type Projection = "full" | "biased" | "limited";
+export type Heights = "sharp" | "smooth" | "mip";
+export type LightKind = "directional" | "point" | "spot";
+export type Show = "color" | "reads" | "missed" | "depth";
+
+/** Numbers and vectors of a record by field. */
+export type Values = { [field: string]: number | number[] };
+
+export type Tiling = { tiles: Pair; shift: Pair };
+
+/** Angles in degrees, azimuth 0 looks from +z. `distance` null frames the shape. */
+export type Orbit = {
+  azimuth: number;
+  elevation: number;
+  distance: number | null;
+  target: Vec3;
+  field_of_view: number;
+  orthographic_height: number | null;
+};
+
+/** A light with the numbers of all kinds; angles in degrees. */
+export type Light = {
+  kind: LightKind;
+  position: Vec3;
+  azimuth: number;
+  elevation: number;
+  color: Vec3;
+  intensity: number;
+  falloff: number;
+  angle: number;
+  softness: number;
+};
+
+/** The settings of menus. */
+export type Chosen = {
+  technique: string;
+  shape: Shape;
+  projection: Projection;
+  heights: Heights;
+  edge: "wrap" | "clamp" | "clip";
+  mapping: "planar" | "triplanar";
+  alpha: "blend" | "mask" | "opaque";
+  surface: string;
+  shadows: "none" | "hard" | "soft";
+  shading_model: "ggx" | "phong";
+  occlusion_kind: "ambient" | "directional";
+  fog: "none" | "linear" | "exponential" | "exponential_squared";
+};
+
+/** The state of a scene: `state_of`. */
+export type SceneState = Chosen & {
+  scale: number;
+  level: number;
+  bias: number;
+  fades: boolean;
+  fade: Pair;
+  tiling: Pair;
+  shift: Pair;
+  apart: boolean;
+  tilings: { [map: string]: Tiling };
+  layer: boolean;
+  layer_tiling: Tiling;
+  settings: { [technique: string]: Values };
+  finish: { [surface: string]: Values };
+  smoothing: Values;
+  shading: Values;
+  shadowing: Values;
+  air: Values & { fog_start: number; fog_end: number };
+  background: Vec3;
+  lights: Light[];
+  camera: Orbit;
+};
+
+// --- what can be set
+
+/** A setting of a record; an end of its range is null where the range is open. */
+export type Setting = {
+  name: string;
+  doc: string;
+  low: number | null;
+  high: number | null;
+  default: number | number[];
+  whole: boolean;
+};
+
+export type Technique = {
+  doc: string;
+  called: string;
+  level: number;
+  projection: Projection;
+  mostReads: number;
+  bake: string | null;
+  boxes: boolean;
+  heights: Heights[];
+  settings: Setting[];
+};
+
+/** The placement of a shape and the corners of its hull. */
+export type ShapeData = {
+  origin: Vec3;
+  to_object: number[];
+  tiling: Pair;
+  outline: Vec3[];
+  world: number[][] | null;
+};
+
+/** A preset as a state, or the reason why the page cannot draw it. */
+export type Preset = { about: string; state?: SceneState; why?: string };
+
+export type Menus = { [Name in keyof Chosen]: Chosen[Name][] };
+
+export type Limits = {
+  numbers: { [name: string]: Pair };
+  lights: { [name: string]: Pair };
+  camera: { [name: string]: Pair };
+  least: number;
+  most: number;
+};
+
+// --- maps
+
+/** The maps that a picture can be used as. */
+export type Slot =
+  | "base_color"
+  | "opacity"
+  | "height"
+  | "normal"
+  | "occlusion"
+  | "roughness"
+  | "metallic"
+  | "packed"
+  | "emission";
+
+export type Green = "gl" | "dx";
+
+/** The slot, "" for none, and whether the values are inverted. */
+export type Meaning = [slot: Slot | "", inverted: boolean];
+
+/** Tables for reading file names: `material.conventions`. */
+export type Names = {
+  meanings: { [words: string]: Meaning | undefined };
+  unreal: { [letter: string]: string | undefined };
+  green: { [word: string]: Green };
+  inverted: string[];
+  formats: string[];
+  resolutions: string[];
+  longest: number;
+  word: string;
+  sizes: string;
+};
+
+/** A channel of a packed map: a constant, a copy of an earlier one, or differences. */
+export type PackedChannel = { constant?: number; palette?: number[]; same?: number };
+
+export type PackedMap = { width: number; height: number; channels: PackedChannel[] };
+
+// --- programs
+
+/** WGSL code and the names of the pieces that it uses. */
+export type Piece = [text: string, uses: string[]];
+
+/** A decision tree: a result, or a question and a tree for each answer. */
+export type Tree = string | [question: string, then: { [answer: string]: Tree }];
+
+export type Binding = {
+  kind: "run" | "planes" | "sampler" | "uniform" | "buffer" | "map";
+  name: string;
+  type: string;
+};
+
+export type Programs = {
+  pieces: { [name: string]: Piece };
+  slots: { [slot: string]: { [bound: string]: Piece } };
+  entries: { [entry: string]: Piece };
+  bindings: { [entry: string]: Binding[] };
+  trees: { [slot: string]: Tree };
+  edge: string;
+};
+
+/** Sizes and offsets in words of four bytes. */
+export type Layout = {
+  words: number;
+  align: number;
+  fields: [name: string, type: string, offset: number][];
+};
+
+export type Layouts = { [record: string]: Layout };
+
+// --- bakes
+
+export type Sector = { asked: { [direction: string]: Pair }; ends: [Pair, Pair] };
+
+export type BakeNumbers = {
+  bounds: {
+    block: number;
+    reach: number;
+    farBlock: number;
+    farReach: number;
+    farWindows: [window: string, width: number][];
+  };
+  cones: { blocks: number; sectors: Sector[] };
+};
+
+// --- the whole
+
+export type DebugColors = { heat: Vec3[]; short: Vec3; passed: Vec3 };
+
+export type Data = {
+  programs: Programs;
+  records: Layouts;
+  name: string;
+  version: string;
+  source: string;
+  reading: { [option: string]: string | number | boolean };
+  layerSource: string;
+  scaledTo: Pair | null;
+  hasHeights: boolean;
+  mapSources: { [Name in Slot]?: string };
+  bakes: BakeNumbers;
+  menus: Menus;
+  techniques: { [technique: string]: Technique };
+  shapes: { [Name in Shape]: ShapeData };
+  settings: {
+    finish: { [surface: string]: Setting[] };
+    shading: Setting[];
+    shadowing: Setting[];
+    smoothing: Setting[];
+    air: Setting[];
+  };
+  constants: { proportion: number; layer: boolean; layerProportion: number; glow: number };
+  filled: number;
+  samples: Pair[];
+  state: SceneState;
+  defaults: {
+    plain: Omit<Chosen, "technique"> & { scale: number; bias: number };
+    background: Vec3;
+    lights: Light[];
+    camera: Orbit;
+  };
+  colors: DebugColors;
+  presets: { [preset: string]: Preset };
+  shows: Show[];
+  lightKinds: LightKind[];
+  limits: Limits;
+  names: Names;
+  maps: { [map: string]: PackedMap };
+};
