@@ -10,7 +10,6 @@ import pytest
 from basrelief.engine import choose_engine
 from basrelief.lang import Buffer, Vec2
 from basrelief.lang.program import Program
-from basrelief.lang.types import leaves
 from basrelief.material import Material
 from basrelief.measure.errors import missed, overshoot, uv_error
 from basrelief.measure.truth import Truth, truth
@@ -18,8 +17,7 @@ from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import map_edge, rays_of, values_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
-from basrelief.shading.missed_hit import DrawnWord, PictureSize, TrueWord, missed_hit
-from basrelief.shading.pixel import Pixel
+from basrelief.shading.missed_hit import DrawnHit, PictureSize, TrueHit, missed_hit
 from basrelief.techniques.edge import edges_of
 from helpers.made_up import map_of
 
@@ -33,14 +31,10 @@ def noise(**options: Any) -> Scene:
     return Scene((thing,), Orbit(azimuth=25.0, elevation=24.0))
 
 
-def planes(word: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
-    """The planes of a picture, of which only coordinates and hits are read."""
-    known = {"uv.x": uv[:, :, 0], "uv.y": uv[:, :, 1]}
-    words = []
-    for name, _ in leaves(Pixel):
-        plane = known.get(name, np.zeros(hit.shape)).astype(np.float32).view(np.int32)
-        words += (hit.astype(np.int32) if name == "hit" else plane).ravel().tolist()
-    return Buffer([word(bits) for bits in words], word)
+def listed(record: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
+    """The pixels of a picture, row by row."""
+    pixels = zip(uv.reshape(-1, 2).tolist(), hit.ravel().tolist(), strict=True)
+    return Buffer([record(Vec2(*each), int(there)) for each, there in pixels], record)
 
 
 def by_shader(
@@ -55,9 +49,9 @@ def by_shader(
         program,
         {
             **{name: values[name] for name in ("view", "placement", "depth")},
-            "picture": PictureSize(*SIZE, Vec2(*true.texels)),
-            "drawn": planes(DrawnWord, frame.uv, frame.hit),
-            "truth": planes(TrueWord, true.uv, true.there),
+            "picture": PictureSize(SIZE[0], Vec2(*true.texels)),
+            "drawn": listed(DrawnHit, frame.uv, frame.hit),
+            "truth": listed(TrueHit, true.uv, true.there),
         },
         SIZE,
     )

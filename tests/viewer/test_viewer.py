@@ -21,7 +21,8 @@ from basrelief.errors import InputError
 from basrelief.images import encode_png, read_picture, srgb_encode, write_data
 from basrelief.material import Map, Material, sample
 from basrelief.material.conventions import read_name
-from basrelief.measure.errors import errors
+from basrelief.measure.debug import debug_picture
+from basrelief.measure.errors import errors, missed, overshoot
 from basrelief.measure.truth import truth
 from basrelief.rendering import textures
 from basrelief.rendering.frame import Frame
@@ -215,6 +216,43 @@ def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> 
     found = fresh.page.evaluate("viewer.drawing.frames.found")
     assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
     assert share > 0.05
+
+
+@pytest.mark.parametrize(
+    ("technique", "projection", "edge"),
+    [("offset", "limited", "wrap"), ("steep", "full", "clamp"), ("steep", "biased", "clip")],
+)
+def test_colours_of_missed_hits_are_those_of_render_show(
+    fresh: Seen, material: Material, technique: Any, projection: Any, edge: Any
+) -> None:
+    """Passed by the overshoot along the true ray, and tiles go round only where they repeat."""
+    choices = {"technique": technique, "level": 1.0, "projection": projection, "edge": edge}
+    fresh.state(**choices, show="missed")
+    fresh.draw()
+    words = fresh.page.evaluate(
+        "async () => [...new Uint32Array(await viewer.gpu.read("
+        "viewer.drawing.frames.sides.left.missed))]"
+    )
+    width, height = SIZE
+    lost, passed = np.array(words[: 2 * width * height]).reshape(2, height, width) != 0
+    scene = Scene((Object(material, scale=0.08, **choices),), camera=CAMERA)
+    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    true = truth(scene, SIZE)
+    wanted, behind = missed(frame, true), overshoot(frame, true) > 0.0
+    assert wanted.sum() > 150
+    if projection == "limited":
+        assert 0.1 < behind[wanted].mean() < 0.9
+    assert (lost != wanted).mean() < 0.003
+    assert (passed != behind)[wanted & lost].mean() < 0.003
+    # on the canvas in the colours of `render --show missed`, which dims what lies behind otherwise
+    url = fresh.page.evaluate(
+        "(viewer.drawing.frames.present(), viewer.canvas.toDataURL('image/png'))"
+    )
+    shown = read_picture(_saved(base64.b64decode(url.split(",")[1]), "canvas.png")).pixels
+    picture = debug_picture("missed", frame, true).image.pixels[:, :, :3]
+    codes = np.rint(srgb_encode(picture) * 255)
+    agree = (np.abs(shown[:, :, :3] - codes) <= 2).all(-1)
+    assert agree[wanted & lost].mean() > 0.99
 
 
 @pytest.mark.parametrize("heights", ["smooth", "mip"])

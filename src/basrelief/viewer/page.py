@@ -48,8 +48,8 @@ _LONG_BAKE = "relaxed_cone_map"
 """What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
-    "text", "colors", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs", "mappanel",
-    "panel", "host", "input", "main",
+    "text", "colors", "missed", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs",
+    "mappanel", "panel", "host", "input", "main",
 )  # fmt: skip
 
 

@@ -5,8 +5,8 @@
 /** @import { Gpu } from "view/gpu.js" */
 
 /**
- * A drawn picture: its planes, and the sum of its samples.
- * @typedef {{ planes: GPUBuffer, sum: GPUBuffer }} SideBuffers
+ * A drawn picture: its planes, and the sum of its samples, and its missed hits.
+ * @typedef {{ planes: GPUBuffer, sum: GPUBuffer, missed: GPUBuffer }} SideBuffers
  */
 /**
  * Measurements of a picture.
@@ -71,7 +71,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 `;
 
 const COUNT = `${COMMON}
-@group(0) @binding(2) var<storage, read> truth: array<u32>;
+// Planes: missed, passed.
+@group(0) @binding(2) var<storage, read> missed: array<u32>;
 struct Row { hits: u32, reads: u32, most: u32, missed: u32, nearest: f32, furthest: f32 }
 @group(0) @binding(3) var<storage, read_write> rows: array<Row>;
 
@@ -91,27 +92,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
       row.nearest = min(row.nearest, depth);
       row.furthest = max(row.furthest, depth);
     }
-    if (view.show == 2u && missed_at(p, area)) { row.missed += 1u; }
+    if (view.show == 2u && missed[p] != 0u) { row.missed += 1u; }
   }
   rows[id.x] = row;
-}
-`;
-
-// Missed as CONVENTIONS.md has it: more than a texel from the true hit, or not drawn.
-const MISSED = `
-fn apart(p: u32, area: u32) -> vec2f {
-  let d = vec2f(
-    bitcast<f32>(PLANES[p + 5u * area]) - bitcast<f32>(TRUTH[p + 5u * area]),
-    bitcast<f32>(PLANES[p + 6u * area]) - bitcast<f32>(TRUTH[p + 6u * area]));
-  return (d - round(d)) * view.texels;
-}
-fn missed_at(p: u32, area: u32) -> bool {
-  if (TRUTH[p + 7u * area] == 0u) { return false; }
-  return PLANES[p + 7u * area] == 0u || length(apart(p, area)) > 1.0;
-}
-fn passed_at(p: u32, area: u32) -> bool {
-  return PLANES[p + 7u * area] != 0u
-    && bitcast<f32>(PLANES[p + 4u * area]) > bitcast<f32>(TRUTH[p + 4u * area]);
 }
 `;
 
@@ -119,8 +102,8 @@ const SHOW = `${COMMON}
 @group(0) @binding(2) var<storage, read> left_sum: array<vec4f>;
 @group(0) @binding(3) var<storage, read> right: array<u32>;
 @group(0) @binding(4) var<storage, read> right_sum: array<vec4f>;
-@group(0) @binding(5) var<storage, read> truth: array<u32>;
-@group(0) @binding(6) var<storage, read> right_truth: array<u32>;
+@group(0) @binding(5) var<storage, read> left_missed: array<u32>;
+@group(0) @binding(6) var<storage, read> right_missed: array<u32>;
 @group(0) @binding(7) var<storage, read> heat: array<vec4f>;
 
 @vertex
@@ -170,8 +153,8 @@ fn shown_SIDE(p: u32, corner: vec4u, share: vec2f) -> vec3f {
   let color = averaged_SIDE(corner, share);
   if (view.show == 0u) { return color; }
   if (view.show == 2u) {
-    if (missed_SIDE(p, area)) {
-      return select(vec3f(SHORT), vec3f(PASSED), passed_SIDE(p, area));
+    if (SIDE_missed[p] != 0u) {
+      return select(vec3f(SHORT), vec3f(PASSED), SIDE_missed[p + area] != 0u);
     }
     return vec3f((color.r + color.g + color.b) / 12.0);
   }
@@ -198,19 +181,7 @@ export class Colors {
     const format = navigator.gpu.getPreferredCanvasFormat();
     const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
     this.context.configure({ device, format, usage, alphaMode: "opaque" });
-    /** @type {(planes: string, truth: string) => string} */
-    const against = (planes, truth) =>
-      MISSED.replaceAll("PLANES", planes).replaceAll("TRUTH", truth);
-    /** @type {(side: string, truth: string) => string} */
-    const missed = (side, truth) =>
-      against(side, truth).replace(
-        /(apart|missed|passed)(_at)?\(/g,
-        (_, name) => `${name}_${side}(`,
-      );
-    const truths = { left: "truth", right: "right_truth" };
-    const sides = Object.entries(truths).map(
-      ([side, truth]) => missed(side, truth) + SIDE.replaceAll("SIDE", side),
-    );
+    const sides = ["left", "right"].map((side) => SIDE.replaceAll("SIDE", side));
     const show = SHOW.replace("SIDES", sides.join(""))
       .replaceAll("SHORT", told.short.join(", "))
       .replaceAll("PASSED", told.passed.join(", "));
@@ -221,7 +192,7 @@ export class Colors {
       fragment: { module, entryPoint: "main", targets: [{ format }] },
     });
     this.add = this.compute(ADD, "add");
-    this.count = this.compute(COUNT + against("left", "truth"), "count");
+    this.count = this.compute(COUNT, "count");
     const heat = Float32Array.from(told.heat.flatMap((c) => [...c, 1]));
     this.heat = gpu.buffer(heat.buffer, GPUBufferUsage.STORAGE);
     this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
@@ -290,12 +261,11 @@ export class Colors {
   }
 
   /**
-   * Each side with the truth that it is held against.
-   * @param {[drawn: SideBuffers, truth: SideBuffers]} left
-   * @param {[drawn: SideBuffers, truth: SideBuffers]} right
+   * @param {SideBuffers} left
+   * @param {SideBuffers} right
    * @param {PictureView} view
    */
-  present([left, truth], [right, rightTruth], view) {
+  present(left, right, view) {
     this.put(view);
     const encoder = this.gpu.device.createCommandEncoder();
     const target = this.context.getCurrentTexture().createView();
@@ -303,7 +273,7 @@ export class Colors {
       colorAttachments: [{ view: target, loadOp: "clear", storeOp: "store" }],
     });
     const shown = [left.planes, left.sum, right.planes, right.sum];
-    const buffers = [...shown, truth.planes, rightTruth.planes, this.heat];
+    const buffers = [...shown, left.missed, right.missed, this.heat];
     pass.setPipeline(this.show);
     pass.setBindGroup(0, this.group(this.show, [this.view, ...buffers]));
     pass.draw(3);
@@ -314,17 +284,16 @@ export class Colors {
   /**
    * What a picture's planes say: pixels that show the object, mean and most reads, missed, depths.
    * @param {SideBuffers} side
-   * @param {SideBuffers} truth
    * @param {PictureView} view
    * @returns {Promise<Figures>}
    */
-  async figures(side, truth, view) {
+  async figures(side, view) {
     this.put(view);
     const { device } = this.gpu;
     const height = view.size[1];
     const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
     const rows = device.createBuffer({ size: 24 * height, usage });
-    this.pass(this.count, [this.view, side.planes, truth.planes, rows], [Math.ceil(height / 64)]);
+    this.pass(this.count, [this.view, side.planes, side.missed, rows], [Math.ceil(height / 64)]);
     const words = await this.gpu.read(rows);
     rows.destroy();
     const [whole, real] = [new Uint32Array(words), new Float32Array(words)];

@@ -6,6 +6,7 @@ import { Frames, REST } from "view/frames.js";
 import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
 import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
+import { MissedHits } from "view/missed.js";
 import { firstLine, words } from "view/text.js";
 
 /** @import { Data, Heights, Light, LightKind, Pair, Tiling, Values } from "view/data" */
@@ -101,6 +102,9 @@ export class Drawing {
     /** @type {Shown | null} */
     this.shown = null; // the state and the job of each side
     this.measured = ""; // what figures are of
+    /** @type {MissedHits | null} */
+    this.missed = null; // the program that finds missed hits
+    this.missedKey = ""; // the program that it is
     this.frames = new Frames(this, canvas);
   }
 
@@ -498,6 +502,7 @@ export class Drawing {
             failing(side, each, error);
           }
         }
+        if (shown.truth) await this.ensureMissed(shown.truth.state);
         this.shown = shown;
         this.state = { ...state, ...lost };
         this.failed = null;
@@ -547,6 +552,19 @@ export class Drawing {
     this.jobs.delete(name);
     this.jobs.set(name, job);
     return { state, job };
+  }
+
+  /**
+   * The program that finds the missed hits of pictures with this truth.
+   * @param {State} truth
+   */
+  async ensureMissed(truth) {
+    const program = linked(this.data.programs, "missed_hit", this.choices(truth));
+    if (this.missedKey === program.key) return;
+    const made = await this.gpu.pipeline(program);
+    this.missed?.destroy();
+    this.missed = new MissedHits(this.gpu, new Job(this.gpu, made, this.data));
+    this.missedKey = program.key;
   }
 
   // Of the programs that are not shown only the last keep their values.

@@ -11,7 +11,7 @@ import { firstLine } from "view/text.js";
 /** @import { Pair } from "view/data" */
 /** @import { Figures, PictureView, SideBuffers } from "view/colors.js" */
 /** @import { State } from "view/state.js" */
-/** @import { Drawing, Shown, SideName } from "view/drawing.js" */
+/** @import { Drawing, Shown, Side, SideName } from "view/drawing.js" */
 
 /**
  * A frame in flight.
@@ -104,12 +104,12 @@ export class Frames {
       const needed = this.shown?.[name] || name === "left" ? area : 1;
       const held = this.sides[name];
       if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
-      held?.planes.destroy();
-      held?.sum.destroy();
+      for (const each of [held?.planes, held?.sum, held?.missed]) each?.destroy();
       this.sides[name] = {
         area: needed,
         planes: this.gpu.planes(PLANES, needed, 1),
         sum: this.gpu.planes(4, needed, 1),
+        missed: this.gpu.planes(2, needed, 1),
       };
     }
   }
@@ -154,6 +154,7 @@ export class Frames {
     /** @type {MovingFrame} */
     const frame = { began, size, full, fresh, measured, alone: !pace.flying, timed };
     this.accumulate(size, true);
+    this.missedHits(size, 0);
     this.drawnSize = size;
     this.drawn = 1;
     this.present();
@@ -248,6 +249,7 @@ export class Frames {
     this.row = last;
     if (last < size[1]) return;
     this.accumulate(size, this.done === 0);
+    this.missedHits(size, this.done);
     this.done += 1;
     this.row = 0;
     this.drawnSize = size;
@@ -289,6 +291,24 @@ export class Frames {
     if (this.shown?.right) this.colors.accumulate(this.buffers("right"), view);
   }
 
+  /**
+   * Find the missed hits of a sample, on each side.
+   * @param {Pair} size
+   * @param {number} number of the sample
+   */
+  missedHits(size, number) {
+    const { drawing, shown } = this;
+    if (!shown?.truth || !drawing.missed) return;
+    for (const side of /** @type {const} */ (["left", "right"])) {
+      if (!shown[side]) continue;
+      const truth = side === "right" && shown.right_truth ? "right_truth" : "truth";
+      const { state } = /** @type {Side} */ (shown[truth]);
+      const values = drawing.values(state, size, drawing.data.samples[number]);
+      const pictures = { drawn: this.buffers(side).planes, truth: this.buffers(truth).planes };
+      drawing.missed.find(this.buffers(side).missed, pictures, size, drawing.texels, values);
+    }
+  }
+
   /** @returns {PictureView} */
   view() {
     const { canvas } = this;
@@ -309,16 +329,7 @@ export class Frames {
   // Put what is drawn on the canvas, with the divider where it is now.
   present() {
     if (!this.shown || !this.drawn || this.drawing.held) return;
-    const [left, right] = [this.buffers("left"), this.buffers("right")];
-    this.colors.present([left, this.truth("left")], [right, this.truth("right")], this.view());
-  }
-
-  /**
-   * The buffers that a side is held against.
-   * @param {"left" | "right"} side
-   */
-  truth(side) {
-    return this.buffers(side === "right" && this.shown?.right_truth ? "right_truth" : "truth");
+    this.colors.present(this.buffers("left"), this.buffers("right"), this.view());
   }
 
   /**
@@ -336,8 +347,8 @@ export class Frames {
     const shown = /** @type {Shown} */ (this.shown);
     // both are asked for before anything else is drawn
     const [left, right] = await Promise.all([
-      this.colors.figures(this.buffers("left"), this.truth("left"), view),
-      shown.right && this.colors.figures(this.buffers("right"), this.truth("right"), view),
+      this.colors.figures(this.buffers("left"), view),
+      shown.right && this.colors.figures(this.buffers("right"), view),
     ]);
     if (!this.shown || this.drawing.measured !== measured) return;
     this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };

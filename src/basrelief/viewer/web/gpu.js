@@ -23,8 +23,8 @@ import { pack, packList } from "view/records.js";
  * @typedef {{ createView(): GPUTextureView }} Viewable
  */
 /**
- * The arguments of a program by name: records, lists of records, textures.
- * @typedef {{ [name: string]: Value | Value[] | Viewable }} ProgramValues
+ * The arguments of a program by name: records, lists of records, textures, buffers on the GPU.
+ * @typedef {{ [name: string]: Value | Value[] | Viewable | GPUBuffer }} ProgramValues
  */
 
 const GROUP = 8;
@@ -313,7 +313,7 @@ export class Job {
   put(values) {
     const { gpu, data } = this;
     for (const { kind, name, type } of this.made.program.bindings) {
-      if (kind !== "uniform" && kind !== "buffer") continue;
+      if ((kind !== "uniform" && kind !== "buffer") || values[name] instanceof GPUBuffer) continue;
       const bytes =
         kind === "uniform"
           ? pack(type, /** @type {Value} */ (values[name]), data.records)
@@ -352,7 +352,9 @@ export class Job {
         const texture = /** @type {Viewable} */ (this.textures[name]);
         return { binding, resource: texture.createView() };
       }
-      const buffer = /** @type {GPUBuffer} */ (this.uniforms.get(name));
+      const given = this.textures[name];
+      const buffer =
+        given instanceof GPUBuffer ? given : /** @type {GPUBuffer} */ (this.uniforms.get(name));
       return { binding, resource: { buffer } };
     });
     const encoder = device.createCommandEncoder();
