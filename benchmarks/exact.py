@@ -25,7 +25,7 @@ from scenes import alternate
 from basrelief import bake
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
-from basrelief.programs import edges_of
+from basrelief.shaders.edge import edges_of
 from basrelief.shaders.height import heights_of
 from basrelief.shaders.ray import Ray
 from basrelief.shaders.techniques import Nothing, displace, exact, parallax_occlusion
