@@ -19,7 +19,7 @@ BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 def sources(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     yield importlib.import_module("sources")
-    for name in ("sources", "scenes"):
+    for name in ("sources", "scenes", "figures"):
         sys.modules.pop(name, None)
 
 
