@@ -23,7 +23,7 @@ def main() -> None:
     parser.add_argument("--gpu", action="store_true")
     options = parser.parse_args()
     engine = choose_engine("gpu" if options.gpu else "cpu")
-    texels = 128 if options.quick else 4096 if options.large else 1024
+    texels = 96 if options.quick else 4096 if options.large else 1024
     print(f"{engine.device}, maps of {texels}²")
     figures = {}
     for name, heights in maps(texels).items():

@@ -70,8 +70,8 @@ CASES = {
 Cases = Mapping[str, tuple[basrelief.Scene, tuple[int, int]]]
 
 
-def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float]]:
-    """The processor, and seconds a frame, the pixels' planes in memory."""
+def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
+    """The processor, wall and processor seconds a frame, the pixels' planes in memory."""
     from basrelief.engine.cpu import CpuEngine
 
     engine = CpuEngine()
@@ -81,11 +81,12 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float]]:
         program, values = program_of(thing, scene), values_of(thing, scene, size)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
-    return engine.device, {name: taken.wall for name, taken in frames.items()}
+    walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
+    return engine.device, walls, busy
 
 
-def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float]]:
-    """The device, and seconds a dispatch by timestamps, the frame left on the GPU."""
+def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
+    """The device, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
     from gpu_kernel import RUNS, milliseconds
 
     from basrelief.engine.gpu import GpuEngine
@@ -97,7 +98,7 @@ def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float]]:
         values = values_of(thing, scene, size)
         with engine.prepare(program_of(thing, scene), values, size) as job:
             found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
-    return engine.device, found
+    return engine.device, found, {}
 
 
 def show(device: str, seconds: dict[str, float]) -> dict[str, float]:
@@ -125,11 +126,15 @@ def main() -> None:
     engines = {"cpu": on_cpu, "gpu": on_gpu}
     for name in options.engines or engines:
         try:
-            figures = show(*engines[name](cases, options.quick))
+            device, seconds, busy = engines[name](cases, options.quick)
         except EngineError as error:
             print(f"{name}: {error}")
-        else:
-            store(options.json, {f"{name}, {each}": value for each, value in figures.items()})
+            continue
+        figures = show(device, seconds)
+        for each, spent in busy.items():
+            print(f"  {each:32} {spent * 1000:9.3f} ms of processor time")
+            figures[f"{each}, processor ms"] = spent * 1000
+        store(options.json, {f"{name}, {each}": value for each, value in figures.items()})
 
 
 if __name__ == "__main__":

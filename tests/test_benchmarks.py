@@ -40,6 +40,7 @@ FIGURES = {
     "linked": {"relief, linked ÷ whole", "landscape, linked ÷ whole", "worst ratio"},
     "sources": {
         "cpu, gamedev, 4 to 20 samples, ms",
+        "cpu, gamedev, 4 to 20 samples, processor ms",
         "cpu, halliwell with ÷ without self-shadow",
         "gpu, gamedev, 4 to 20 samples, ms",
         "gpu, halliwell with ÷ without self-shadow",
@@ -61,8 +62,8 @@ FIGURES = {
         "cpu, gravel, parallax_occlusion, missed at 85°, share",
     },
     "cones": {
-        "cpu, 128², fractal, cone_map, processor s",
-        "cpu, 128², bricks, relaxed_cone_map, wall s",
+        "cpu, 96², fractal, cone_map, processor s",
+        "cpu, 96², bricks, relaxed_cone_map, wall s",
     },
     "memory": {"cpu, most held, GB"},
 }
