@@ -27,8 +27,8 @@ FIGURES = {
         "basrelief --help ÷ an empty Python",
     },
     "cpu_frame": {
-        "compiled cold, s",
-        "loaded from the cache, s",
+        "compiled cold, wall s",
+        "loaded from the cache, processor s",
         "cpu ÷ software, wall",
         "cpu ÷ software, processor",
     },
@@ -46,12 +46,12 @@ FIGURES = {
         "gpu, halliwell with ÷ without self-shadow",
     },
     "exact": {
-        "gpu, 128², bounds of fractal, ms",
+        "gpu, 128², bounds of fractal, timestamps ms",
         "gpu, 64 × 36, 128², exact ÷ march, timestamps, geometric mean",
         "gpu, 64 × 36, 128², exact ÷ filter, timestamps, worst",
     },
     "exact --cpu": {
-        "cpu, 128², bounds of bricks, ms",
+        "cpu, 128², bounds of bricks, processor ms",
         "cpu, 64 × 36, 128², exact ÷ march, wall, geometric mean",
         "cpu, 64 × 36, 128², exact ÷ march, processor, worst",
     },
