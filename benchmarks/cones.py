@@ -9,30 +9,34 @@ A cone map of 1024² should take at most 2 s on two cores.
 
 from __future__ import annotations
 
-import argparse
-import time
-
 from exact import maps
+from figures import option_parser, store
+from scenes import seconds_of
 
 from basrelief import baking
 from basrelief.engine.select import choose_engine
 
 
 def main() -> None:
-    wanted = argparse.ArgumentParser()
-    wanted.add_argument("--large", action="store_true")
-    wanted.add_argument("--gpu", action="store_true")
-    given = wanted.parse_args()
-    engine = choose_engine("gpu" if given.gpu else "cpu")
-    texels = 4096 if given.large else 1024
+    parser = option_parser(__doc__)
+    parser.add_argument("--large", action="store_true")
+    parser.add_argument("--gpu", action="store_true")
+    options = parser.parse_args()
+    engine = choose_engine("gpu" if options.gpu else "cpu")
+    texels = 96 if options.quick else 4096 if options.large else 1024
     print(f"{engine.device}, maps of {texels}²")
+    figures = {}
     for name, heights in maps(texels).items():
         for make in (baking.cone_map, baking.relaxed_cone_map):
             make(heights[:16, :16], "wrap", engine)  # compiled before the clock starts
-            start = time.perf_counter(), time.process_time()
-            make(heights, "wrap", engine)
-            wall, busy = time.perf_counter() - start[0], time.process_time() - start[1]
-            print(f"{name}: {make.__name__} {wall:.2f} s, of processor time {busy:.2f} s")
+            taken = seconds_of(lambda make=make, heights=heights: make(heights, "wrap", engine))
+            print(
+                f"{name}: {make.__name__} {taken.wall:.2f} s, "
+                f"of processor time {taken.processor:.2f} s"
+            )
+            case = f"{engine.name}, {texels}², {name}, {make.__name__}"
+            figures |= {f"{case}, {clock} s": t for clock, t in taken._asdict().items()}
+    store(options.json, figures)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ CPU at most 2 times as slow as 32 steps in the mean.
 
 from __future__ import annotations
 
-import argparse
 import math
 import re
 import statistics
@@ -20,13 +19,14 @@ import time
 from typing import Any
 
 import numpy as np
-from scenes import alternate
+from figures import option_parser, store
+from scenes import Seconds, alternate
 
 from basrelief import baking
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
-from basrelief.rendering.programs import edges_of
 from basrelief.techniques import Nothing, displace, exact, parallax_occlusion
+from basrelief.techniques.edge import edges_of
 from basrelief.techniques.height import heights_of
 from basrelief.techniques.march import March
 from basrelief.techniques.ray import Ray
@@ -38,6 +38,9 @@ VIEWS = {
     "steep": (0.1, Vec3(0.5, 0.3, 0.5)),
     "grazing": (0.1, Vec3(0.5, 0.3, 0.2)),
 }
+
+WARM_UP = 0.035
+"""Seconds of other work for each timed run: the clocks of a GPU go down while a map is made."""
 
 
 @struct
@@ -130,14 +133,19 @@ def programs(steps: int) -> dict[str, tuple[Program, Any]]:
 
 
 def main() -> None:
-    wanted = argparse.ArgumentParser()
-    wanted.add_argument("--large", action="store_true")
-    wanted.add_argument("--growth", action="store_true")
-    wanted.add_argument("--cpu", action="store_true")
-    given = wanted.parse_args()
-    size, texels = ((3840, 2160), 4096) if given.large else ((1920, 1080), 1024)
+    parser = option_parser(__doc__)
+    parser.add_argument("--large", action="store_true")
+    measured = parser.add_mutually_exclusive_group()
+    measured.add_argument("--growth", action="store_true")
+    measured.add_argument("--cpu", action="store_true")
+    options = parser.parse_args()
+    size, texels = ((3840, 2160), 4096) if options.large else ((1920, 1080), 1024)
+    sides = (256, 1024, 4096, 8192)
+    runs = 5 if options.cpu else 15
+    if options.quick:
+        size, texels, sides, runs = (64, 36), 128, (128, 144), 1
     engine: Any
-    if given.cpu:
+    if options.cpu:
         from basrelief.engine.cpu import CpuEngine
 
         engine = CpuEngine()
@@ -145,40 +153,54 @@ def main() -> None:
         from basrelief.engine.gpu import GpuEngine
 
         engine = GpuEngine()
-    if given.growth:
-        grow(engine, size)
+    if options.growth:
+        figures = grow(engine, size, sides, runs)
     else:
-        against_steps(engine, size, texels, 32 if given.cpu else 64)
+        figures = against_steps(engine, size, texels, 32 if options.cpu else 64, runs)
+    store(options.json, figures)
 
 
-def against_steps(engine: Any, size: tuple[int, int], texels: int, steps: int) -> None:
+def against_steps(
+    engine: Any, size: tuple[int, int], texels: int, steps: int, runs: int
+) -> dict[str, float]:
     """The nine cases, the march by its own arithmetic and, on a GPU, by the filter's."""
     print(f"{engine.device}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
+    figures: dict[str, float] = {}
     ratios: dict[str, list[float]] = {}
     for name, heights in maps(texels).items():
         field = HeightField([heights])
         baked, spent = bounds_of(engine, heights)
         each = baked.levels[0].nbytes / heights.size
-        print(f"{name}: bounds in {spent * 1000:.1f} ms, {each:.1f} bytes a texel")
+        shown = ", ".join(f"{seconds * 1000:.1f} ms ({c})" for c, seconds in spent.items())
+        print(f"{name}: bounds in {shown}, {each:.1f} bytes a texel")
+        case = f"{engine.name}, {texels}², bounds of {name}"
+        figures |= {f"{case}, {clock} ms": seconds * 1000 for clock, seconds in spent.items()}
         for view, (scale, towards) in VIEWS.items():
             values = {"sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked}
-            times = timed(engine, programs(steps), values, size)
+            by_clock = timed(engine, programs(steps), values, size, runs)
             if engine.name == "gpu":
-                times["filter"] = filtered(engine, programs(steps)["march"], values, size)
-            shown = ", ".join(f"{what} {t * 1000:.4f} ms" for what, t in times.items())
-            for other in times:
-                if other != "exact":
-                    ratios.setdefault(other, []).append(times["exact"] / times[other])
-            print(f"  {view:8} {shown}, exact ÷ march {ratios['march'][-1]:.2f}")
-    for other, found in ratios.items():
-        print(f"exact ÷ {other}: geometric mean {mean(found):.2f}, worst {max(found):.2f}")
+                march = programs(steps)["march"]
+                by_clock["timestamps"]["filter"] = filtered(engine, march, values, size, runs)
+            for clock, times in by_clock.items():
+                shown = ", ".join(f"{what} {t * 1000:.4f} ms" for what, t in times.items())
+                ratio = times["exact"] / times["march"]
+                print(f"  {view:8} {shown}, exact ÷ march {ratio:.2f}, {clock}")
+                for other in [each for each in times if each != "exact"]:
+                    compared = ratios.setdefault(f"exact ÷ {other}, {clock}", [])
+                    compared.append(times["exact"] / times[other])
+    for name, found in ratios.items():
+        print(f"{name}: geometric mean {mean(found):.2f}, worst {max(found):.2f}")
+        case = f"{engine.name}, {size[0]} × {size[1]}, {texels}², {name}"
+        figures |= {f"{case}, geometric mean": mean(found), f"{case}, worst": max(found)}
+    return figures
 
 
-def grow(engine: Any, size: tuple[int, int]) -> None:
+def grow(engine: Any, size: tuple[int, int], sides: tuple[int, ...], runs: int) -> dict[str, float]:
     """How much longer a picture takes by larger maps of the same scale."""
     print(f"{engine.device}, {size[0]} × {size[1]}, exact alone")
     first = 0.0
-    for texels in (256, 1024, 4096, 8192):
+    figures = {}
+    for texels in sides:
         found = []
         for heights in maps(texels).values():
             baked, _ = bounds_of(engine, heights)
@@ -187,20 +209,27 @@ def grow(engine: Any, size: tuple[int, int]) -> None:
                 values = {
                     "sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked,
                 }  # fmt: skip
-                warm(engine, values, size)
-                found.append(timed(engine, programs(64), values, size)["exact"])
+                warm(engine, values, size, runs * WARM_UP)
+                taken = timed(engine, programs(64), values, size, runs)
+                found.append(taken["timestamps"]["exact"])
         first = first or mean(found)
         each = ", ".join(f"{1000 * t:.4f}" for t in found)
         print(
             f"  {texels:5}² mean {mean(found) * 1000:.4f} ms, {mean(found) / first:.2f} × ({each})"
         )
+        case = f"exact at {size[0]} × {size[1]}, {texels}²"
+        figures |= {
+            f"{case}, mean ms": mean(found) * 1000,
+            f"{case} ÷ {sides[0]}²": mean(found) / first,
+        }
+    return figures
 
 
-def warm(engine: Any, values: dict[str, Any], size: tuple[int, int]) -> None:
-    """Keep a GPU busy until its clocks are up: they go down while a map is made."""
+def warm(engine: Any, values: dict[str, Any], size: tuple[int, int], seconds: float) -> None:
+    """Keep a GPU busy until its clocks are up."""
     program, settings = programs(64)["march"]
     with engine.prepare(program, {**values, "settings": settings}, size) as job:
-        end = time.perf_counter() + 0.5
+        end = time.perf_counter() + seconds
         while time.perf_counter() < end:
             engine.seconds(job, size[1], 64)
 
@@ -210,13 +239,13 @@ def mean(values: list[float]) -> float:
     return math.exp(sum(map(math.log, values)) / len(values))
 
 
-def bounds_of(engine: Any, heights: np.ndarray) -> tuple[Texture, float]:
-    """The bounds of a map, and the seconds they took: on a GPU by timestamps, on a CPU in all."""
+def bounds_of(engine: Any, heights: np.ndarray) -> tuple[Texture, dict[str, float]]:
+    """The bounds of a map, and their seconds: by timestamps, or by each clock of the CPU."""
     watch = Watch(engine)
-    start = time.perf_counter()
+    start = time.perf_counter(), time.process_time()
     baked = Texture([baking.bounds(heights, "wrap", watch)])  # type: ignore[arg-type]
-    spent = time.perf_counter() - start
-    return baked, watch.seconds if engine.name == "gpu" else spent
+    spent = Seconds(time.perf_counter() - start[0], time.process_time() - start[1])
+    return baked, {"timestamps": watch.seconds} if engine.name == "gpu" else spent._asdict()
 
 
 class Watch:
@@ -234,7 +263,11 @@ class Watch:
 
 
 def filtered(
-    engine: Any, march: tuple[Program, Any], values: dict[str, Any], size: tuple[int, int]
+    engine: Any,
+    march: tuple[Program, Any],
+    values: dict[str, Any],
+    size: tuple[int, int],
+    runs: int,
 ) -> float:
     """Seconds of the march with the card's own filter, which weighs by 8 bits."""
     from basrelief.engine import gpu
@@ -264,27 +297,31 @@ def filtered(
             mag_filter="linear",
         )  # fmt: skip
         with engine.prepare_text(text, program, {**values, "settings": settings}, size) as job:
-            return statistics.median(engine.seconds(job, size[1], 8) for _ in range(15))
+            return statistics.median(engine.seconds(job, size[1], 8) for _ in range(runs))
     finally:
         gpu._layout_entry, engine.edge_sampler = entry, sampler
 
 
 def timed(
-    engine: Any, made: dict[str, tuple[Program, Any]], values: dict[str, Any], size: tuple[int, int]
-) -> dict[str, float]:
-    """Seconds of each technique, in turn in one run."""
+    engine: Any,
+    made: dict[str, tuple[Program, Any]],
+    values: dict[str, Any],
+    size: tuple[int, int],
+    runs: int,
+) -> dict[str, dict[str, float]]:
+    """Seconds of each technique, in turn in one run: by timestamps, or by each clock of the CPU."""
     every = {name: {**values, "settings": settings} for name, (_, settings) in made.items()}
     if engine.name == "cpu":
-        return alternate(
-            {n: lambda n=n: engine.run(made[n][0], every[n], size) for n in made}, runs=5
-        )
+        tasks = {n: lambda n=n: engine.run(made[n][0], every[n], size) for n in made}
+        taken = alternate(tasks, runs)
+        return {c: {n: getattr(taken[n], c) for n in made} for c in Seconds._fields}
     from gpu_kernel import milliseconds
 
     jobs = {n: engine.prepare(made[n][0], every[n], size) for n in made}
-    found = milliseconds(engine, jobs, size[1])
+    found = milliseconds(engine, jobs, size[1], runs)
     for job in jobs.values():
         job.__exit__()
-    return {n: t / 1000.0 for n, t in found.items()}
+    return {"timestamps": {n: t / 1000.0 for n, t in found.items()}}
 
 
 if __name__ == "__main__":

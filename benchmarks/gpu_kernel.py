@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures import option_parser, store
 
 import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
@@ -70,10 +71,12 @@ def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, An
     }  # fmt: skip
 
 
-def milliseconds(engine: GpuEngine, jobs: dict[str, Job], rows: int) -> dict[str, float]:
+def milliseconds(
+    engine: GpuEngine, jobs: dict[str, Job], rows: int, runs: int = RUNS
+) -> dict[str, float]:
     """Median time of a dispatch of each job, several to a measurement, in turn."""
     found: dict[str, list[float]] = {name: [] for name in jobs}
-    for run in range(RUNS + 3):
+    for run in range(runs + 3):
         for name, job in jobs.items():
             seconds = engine.seconds(job, rows, DISPATCHES)
             if run >= 3:
@@ -82,23 +85,29 @@ def milliseconds(engine: GpuEngine, jobs: dict[str, Job], rows: int) -> dict[str
 
 
 def main() -> None:
+    options = option_parser(__doc__).parse_args()
+    size, texels, runs = ((96, 54), 64, 1) if options.quick else (SIZE, 1024, RUNS)
     engine = GpuEngine()
-    print(f"{engine.device}, {SIZE[0]} × {SIZE[1]}, {STEPS} steps, 1024² map, ms a dispatch")
+    print(f"{engine.device}, {size[0]} × {size[1]}, {STEPS} steps, {texels}² map, ms a dispatch")
+    figures = {}
     for sample in ("bricks", "gravel", "terrain"):
-        program, given = Program(kernel, BINDINGS), values(sample, SIZE)
-        with engine.prepare(program, given, SIZE) as generated:
+        program, given = Program(kernel, BINDINGS), values(sample, size, texels)
+        with engine.prepare(program, given, size) as generated:
             by_hand = engine.prepare_text(
-                (HERE / "kernel_by_hand.wgsl").read_text(), program, given, SIZE
+                (HERE / "kernel_by_hand.wgsl").read_text(), program, given, size
             )
             jobs = {"generated": generated, "by hand": by_hand}
-            times = milliseconds(engine, jobs, SIZE[1])
+            times = milliseconds(engine, jobs, size[1], runs)
             for job in jobs.values():
-                job.dispatch(0, SIZE[1])
-            a, b = (job.read(SIZE[1]).view(np.float32) for job in jobs.values())
-            apart = float((np.abs(a - b).max(0) * 1024 > 0.05).mean())
+                job.dispatch(0, size[1])
+            a, b = (job.read(size[1]).view(np.float32) for job in jobs.values())
+            apart = float((np.abs(a - b).max(0) * texels > 0.05).mean())
         ratio = times["generated"] / times["by hand"]
         shown = ", ".join(f"{name} {time:.4f}" for name, time in times.items())
         print(f"{sample:8} {shown}, ratio {ratio:.3f} (at most {MOST}); differ {apart:.5%}")
+        figures |= {f"{sample}, {name} ms": time for name, time in times.items()}
+        figures |= {f"{sample}, generated ÷ by hand": ratio, f"{sample}, share that differs": apart}
+    store(options.json, figures)
 
 
 if __name__ == "__main__":

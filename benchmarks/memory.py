@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 
 import numpy as np
+from figures import option_parser, store
 
 import basrelief
 
@@ -23,12 +23,12 @@ def peak() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e9
 
 
-def material() -> basrelief.Material:
+def material(side: int) -> basrelief.Material:
     """Seven maps as a loader holds them: 8 bits a channel, the heights 16."""
     random = np.random.default_rng(0)
 
     def one(channels: int, srgb: bool = False, kind: type = np.uint8) -> basrelief.Map:
-        pixels = random.integers(0, np.iinfo(kind).max, (SIDE, SIDE, channels), kind)
+        pixels = random.integers(0, np.iinfo(kind).max, (side, side, channels), kind)
         return basrelief.Map(pixels, srgb, "noise")
 
     return basrelief.Material(
@@ -38,15 +38,18 @@ def material() -> basrelief.Material:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = option_parser(__doc__)
     parser.add_argument("engine", nargs="?", default="cpu")
-    engine = parser.parse_args().engine
+    options = parser.parse_args()
+    side, size = (64, (96, 54)) if options.quick else (SIDE, SIZE)
     start = time.perf_counter()
-    made = material()
+    made = material(side)
     print(f"maps made: {peak():.2f} GB")
-    frame = basrelief.render(made, size=SIZE, samples=2, engine=engine, technique="relief")
-    print(f"{frame.engine}: at most {peak():.2f} GB held (under {MOST})")
+    frame = basrelief.render(made, size=size, samples=2, engine=options.engine, technique="relief")
+    held = peak()
+    print(f"{frame.engine}: at most {held:.2f} GB held (under {MOST})")
     print(f"in {time.perf_counter() - start:.0f} s, maps and all")
+    store(options.json, {f"{options.engine}, most held, GB": held})
 
 
 if __name__ == "__main__":

@@ -11,11 +11,11 @@ is told by a plain walk from cell to cell with the same arithmetic and no bounds
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import Any
 
 import numpy as np
+from figures import option_parser, store
 
 from basrelief import baking, sample
 from basrelief.lang import (
@@ -132,19 +132,20 @@ def traced(at: IVec2, seed: Seed, field: HeightField, baked: Texture) -> Traced:
     return Traced(uv, fall, ended(field, baked, Ray(uv, fall, 1.0, 0.5)).height)
 
 
-def maps() -> dict[str, np.ndarray]:
-    """Height maps by name, float32."""
+def maps(side: int) -> dict[str, np.ndarray]:
+    """Height maps by name, float32, up to a side long, a multiple of 32."""
     random = np.random.default_rng(7)
-    posts = np.zeros((192, 256))
-    posts[random.integers(0, 192, 200), random.integers(0, 256, 200)] = 1.0
-    seam = np.zeros((129, 127))
+    low, half = side * 3 // 4, side // 2
+    posts = np.zeros((low, side))
+    posts[random.integers(0, low, 200), random.integers(0, side, 200)] = 1.0
+    seam = np.zeros((half + 1, half - 1))
     seam[0], seam[:, -1] = 1.0, 0.9
     made = {
-        "bricks": sample("bricks", 256).height.linear()[:, :, 0],
-        "gravel": sample("gravel", (200, 256)).height.linear()[:, :, 0],
-        "noise": random.random((256, 256)),
+        "bricks": sample("bricks", side).height.linear()[:, :, 0],
+        "gravel": sample("gravel", (side * 25 // 32, side)).height.linear()[:, :, 0],
+        "noise": random.random((side, side)),
         "posts": posts,
-        "saddles": np.indices((128, 128)).sum(0) % 2 * 1.0,
+        "saddles": np.indices((half, half)).sum(0) % 2 * 1.0,
         "seams": seam,
     }
     return {name: np.ascontiguousarray(each, np.float32) for name, each in made.items()}
@@ -167,11 +168,12 @@ def apart(planes: Any, heights: np.ndarray, edge: Any) -> tuple[np.ndarray, int]
 
 
 def main() -> None:
-    wanted = argparse.ArgumentParser()
-    wanted.add_argument("--gpu", action="store_true")
-    given = wanted.parse_args()
+    parser = option_parser(__doc__)
+    parser.add_argument("--gpu", action="store_true")
+    options = parser.parse_args()
+    size, side = ((48, 32), 64) if options.quick else (RAYS, 256)
     engine: Any
-    if given.gpu:
+    if options.gpu:
         from basrelief.engine.gpu import GpuEngine
 
         engine = GpuEngine()
@@ -182,7 +184,7 @@ def main() -> None:
     print(f"{engine.device}, rays ending more than {LATE} texel late")
     total = np.zeros(3, int)
     begun = time.perf_counter()
-    for name, heights in maps().items():
+    for name, heights in maps(side).items():
         for edge in ("wrap", "clamp"):
             field = HeightField([heights], edge)
             baked = Texture([baking.bounds(heights, edge, engine)], edge)
@@ -190,7 +192,7 @@ def main() -> None:
             plain = {**edges_of(edge), **heights_of("sharp")}
             counts, worst, early = [], [], []
             for way in (by_exact, by_cells):
-                planes = engine.run(Program(traced, {**plain, ended: way}, edge), values, RAYS)
+                planes = engine.run(Program(traced, {**plain, ended: way}, edge), values, size)
                 behind, before = apart(planes, heights, edge)
                 counts.append(int((behind > LATE).sum()))
                 worst.append(float(behind.max()))
@@ -204,6 +206,15 @@ def main() -> None:
             )
     spent = time.perf_counter() - begun
     print(f"of {total[0]} rays exact {total[1]} late, cell by cell {total[2]}; {spent:.0f} s")
+    rays, by_exact_late, by_cells_late = map(int, total)
+    store(
+        options.json,
+        {
+            f"{engine.name}, rays": rays,
+            f"{engine.name}, exact, late": by_exact_late,
+            f"{engine.name}, cell by cell, late": by_cells_late,
+        },
+    )
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import basrelief
 from basrelief.rendering.programs import program_of, values_of
@@ -34,18 +35,34 @@ def work(scene: basrelief.Scene, size: tuple[int, int]):  # type: ignore[no-unty
     return program_of(thing, scene), values_of(thing, scene, size)
 
 
-def alternate(
-    tasks: Mapping[str, Callable[[], object]],
-    runs: int = 7,
-    clock: Callable[[], float] = time.perf_counter,
-) -> dict[str, float]:
-    """Median seconds of each task by a clock, run in turn after one warm-up each."""
+class Seconds(NamedTuple):
+    """Time of a task: by the wall clock, and the processor time of all threads together.
+
+    Other work on the machine lengthens the first and hardly the second.
+    """
+
+    wall: float
+    processor: float
+
+
+def seconds_of(task: Callable[[], object]) -> Seconds:
+    """Time of one run of a task."""
+    wall, processor = time.perf_counter(), time.process_time()
+    task()
+    return Seconds(time.perf_counter() - wall, time.process_time() - processor)
+
+
+def median(taken: Sequence[Seconds]) -> Seconds:
+    """Median of each of the two times."""
+    return Seconds(*map(statistics.median, zip(*taken, strict=True)))
+
+
+def alternate(tasks: Mapping[str, Callable[[], object]], runs: int = 7) -> dict[str, Seconds]:
+    """Median time of each task, run in turn after one warm-up each."""
     for task in tasks.values():
         task()
-    times: dict[str, list[float]] = {name: [] for name in tasks}
+    times: dict[str, list[Seconds]] = {name: [] for name in tasks}
     for _ in range(runs):
         for name, task in tasks.items():
-            start = clock()
-            task()
-            times[name].append(clock() - start)
-    return {name: statistics.median(found) for name, found in times.items()}
+            times[name].append(seconds_of(task))
+    return {name: median(taken) for name, taken in times.items()}

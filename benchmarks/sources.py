@@ -3,14 +3,16 @@
 gamedev: faster than 60 frames a second at 640 × 480 with 4 to 20 samples (a GeForce 8600M GT).
 halliwell: about 450 frames a second with self-shadow and 650 without, at 1600 × 900 (a GTX 670).
 
-    python benchmarks/sources.py [cpu] [gpu]
+    python benchmarks/sources.py           on the CPU, then on a GPU
+    python benchmarks/sources.py cpu       on one of them
 """
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 
+from figures import option_parser, store
 from scenes import alternate
 
 import basrelief
@@ -22,10 +24,10 @@ CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)
 """The plane fills the whole picture: every pixel pays."""
 
 
-def gamedev() -> basrelief.Scene:
+def gamedev(texels: int = 512) -> basrelief.Scene:
     """Parallax occlusion of 4 to 20 samples, ambient and diffuse light on the colour map."""
     thing = basrelief.Object(
-        basrelief.sample("bricks"),
+        basrelief.sample("bricks", texels),
         technique="parallax_occlusion",
         settings={"min_steps": 4, "max_steps": 20},
         scale=0.1,
@@ -41,10 +43,10 @@ def gamedev() -> basrelief.Scene:
     )
 
 
-def halliwell(shadows: str) -> basrelief.Scene:
+def halliwell(shadows: str, texels: int = 512) -> basrelief.Scene:
     """A march by angle with a search after it, one light, with and without self-shadow."""
     thing = basrelief.Object(
-        basrelief.sample("cobbles"),
+        basrelief.sample("cobbles", texels),
         technique="relief",
         settings={"min_steps": 8, "max_steps": 24, "search_steps": 5},
         scale=0.1,
@@ -62,43 +64,45 @@ def halliwell(shadows: str) -> basrelief.Scene:
 
 CASES = {
     "gamedev, 4 to 20 samples": (gamedev, (640, 480)),
-    "halliwell without self-shadow": (lambda: halliwell("none"), (1600, 900)),
-    "halliwell with self-shadow": (lambda: halliwell("hard"), (1600, 900)),
+    "halliwell without self-shadow": (partial(halliwell, "none"), (1600, 900)),
+    "halliwell with self-shadow": (partial(halliwell, "hard"), (1600, 900)),
 }
+Cases = Mapping[str, tuple[basrelief.Scene, tuple[int, int]]]
 
 
-def on_cpu() -> tuple[str, dict[str, float]]:
-    """The processor, and seconds a frame, the pixels' planes in memory."""
+def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
+    """The processor, wall and processor seconds a frame, the pixels' planes in memory."""
     from basrelief.engine.cpu import CpuEngine
 
     engine = CpuEngine()
     tasks: dict[str, Callable[[], object]] = {}
-    for name, (scene_of, size) in CASES.items():
-        scene = scene_of()
+    for name, (scene, size) in cases.items():
         thing = scene.objects[0]
         program, values = program_of(thing, scene), values_of(thing, scene, size)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
-    return engine.device, alternate(tasks)
+    frames = alternate(tasks, 1 if quick else 7)
+    walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
+    return engine.device, walls, busy
 
 
-def on_gpu() -> tuple[str, dict[str, float]]:
-    """The device, and seconds a dispatch by timestamps, the frame left on the GPU."""
-    from gpu_kernel import milliseconds
+def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
+    """The device, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
+    from gpu_kernel import RUNS, milliseconds
 
     from basrelief.engine.gpu import GpuEngine
 
     engine, found = GpuEngine(), {}
-    for name, (scene_of, size) in CASES.items():
-        scene = scene_of()
+    runs = 1 if quick else RUNS
+    for name, (scene, size) in cases.items():
         thing = scene.objects[0]
         values = values_of(thing, scene, size)
         with engine.prepare(program_of(thing, scene), values, size) as job:
-            found[name] = milliseconds(engine, {name: job}, size[1])[name] / 1000.0
-    return engine.device, found
+            found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
+    return engine.device, found, {}
 
 
-def show(device: str, seconds: dict[str, float]) -> None:
-    """One line a case, and halliwell's ratio beside his."""
+def show(device: str, seconds: dict[str, float]) -> dict[str, float]:
+    """Print one line a case, and halliwell's ratio beside his; returns the figures."""
     print(device)
     for name, each in seconds.items():
         print(f"  {name:32} {each * 1000:9.3f} ms, {1.0 / each:8.0f} frames a second")
@@ -106,15 +110,31 @@ def show(device: str, seconds: dict[str, float]) -> None:
     print(f"  self-shadow takes {within / without:.2f} times as long (halliwell: 650 to 450, 1.44)")
     fast = 1.0 / seconds["gamedev, 4 to 20 samples"]
     print(f"  gamedev: more than 60 frames a second there, {fast:.0f} here")
+    milliseconds = {f"{name}, ms": each * 1000 for name, each in seconds.items()}
+    return {**milliseconds, "halliwell with ÷ without self-shadow": within / without}
 
 
 def main() -> None:
+    parser = option_parser(__doc__)
+    parser.add_argument("engines", nargs="*", metavar="cpu|gpu")
+    options = parser.parse_args()
+    texels, smaller = (64, 10) if options.quick else (512, 1)
+    cases = {
+        name: (scene_of(texels), (width // smaller, height // smaller))
+        for name, (scene_of, (width, height)) in CASES.items()
+    }
     engines = {"cpu": on_cpu, "gpu": on_gpu}
-    for name in sys.argv[1:] or engines:
+    for name in options.engines or engines:
         try:
-            show(*engines[name]())
+            device, seconds, busy = engines[name](cases, options.quick)
         except EngineError as error:
             print(f"{name}: {error}")
+            continue
+        figures = show(device, seconds)
+        for each, spent in busy.items():
+            print(f"  {each:32} {spent * 1000:9.3f} ms of processor time")
+            figures[f"{each}, processor ms"] = spent * 1000
+        store(options.json, {f"{name}, {each}": value for each, value in figures.items()})
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ BENCHMARKS = REPOSITORY / "benchmarks"
 def sources(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     yield importlib.import_module("sources")
-    for name in ("sources", "scenes"):
+    for name in ("sources", "scenes", "figures"):
         sys.modules.pop(name, None)
 
 
