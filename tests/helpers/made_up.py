@@ -9,14 +9,29 @@ import numpy as np
 from basrelief.material import Map, Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
-from basrelief.scene import LookAt, Object, Scene
+from basrelief.scene import LookAt, Object, Scene, directional
 
 SIZE = (97, 61)
+
+TRIPOD = (
+    directional(10.0, 5.0, (1.0, 0.0, 0.0)),
+    directional(70.0, 10.0, (0.0, 1.0, 0.0)),
+    directional(-15.0, -40.0, (0.0, 0.0, 1.0)),
+)
+"""Three lights that together determine a normal, one in each channel of a picture."""
 
 
 def unit(v) -> np.ndarray:
     v = np.asarray(v, np.float64)
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def normal_under_tripod(lit) -> np.ndarray:
+    """The unit normal of a white surface, from its colour by Lambert's law under TRIPOD."""
+    cosines = np.asarray(lit, np.float64)
+    assert cosines.min() > 0.01
+    towards = [[-float(c) for c in light.direction] for light in TRIPOD]
+    return np.linalg.solve(towards, cosines)
 
 
 def rays(camera: LookAt, size=SIZE) -> tuple[np.ndarray, np.ndarray]:

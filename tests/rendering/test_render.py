@@ -197,6 +197,15 @@ def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
         assert quarters.max() - quarters.min() <= max(1, count // 8)
 
 
+def test_samples_step_by_the_powers_of_the_plastic_number() -> None:
+    """g³ = g + 1: from place to place by 1 ÷ g and 1 ÷ g², of which only the fraction counts."""
+    plastic = max(np.roots([1.0, 0.0, -1.0, -1.0]).real)
+    places = np.array(sample_places(50))
+    steps = np.array([1.0 / plastic, 1.0 / plastic**2])
+    wanted = (0.5 + np.arange(50)[:, None] * steps) % 1.0
+    np.testing.assert_allclose(places, wanted, atol=1e-12)
+
+
 def test_samples_are_averaged() -> None:
     """As many single pictures, each with its camera moved within the pixel, make the same."""
     camera = ABOVE
@@ -255,6 +264,69 @@ def test_opacity_lets_the_background_through() -> None:
     np.testing.assert_allclose(middle, [0.4, 0.3, 0.6, 1.0], atol=1e-4)
     clear = drawn(replace(scene, background=None)).color[18, 32]
     np.testing.assert_allclose(clear, [0.8, 0.4, 0.2, 0.5], atol=1e-4)
+
+
+BARELY_NOT, BARELY = 32767, 32768
+"""Codes of opacity on either side of a half, of 65535."""
+
+
+def pane(code: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Object:
+    """A green pane of an opacity, four times as wide as it is high, that faces +z."""
+    opacity = map_of([[code]], np.uint16)
+    shape = placed((x, y, z), (2.0, 0.5, 1.0))
+    return Object(colored((0.1, 0.8, 0.2), opacity=opacity), transform=shape)
+
+
+@pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True), (65535, True)])
+def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None:
+    """Coverage below a half only tints: depth, uv and hit are those of what lies behind."""
+    camera = LookAt((0.3, -0.1, 4.0), (0.3, -0.1, 0.0), orthographic_height=0.2)
+    scene = {"camera": camera, "lights": (), "shading": WHITE, "background": (0.0, 0.0, 1.0)}
+    share = code / 65535
+    # one pane alone; the middle of the picture is at (0.3, −0.1), its pixels are 0.05 wide
+    lone = drawn(Scene((pane(code, 0.1),), **scene), (8, 4))
+    wanted = np.array([0.1, 0.8, 0.2]) * share + np.array([0.0, 0.0, 1.0]) * (1.0 - share)
+    np.testing.assert_allclose(lone.color[..., :3], np.broadcast_to(wanted, (4, 8, 3)), atol=1e-4)
+    assert (lone.hit == solid).all()
+    x = 0.3 + (np.arange(8) + 0.5 - 4.0) * 0.05
+    y = -0.1 - (np.arange(4) + 0.5 - 2.0) * 0.05
+    u, v = np.meshgrid(0.5 + (x - 0.1) / 2.0, 0.5 - y / 0.5)
+    if solid:
+        np.testing.assert_allclose(lone.depth, 4.0, rtol=1e-6)
+        np.testing.assert_allclose(lone.uv, np.stack([u, v], -1), atol=1e-5)
+    else:
+        assert np.isinf(lone.depth).all()
+        assert (lone.uv == 0.0).all()
+    # before a whole one, whichever comes first in the scene
+    wall = Object(colored((0.9, 0.3, 0.6)), transform=placed((0.0, 0.1, -1.5), 3.0))
+    for things in ((wall, pane(code, 0.1)), (pane(code, 0.1), wall)):
+        frame = drawn(Scene(things, **scene), (8, 4))
+        wanted = np.array([0.1, 0.8, 0.2]) * share + np.array([0.9, 0.3, 0.6]) * (1.0 - share)
+        np.testing.assert_allclose(frame.color[2, 5, :3], wanted, atol=1e-4)
+        assert frame.hit.all()
+        np.testing.assert_allclose(frame.depth, 4.0 if solid else 5.5, rtol=1e-6)
+        behind = np.stack(np.meshgrid(0.5 + x / 3.0, 0.5 - (y - 0.1) / 3.0), -1)
+        there = np.stack([u, v], -1) if solid else behind
+        np.testing.assert_allclose(frame.uv, there, atol=1e-5)
+
+
+@pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True)])
+def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool) -> None:
+    """Light falls through what covers less, as if nothing were there."""
+    wall = Object(colored(1.0), transform=placed((0.0, 0.0, -1.0), 8.0))
+    light = (directional(-60.0, 0.0),)
+    matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+    camera = LookAt((0.0, 0.0, 4.0), orthographic_height=3.0)
+    scene = {"camera": camera, "lights": light, "shading": matte, "shading_model": "phong"}
+    things = (wall, pane(code))
+    frames = [drawn(Scene(things, **scene, shadows=kind), (80, 48)) for kind in ("none", "hard")]
+    lit, shadowed = (frame.color[24, :, 0] for frame in frames)
+    # light from the left: tan 60° to the right of the pane, which is one to either side
+    x = (np.arange(80) + 0.5 - 40.0) * 3.0 / 48.0
+    shadow = (x > 1.1) & (x < 1.0 + math.tan(math.radians(60.0)) - 0.1)
+    assert shadow.sum() > 15
+    np.testing.assert_allclose(lit[shadow], 0.5, atol=1e-3)
+    np.testing.assert_allclose(shadowed[shadow], 0.0 if solid else 0.5, atol=1e-3)
 
 
 # --- what must simply work ------------------------------------------------------------------------
@@ -380,6 +452,23 @@ def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
         color = drawn(scene, (96, 54)).color
         shares.append(((color[:, :, 1] == 1.0) & (color[:, :, 0] == 0.0)).mean())
     assert shares[0] < shares[1] < shares[2]
+
+
+def test_reads_of_all_objects_are_counted() -> None:
+    """Also of those that are hidden: each object is drawn at every pixel."""
+    flat = replace(colored((1.0, 1.0, 1.0)), height=map_of(np.full((4, 4), 0.5)))
+    near = Object(flat, technique="steep", settings={"steps": 8}, transform=np.eye(4))
+    far = Object(
+        flat, technique="steep", settings={"steps": 20},
+        transform=placed((0.25, 0.0, -1.0), (1.0, 2.0, 1.0)),
+    )  # fmt: skip
+    scene = {"camera": LookAt((0.0, 0.0, 3.0), orthographic_height=1.0), "lights": ()}
+    both = drawn(Scene((near, far), **scene))
+    alone = [drawn(Scene((each,), **scene)).reads for each in (near, far)]
+    np.testing.assert_array_equal(both.reads, alone[0] + alone[1])
+    # at half the height a march of N steps has read N ÷ 2 + 1 heights
+    assert np.unique(both.reads).tolist() == [0, 5, 11, 16]
+    assert both.mean_reads == pytest.approx(both.reads[both.hit].mean())
 
 
 def test_an_empty_scene_is_its_background() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.material import Material, sample
+from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of, reach_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.brdf import Shading
@@ -82,6 +82,22 @@ def test_opaque_takes_no_notice_and_blend_mixes() -> None:
     mixed = drawn(holed(alpha="blend"), behind(), camera=SLANTED, **UNLIT)
     share = opacity_seen()[..., None]
     np.testing.assert_allclose(mixed.color[:, :, :3], FRONT * share + BACK * (1 - share), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("opacity", "cutoff", "there"),
+    [(32767, None, False), (32768, None, True), (65534, 1.0, False), (65535, 1.0, True),
+     (0, 0.0, True), (13106, 0.2, False), (13107, 0.2, True)],
+)  # fmt: skip
+def test_as_opaque_as_the_cutoff_is_there(opacity: int, cutoff, there: bool) -> None:
+    """Codes of 65535 on either side of a cutoff, which is a half by default."""
+    stored = Map(np.full((1, 1, 1), opacity, np.uint16), False, "made up")
+    finish = {} if cutoff is None else {"cutoff": cutoff}
+    thing = Object(plain(FRONT, opacity=stored), alpha="mask", finish=finish, transform=np.eye(4))
+    frame = drawn(thing, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
+    assert (frame.hit == there).all()
+    wanted = FRONT if there else (0.3, 0.6, 0.2)
+    np.testing.assert_allclose(frame.color[30, 48, :3], wanted, atol=1e-4)
 
 
 # --- the light that falls through -----------------------------------------------------------------

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from basrelief.lang import Vec3
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, turned
 from basrelief.shading.brdf import Shading
+from basrelief.shading.fog import Fog, linear
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, on_plane, plain
 
@@ -70,6 +72,14 @@ def test_before_it_begins_linear_fog_takes_nothing_and_after_its_end_all() -> No
     np.testing.assert_allclose(near.color[near.hit][:, :3], OWN, atol=1e-5)
     for channel, value in enumerate(AIR["fog_color"]):
         np.testing.assert_allclose(far.color[far.hit][:, channel], value, atol=1e-6)
+
+
+def test_linear_fog_that_begins_at_its_end_is_a_wall() -> None:
+    """Nothing of it before, all behind."""
+    fog = Fog(fog_color=Vec3(0.2, 0.5, 0.9), fog_start=2.0, fog_end=2.0)
+    own = Vec3(0.7, 0.1, 0.4)
+    for distance, wanted in ((1.9, own), (1.999, own), (2.001, fog.fog_color)):
+        np.testing.assert_allclose([*linear(own, distance, fog)], [*wanted], atol=1e-6)
 
 
 def test_without_fog_there_is_no_code_for_it() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from basrelief.techniques import Hit, fixed_length, march
 from basrelief.techniques.march import FixedLength
 from basrelief.techniques.ray import Ray, at
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, noise, plain
+from helpers.made_up import TRIPOD, bilinear, drawn, map_of, noise, normal_under_tripod, plain, unit
 
 EMPTY = HeightField([np.zeros((1, 1))])
 
@@ -143,6 +144,68 @@ def test_it_is_lit_by_lamberts_law(elevation: float) -> None:
     scene = {"lights": (directional(0.0, elevation),), "shading": matte, "shading_model": "phong"}
     wanted = (GRASS * 0.5 + STONE * 0.5) * math.cos(math.radians(elevation))
     np.testing.assert_allclose(color(land(0.5), **scene), wanted, atol=1e-4)
+
+
+# --- the numbers of the surface
+
+MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+
+
+def ground(own_color: float, maps=None, **numbers) -> Object:
+    """A landscape that is 0.5 high everywhere, its normal map leaning to (0.36, −0.48, 0.8)."""
+    leaning = np.array([[[0.36, -0.48, 0.8]]]) * 0.5 + 0.5
+    return Object(
+        plain(own_color, 0.5, normal=map_of(leaning), **(maps or {})),
+        surface="landscape",
+        finish={"water_level": 0.0, **numbers},
+        technique="parallax_occlusion",
+        transform=np.eye(4),
+    )
+
+
+def shading_normal(thing: Object) -> np.ndarray:
+    """The unit normal of a white landscape."""
+    return normal_under_tripod(color(thing, lights=TRIPOD, shading=MATTE, shading_model="phong"))
+
+
+@pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])
+def test_normal_strength_scales_the_slope_of_the_map(strength) -> None:
+    """x and y times the strength, of unit length again; as stored without one."""
+    times = 1.0 if strength is None else strength
+    numbers = {} if strength is None else {"normal_strength": strength}
+    wanted = unit([0.36 * times, -0.48 * times, 0.8])
+    np.testing.assert_allclose(shading_normal(ground(1.0, **numbers)), wanted, atol=2e-4)
+
+
+def test_water_and_sky_are_level_whatever_the_normal_map_has() -> None:
+    # white at half the height
+    lake = ground(1.0, water_level=0.6, water_color=2.0)
+    np.testing.assert_allclose(shading_normal(lake), [0.0, 0.0, 1.0], atol=2e-4)
+    above = {"technique": "fixed_length", "settings": {"steps": 5, "step_length": 0.001}}
+    sky = replace(ground(0.0, sky_color=1.0), **above)
+    np.testing.assert_allclose(shading_normal(sky), [0.0, 0.0, 1.0], atol=2e-4)
+
+
+def test_by_default_water_lies_below_a_height_of_two_fifths() -> None:
+    for height, wanted in ((0.395, np.array([0.1, 0.3, 0.8]) * 0.395), (0.405, GRASS)):
+        thing = Object(
+            plain(GRASS, height), surface="landscape", technique="parallax_occlusion",
+            transform=np.eye(4),
+        )  # fmt: skip
+        np.testing.assert_allclose(color(thing), wanted, atol=1e-4)
+
+
+def test_a_landscape_has_the_same_response_everywhere() -> None:
+    """Roughness 0.8, metallic 0, occlusion 1, no emission, whatever the maps have."""
+    maps = {name: map_of([[0.3]]) for name in ("roughness", "metallic", "occlusion")}
+    maps["emission"] = map_of(np.ones((1, 1, 3)))
+    black = ground(0.0, maps, normal_strength=0.0)
+    scene = {"lights": (directional(0.0, 0.0),), "shading": MATTE}
+    # black and lit along the view: π · D · V · F is 0.01 ÷ roughness⁴
+    np.testing.assert_allclose(color(black, **scene), 0.01 / 0.8**4, rtol=3e-4)
+    white = ground(1.0, maps, normal_strength=0.0)
+    ambient = {"lights": (), "shading": Shading(ambient=(0.2, 0.4, 0.8))}
+    np.testing.assert_allclose(color(white, **ambient), [0.2, 0.4, 0.8], atol=1e-5)
 
 
 def test_ground_and_mountains_have_their_own_tilings() -> None:

@@ -159,6 +159,16 @@ def test_normals_of_details_lean_further(tiles, turn) -> None:
     np.testing.assert_allclose(normal_of(thing), bent, atol=5e-4)
 
 
+@pytest.mark.parametrize("z", [0.0, -0.5])
+def test_a_stored_normal_of_details_points_out_of_the_surface(z: float) -> None:
+    """Its z is at least 0.001: a map of (½, ½, ½) gives the surface's own normal."""
+    stored = map_of(np.array([[[0.5, 0.5, 0.5 * z + 0.5]]]))
+    thing = reliefs(plain(), layer=Layer(Material("level", normal=stored)))
+    # ½ is stored as 32768 ÷ 65535, which stands for 1 ÷ 65535
+    wanted = unit([1.0 / 65535.0, 1.0 / 65535.0, 1e-3])
+    np.testing.assert_allclose(normal_of(thing), wanted, atol=5e-4)
+
+
 def test_the_layers_strengths_are_settings() -> None:
     detail = Material(
         "d", base_color=map_of(np.full((1, 1, 3), 0.1)), normal=leaning(0.3, 0).normal

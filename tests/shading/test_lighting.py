@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from basrelief.lang import Vec3, bound
 from basrelief.lang.frontend import analyse
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, ggx, phong, reflectance
-from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Incoming, Light, arriving
+from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Incoming, Light, arriving, cone
 
 UP = (0, 0, 1)
 MODELS = [phong, ggx]
@@ -110,6 +110,25 @@ def test_within_a_lamp_the_light_is_finite(kind):
         assert np.linalg.norm(a(found.direction)) == pytest.approx(1, abs=1e-5)
 
 
+@pytest.mark.parametrize("kind", [POINT, SPOT])
+@pytest.mark.parametrize(
+    ("distance", "held"),
+    [(2e-4, 1e-3), (9e-4, 1e-3), (1.5e-3, 1.5e-3), (9e3, 9e3), (1.1e4, 1e4), (3e6, 1e4)],
+)
+def test_a_lamp_gives_light_as_from_a_millimetre_to_ten_kilometres(kind, distance, held):
+    lamp = light(kind, falloff=1.0)
+    found = arriving(lamp, Vec3(0, 0, -distance))
+    assert found.distance == pytest.approx(distance, rel=1e-6)
+    np.testing.assert_allclose(a(found.radiance), np.array((1, 2, 4)) / held, rtol=1e-5)
+
+
+def test_within_a_millionth_of_a_lamp_its_light_comes_from_above():
+    lamp = light(POINT)
+    for distance, direction in ((0.0, (0, 1, 0)), (9e-7, (0, 1, 0)), (1.1e-6, (-1, 0, 0))):
+        found = arriving(lamp, Vec3(distance, 0, 0))
+        np.testing.assert_allclose(a(found.direction), direction, atol=1e-6)
+
+
 def spot_share(degrees, **changed):
     """A spot's light on a sphere of radius 1 around it, at an angle from its axis."""
     down = light(SPOT, color=(1, 1, 1), **changed)
@@ -133,6 +152,13 @@ def test_a_spot_with_equal_cones_has_a_hard_edge():
     assert spot_share(59.9, **cones) == 1
     assert spot_share(60.1, **cones) == 0
     assert 0 <= spot_share(60, **cones) <= 1
+
+
+def test_the_edge_of_equal_cones_is_a_millionth_wide():
+    """In cosines; half of the light in its middle."""
+    lamp = light(SPOT, cos_inner=0.5, cos_outer=0.5)
+    for more, share in ((-1e-7, 0.0), (5e-7, 0.5), (1.1e-6, 1.0)):
+        assert float(cone(lamp, np.float32(0.5 + more))) == pytest.approx(share, abs=0.1)
 
 
 def test_a_spot_falls_off_as_a_point_light_does():
@@ -287,6 +313,17 @@ def test_no_more_light_leaves_than_arrives(roughness, metallic, degrees):
     share = reflected_share(point)
     assert (share < 1.02).all()
     assert (share > 0.7).all()
+
+
+@pytest.mark.parametrize("view", [(1, 0, 0), (0.99, 0, -0.1)])
+def test_from_behind_a_bent_normal_ggx_is_that_of_a_grazing_view(view):
+    """n·v is held to 1e-4. α = 1: V = ½ ÷ (n·v + n·l), D = 1 ÷ π; the light along the normal."""
+    view = unit(*view)
+    half = unit(*(view + np.array(UP)))
+    metal = point_seen(view=view, base_color=(0.9, 0.5, 0.1), metallic=1.0)
+    base = np.array((0.9, 0.5, 0.1))
+    wanted = (base + (1 - base) * (1 - half @ view) ** 5) * 0.5 / (1.0 + 1e-4)
+    np.testing.assert_allclose(a(ggx(metal, Shading(), coming(UP))), wanted, rtol=2e-5)
 
 
 # --- what must never go wrong ----------------------------------------------------------------

@@ -12,14 +12,14 @@ import pytest
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.material import Material, sample
+from basrelief.material import Map, Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene, directional, placed, point, spot, turned
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES
-from helpers.made_up import map_of, noise, rays, unit
+from helpers.made_up import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
 
 CPU = CpuEngine()
 SIZE = (97, 61)
@@ -394,6 +394,108 @@ def test_normals_are_those_of_the_transformed_relief(name) -> None:
     assert wanted > 0.05
     # coarse levels mix in the border, where the ramp ends
     assert np.median(frame.color[inside][:, 0]) == pytest.approx(wanted, abs=1e-3)
+
+
+# --- the numbers of the standard surface ----------------------------------------------------------
+
+OVERHEAD = (directional(0.0, 0.0),)
+"""A light that shines along the view of the camera FRONT."""
+
+
+def shaded(material: Material, lights=(), shading=MATTE, **options) -> np.ndarray:
+    """The linear colour of a material that faces the camera, the same everywhere."""
+    model = options.pop("shading_model", "ggx")
+    thing = Object(material, transform=np.eye(4), **options)
+    frame = drawn(thing, FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
+    assert frame.hit.all()
+    assert np.ptp(frame.color, axis=(0, 1)).max() < 1e-5
+    return frame.color[2, 1, :3]
+
+
+def shading_normal(material: Material, **options) -> np.ndarray:
+    """The unit normal that a white material is shaded with, by Lambert's cosines."""
+    return normal_under_tripod(shaded(material, TRIPOD, shading_model="phong", **options))
+
+
+def white(**maps) -> Material:
+    return Material("made up", base_color=map_of(np.ones((1, 1, 3))), **maps)
+
+
+def normal_map(*normal: float) -> dict[str, Map]:
+    """A map of one normal, stored as 0 to 1."""
+    return {"normal": map_of((np.array(normal) * 0.5 + 0.5).reshape(1, 1, 3))}
+
+
+@pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])
+def test_normal_strength_scales_the_slope_of_the_map(strength) -> None:
+    """x and y times the strength, z as stored, of unit length again; as stored without one."""
+    times = 1.0 if strength is None else strength
+    finish = {} if strength is None else {"normal_strength": strength}
+    wanted = unit([0.36 * times, -0.48 * times, 0.8])
+    found = shading_normal(white(**normal_map(0.36, -0.48, 0.8)), finish=finish)
+    np.testing.assert_allclose(found, wanted, atol=2e-4)
+
+
+@pytest.mark.parametrize("z", [0.0, -0.5])
+def test_a_stored_normal_points_out_of_the_surface(z: float) -> None:
+    """Its z is at least 0.001: a map of (½, ½, ½) gives the surface's own normal."""
+    # ½ is stored as 32768 ÷ 65535, which stands for 1 ÷ 65535
+    least = unit([1.0 / 65535.0, 1.0 / 65535.0, 1e-3])
+    np.testing.assert_allclose(shading_normal(white(**normal_map(0.0, 0.0, z))), least, atol=2e-4)
+
+
+@pytest.mark.parametrize(("mapped", "stored"), [(None, 0.8), (0.6, 0.6)])
+@pytest.mark.parametrize("factor", [None, 1.0, 0.75, 0.4])
+def test_roughness_is_the_maps_times_the_factor(mapped, stored: float, factor) -> None:
+    """0.8 without a map. Black and lit along the view, π · D · V · F is 0.01 ÷ roughness⁴."""
+    maps = {} if mapped is None else {"roughness": map_of([[mapped]])}
+    material = Material("made up", base_color=map_of(np.zeros((1, 1, 3))), **maps)
+    finish = {} if factor is None else {"roughness": factor}
+    highlight = 0.01 / (stored * (1.0 if factor is None else factor)) ** 4
+    found = shaded(material, OVERHEAD, finish=finish)
+    np.testing.assert_allclose(found, highlight, rtol=3e-4)
+
+
+@pytest.mark.parametrize(("mapped", "stored"), [(None, 0.0), (0.7, 0.7)])
+@pytest.mark.parametrize("factor", [None, 0.5, 0.0])
+def test_metallic_is_the_maps_times_the_factor(mapped, stored: float, factor) -> None:
+    """0 without a map. Of roughness 0.8 and lit along the view, so that F is that of head-on."""
+    base = np.array([0.9, 0.5, 0.1])
+    maps = {} if mapped is None else {"metallic": map_of([[mapped]])}
+    material = Material("made up", base_color=map_of(base.reshape(1, 1, 3)), **maps)
+    finish = {} if factor is None else {"metallic": factor}
+    metal = stored * (1.0 if factor is None else factor)
+    fresnel = 0.04 * (1.0 - metal) + base * metal
+    wanted = base * (1.0 - metal) * (1.0 - fresnel) + fresnel * 0.25 / 0.8**4
+    np.testing.assert_allclose(shaded(material, OVERHEAD, finish=finish), wanted, atol=2e-4)
+
+
+@pytest.mark.parametrize(("mapped", "stored"), [(None, 1.0), (0.3, 0.3)])
+@pytest.mark.parametrize("strength", [None, 1.0, 0.5, 0.0])
+def test_occlusion_acts_on_ambient_light_as_far_as_its_strength(mapped, stored, strength) -> None:
+    """1 without a map; with one, from 1 to its value."""
+    maps = {} if mapped is None else {"occlusion": map_of([[mapped]])}
+    finish = {} if strength is None else {"occlusion": strength}
+    ambient = Shading(ambient=(0.8, 0.4, 0.2))
+    share = 1.0 - (1.0 - stored) * (1.0 if strength is None else strength)
+    found = shaded(white(**maps), shading=ambient, finish=finish)
+    np.testing.assert_allclose(found, np.array([0.8, 0.4, 0.2]) * share, atol=1e-4)
+
+
+def test_colours_are_those_of_the_maps_times_the_factors() -> None:
+    """Base colour in ambient light, and emission: each channel with its own factor."""
+    material = Material(
+        "made up",
+        base_color=map_of(np.array([[[0.25, 0.5, 0.75]]])),
+        emission=map_of(np.array([[[0.5, 0.125, 2.0]]])),
+    )
+    finish = {"base_color": (1.0, 0.5, 2.0), "emission": (3.0, 1.0, 0.25)}
+    found = shaded(material, shading=Shading(ambient=(1.0, 1.0, 0.5)), finish=finish)
+    wanted = [0.25 + 1.5, 0.25 + 0.125, 0.75 + 0.5]
+    np.testing.assert_allclose(found, wanted, atol=1e-4)
+    # without maps: light grey, and no light of its own
+    plain = shaded(Material("nothing"), shading=Shading(ambient=(1.0, 0.5, 0.1)), finish=finish)
+    np.testing.assert_allclose(plain, [0.6, 0.15, 0.12], atol=1e-5)
 
 
 # --- the offset acts everywhere -------------------------------------------------------------------

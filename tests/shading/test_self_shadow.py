@@ -11,7 +11,14 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene, directional
-from basrelief.shading.self_shadow import Shadowing, ShadowRay, hard, soft
+from basrelief.shading.self_shadow import (
+    Shadowing,
+    ShadowRay,
+    hard,
+    hard_of_boxes,
+    soft,
+    soft_of_boxes,
+)
 from basrelief.techniques import edge
 from basrelief.techniques.height import sharp, surface_height
 
@@ -63,6 +70,162 @@ def test_reads_are_counted_and_bounded():
         assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
         blocked = ShadowRay(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
         assert hard(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
+
+
+# --- the samples of a ray, one by one -------------------------------------------------------------
+
+START = 0.2
+ALONG = Vec2(0.4, -0.3)
+"""The ray rises from 0.2 to 1 and moves by (0.32, −0.24): four steps of 0.2 and (0.08, −0.06)."""
+LEFT = Vec2(0.15, 0.85)
+
+
+def posts(tops: dict[int, float]) -> HeightField:
+    """Height 0, but a post around the k-th of the four samples of the ray."""
+    columns, rows = 100, 50
+    heights = np.zeros((rows, columns), np.float32)
+    for k, top in tops.items():
+        u, v = 0.15 + 0.08 * k, 0.85 - 0.06 * k
+        column, row = round(u * columns), round(v * rows)
+        heights[row - 1 : row + 2, column - 2 : column + 3] = top
+    return HeightField([heights], "clamp")
+
+
+def reaching(kind, tops: dict[int, float], field=posts, **settings):
+    """The visibility, and the reads, of a ray past posts: 4 steps, softness 2, offset 0.05."""
+    usual = {"shadow_steps": 4, "shadow_softness": 2.0, "shadow_offset": 0.05}
+    with bound({**edge.edges_of("clamp"), surface_height: sharp}):
+        ray = ShadowRay(LEFT, START, ALONG)
+        return kind(field(tops), ray, Shadowing(**{**usual, **settings}))
+
+
+@pytest.mark.parametrize(
+    ("tops", "darkest"),
+    [
+        # how far the post stands above the ray and the offset, times the share that is left
+        ({1: 0.7}, (0.7 - 0.4 - 0.05) * 0.75),
+        ({2: 0.9}, (0.9 - 0.6 - 0.05) * 0.5),
+        ({3: 1.0}, (1.0 - 0.8 - 0.05) * 0.25),
+        # the sample at the top of the range has no weight
+        ({4: 1.0}, 0.0),
+        # a low post near by counts more than one further on that stands higher above the ray
+        ({1: 0.56, 3: 1.0}, 0.11 * 0.75),
+        ({1: 0.47, 3: 1.0}, 0.15 * 0.25),
+        # within the offset, and below the ray
+        ({1: 0.44, 2: 0.64}, 0.0),
+        ({1: 0.3, 2: 0.5}, 0.0),
+    ],
+)
+def test_a_soft_shadow_is_weighted_by_proximity(tops, darkest: float) -> None:
+    """The visibility is 1 − softness · max of (height above the ray − offset) · (1 − k ÷ steps)."""
+    for softness in (0.0, 0.5, 2.0, 4.0):
+        found = reaching(soft, tops, shadow_softness=softness)
+        assert found.share == pytest.approx(1.0 - softness * darkest, abs=1e-6)
+        assert found.reads == 4
+    # never below 0
+    assert reaching(soft, tops, shadow_softness=64.0).share == (0.0 if darkest else 1.0)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.05, 0.15, 0.29])
+def test_a_hard_shadow_needs_more_than_the_offset(offset: float) -> None:
+    """A post at the second of four samples, where the ray is at 0.6."""
+    for top, visible, reads in ((0.599, 1.0, 4), (0.601, 0.0, 2)):
+        found = reaching(hard, {2: top + offset}, shadow_offset=offset)
+        assert (found.share, found.reads) == (visible, reads)
+
+
+def test_what_light_only_grazes_is_lit() -> None:
+    """A step of exactly the height that the ray has there: numbers that float32 holds."""
+    heights = np.zeros((3, 8), np.float32)
+    heights[:, 4:] = 0.5
+    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
+        ray = ShadowRay(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
+        grazing = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+        assert grazing.share == 1.0
+        heights[:, 4:] = 0.501
+        higher = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+        assert higher.share == 0.0
+
+
+@pytest.mark.parametrize("kind", [hard, soft])
+def test_steps_are_held_to_what_a_light_may_take(kind) -> None:
+    for steps, reads in ((-3, 1), (0, 1), (1, 1), (4096, 4096), (5000, 4096)):
+        assert reaching(kind, {}, shadow_steps=steps).reads == reads
+
+
+# --- boxes, one by one ----------------------------------------------------------------------------
+
+BOXES = [
+    ((8, 1), 0.0),
+    ((8, 2), 0.05 / 0.32),
+    ((7, 2), 0.05 / 0.24),
+    ((7, 3), 0.15 / 0.32),
+    ((6, 3), 0.15 / 0.24),
+    ((6, 4), 0.25 / 0.32),
+    ((5, 4), 0.25 / 0.24),
+]
+"""Rows and columns of the boxes, a tenth wide, that the same ray passes over; the share of its way
+at which it enters each. It ends before the last."""
+
+
+def boxes(tops: dict[int, float]) -> HeightField:
+    """Boxes of the height at which the ray starts, but for some of those that it passes over."""
+    heights = np.full((10, 10), START, np.float32)
+    for k, top in tops.items():
+        heights[BOXES[k][0]] = top
+    return HeightField([heights], "clamp")
+
+
+@pytest.mark.parametrize(
+    ("tops", "darkest"),
+    [
+        ({}, None),
+        ({1: 0.6}, 1),
+        ({2: 0.7}, 2),
+        ({3: 0.9}, 3),
+        ({5: 1.0}, 5),
+        # what is near counts more
+        ({2: 0.6, 5: 1.0}, 2),
+        ({2: 0.45, 3: 0.8}, 3),
+        # neither the box that the ray leaves nor one beyond its end counts
+        ({0: 1.0, 6: 1.0}, None),
+        # within the offset
+        ({1: 0.36, 3: 0.61}, None),
+    ],
+)
+def test_a_soft_shadow_of_boxes_is_weighted_by_proximity(tops, darkest) -> None:
+    """As of samples, but each box where the ray comes to it, however many steps are asked for."""
+    weighted = 0.0
+    if darkest is not None:
+        entered = BOXES[darkest][1]
+        weighted = (tops[darkest] - START - 0.8 * entered - 0.05) * (1.0 - entered)
+        assert weighted > 0.01
+    for softness in (0.0, 0.5, 2.0):
+        found = reaching(soft_of_boxes, tops, boxes, shadow_softness=softness, shadow_steps=1)
+        assert found.share == pytest.approx(1.0 - softness * weighted, abs=1e-6)
+        assert found.reads == 6
+    # once it is dark nothing further is read
+    dark = reaching(soft_of_boxes, tops, boxes, shadow_softness=64.0)
+    assert (dark.share, dark.reads) == ((1.0, 6) if darkest is None else (0.0, min(tops)))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.05, 0.15])
+def test_a_hard_shadow_of_boxes_needs_more_than_the_offset(offset: float) -> None:
+    """By the third box, which the ray enters at a height of 0.2 + 0.8 · 0.46875 = 0.575."""
+    for top, visible, reads in ((0.5749, 1.0, 6), (0.5751, 0.0, 3)):
+        found = reaching(hard_of_boxes, {3: top + offset}, boxes, shadow_offset=offset)
+        assert (found.share, found.reads) == (visible, reads)
+
+
+def test_the_last_box_before_the_top_counts() -> None:
+    """A wall is crossed at 0.92 of the way, another at 0.96, where the ray is 0.04 below a top."""
+    heights = np.zeros((2, 4), np.float32)
+    heights[1, 1] = 1.0
+    with bound({**edge.edges_of("clamp"), surface_height: sharp}):
+        ray = ShadowRay(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
+        for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
+            settings = Shadowing(shadow_offset=offset)
+            assert hard_of_boxes(HeightField([heights], "clamp"), ray, settings).share == visible
 
 
 def picture(shadows: str, azimuth: float, engine: str = "cpu"):

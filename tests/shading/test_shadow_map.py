@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basrelief.lang import Vec2
+from basrelief.lang import Buffer, HeightField, IVec2, Vec2, bound
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
@@ -18,7 +20,9 @@ from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, pl
 from basrelief.scene.cameras import look
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import primary_ray, seen_from
-from basrelief.shading.lights import DIRECTIONAL, Light
+from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
+from basrelief.shading.shadow_map import CastView, past_others
+from basrelief.techniques.edge import edges_of
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, plain, rays
 
@@ -58,8 +62,8 @@ def towards(light: Light, met: np.ndarray) -> np.ndarray:
     return np.array([*light.position], np.float64) - met
 
 
-def ball_between(met, way, radius: float) -> np.ndarray:
-    offset = met - MIDDLE
+def ball_between(met, way, radius: float, middle=MIDDLE) -> np.ndarray:
+    offset = met - middle
     a, b, c = (way * way).sum(-1), (offset * way).sum(-1), (offset**2).sum(-1) - radius**2
     with np.errstate(invalid="ignore"):
         nearest = np.clip(-b / a, 0.0, 1.0)
@@ -101,6 +105,21 @@ def test_a_shadow_falls_where_geometry_says(shape: str, name: str) -> None:
     assert lit.mean() > 0.15
     np.testing.assert_array_equal(reaching[dark], 0.0)
     np.testing.assert_allclose(reaching[lit], 1.0, atol=1e-6)
+
+
+def test_all_other_objects_cast_shadows() -> None:
+    """Two balls over a floor, each with a shadow of its own, in whatever order."""
+    light = LIGHTS["directional"]
+    other = np.array([-0.7, 0.3, 0.25])
+    balls = (standing("sphere"), Object(plain(), "sphere", transform=placed(other, WIDTH)))
+    for things in ((FLOOR, *balls), (*balls[::-1], FLOOR)):
+        reaching, met, bright = share(things, light)
+        floor = bright & (np.abs(met[..., 1]) < 1e-3)
+        way, inner = towards(light, met), WIDTH / 2 - 2.0 * texel(light)
+        for middle in (MIDDLE, other):
+            dark = floor & ball_between(met, way, inner, middle)
+            assert dark.mean() > 0.01
+            np.testing.assert_array_equal(reaching[dark], 0.0)
 
 
 DEEP = 0.3
@@ -181,6 +200,39 @@ def test_nothing_shadows_itself(name: str) -> None:
     np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
 
 
+def test_what_lies_in_one_plane_casts_nothing_on_itself() -> None:
+    """A floor and a sheet in it, lit at 37° to the floor: within a texel of the depth map the floor
+    comes 1.33 texels closer to the light."""
+    sheet = Object(plain(), transform=placed((0.3, 0.0, -0.2)) @ LYING)
+    reaching, _, bright = share((FLOOR, sheet), directional(25.0, 37.0), shadow_map=64)
+    assert bright.mean() > 0.5
+    np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("texels", "visible"), [(1.2, 1.0), (2.0, 0.0)])
+def test_a_sheet_casts_a_shadow_on_a_floor_two_texels_below(texels: float, visible: float) -> None:
+    """And none on one closer. Lit from straight above, a texel of the depth map is level."""
+    light = directional(0.0, 90.0)
+
+    def sheet(height: float) -> Object:
+        """Two units wide and 1.6 deep, over the floor."""
+        return Object(plain(), transform=placed((0.2, height, 0.0), (2.0, 1.0, 1.6)) @ LYING)
+
+    (view,) = light_views(Scene((FLOOR, sheet(0.3)), lights=(light,), shadow_map=32))
+    texel = float(np.linalg.norm([*view.camera.right]))
+    from_aside = LookAt((0.0, 1.0, 4.0), orthographic_height=2.4)
+    things = (FLOOR, sheet(texels * texel))
+    reaching, met, bright = share(things, light, camera=from_aside, shadow_map=32)
+    floor = bright & (np.abs(met[..., 1]) < 1e-3)
+    # at the sheet's edges the four texels differ
+    x, z, blur = np.abs(met[..., 0] - 0.2), np.abs(met[..., 2]), 1.5 * texel
+    below = floor & (x < 1.0 - blur) & (z < 0.8 - blur)
+    beside = floor & ((x > 1.0 + blur) | (z > 0.8 + blur))
+    assert min(below.sum(), beside.sum()) > 100
+    np.testing.assert_array_equal(reaching[below], visible)
+    np.testing.assert_allclose(reaching[beside], 1.0, atol=1e-6)
+
+
 def test_each_light_has_its_own_shadow() -> None:
     """Two lights together are the sum of each alone, their shadows included."""
     things = (FLOOR, standing("sphere"))
@@ -246,6 +298,56 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
         assert max(at.x, at.y) < side - 0.5
 
 
+@pytest.mark.parametrize("light", [directional(90.0, 0.0), directional(20.0, 65.0),
+                                   point((1.4, 0.3, 0.2)), point((-2.0, 3.0, 9.0))])  # fmt: skip
+@pytest.mark.parametrize("side", [16, 1024])
+def test_corners_and_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
+    """A relief raised by 0.5 above a plane that is stretched to 2 × 3, its height by 1.5."""
+    ground = Object(
+        plain(height=1.0), technique="relief", scale=0.5, level=0.0,
+        transform=LYING @ placed(scale=(2.0, 3.0, 1.5)),
+    )  # fmt: skip
+    small = Object(plain(), shape="box", transform=placed(scale=0.1))
+    views = light_views(Scene((ground, small), lights=(light,), shadow_map=side))
+    for x, y, z in itertools.product((-1.0, 1.0), (0.0, 0.75), (-1.5, 1.5)):
+        seen = [seen_from(view.camera, vector((x, y, z))) for view in views]
+        assert any(
+            at.z > 0.0 and min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5 for at in seen
+        )
+
+
+def test_views_are_no_wider_than_they_have_to_be() -> None:
+    """All around a floor of 4 × 4 and a box of one: a ball of √8 around the middle."""
+    box = Object(plain(), shape="box", transform=placed((0.0, 0.1, 0.0), (0.2, 0.2, 0.2)))
+    radius, side = math.hypot(2.0, 2.0, 0.1), 256
+
+    def half_angle(light: Light) -> float:
+        (view,) = light_views(Scene((FLOOR, box), lights=(light,), shadow_map=side))
+        across = float(np.linalg.norm([*view.camera.right])) * (side - 2) / 2
+        return across if light.kind == DIRECTIONAL else math.degrees(math.atan(across))
+
+    assert radius <= half_angle(directional(25.0, 50.0)) <= 1.03 * radius
+    for distance in (5.0, 40.0, 300.0):
+        wanted = math.degrees(math.asin(radius / distance))
+        found = half_angle(point((0.0, 0.1 + distance, 0.0)))
+        assert wanted <= found <= 1.06 * wanted
+    assert 10.0 <= half_angle(spot((0.3, 2.0, 0.1), angle=20.0)) <= 10.02
+
+
+@pytest.mark.parametrize(("angle", "count"), [(99.0, 1), (101.0, 6)])
+def test_beyond_a_hundred_degrees_a_light_has_six_views(angle: float, count: int) -> None:
+    box = Object(plain(), shape="box")
+    things = (box, Object(plain(), shape="box", transform=placed(scale=0.5)))
+
+    def views(light: Light) -> int:
+        return len(light_views(Scene(things, lights=(light,), shadow_map=4096)))
+
+    assert views(spot((0.1, 0.2, 0.3), angle=angle)) == count
+    # the ball is √¾ · 1.02 wide, and a little for the outer texels
+    radius = math.sqrt(0.75) * 1.02 * 4096 / 4094
+    assert views(point((radius / math.sin(math.radians(angle / 2)), 0.0, 0.0))) == count
+
+
 def vector(values):
     from basrelief.lang import Vec3
 
@@ -279,6 +381,87 @@ def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at,
     assert float(seen.z) == pytest.approx(distance, rel=1e-5, abs=1e-5)
     behind = np.array([*ray.origin], np.float64) - distance * np.array([*ray.direction])
     assert seen_from(camera, vector(behind)).z < 0.0
+
+
+# --- one position against one depth map -----------------------------------------------------------
+
+FIRST, MAP = (3, 2), 8
+"""Where in a sheet of depth maps a view's own begins, and its texels a side."""
+PARALLEL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), orthographic_height=1.6)
+CENTRAL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), field_of_view=30.0)
+"""Views down the z axis: of texels 0.2 wide, and of some that widen with the distance."""
+
+
+def visibility(camera, at, distance: float, met, light: int = 7) -> float:
+    """The share of a light that reaches a position by its picture coordinates and distance, past
+    what the depth maps met."""
+    ray = primary_ray(camera, Vec2(*at))
+    place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
+    views = Buffer([CastView(7, camera, MAP, IVec2(*FIRST))], CastView)
+    with bound(edges_of("clamp")):
+        field = HeightField([np.asarray(met, np.float32)], "clamp")
+        return float(past_others(field, views, light, vector(place)))
+
+
+def sheet_of(value: float) -> np.ndarray:
+    return np.full((13, 15), value)
+
+
+# the position is a quarter of a texel right, two fifths below the middle of its upper left texel
+AT = (4.75, 2.9)
+WEIGHTS = {(4, 2): 0.45, (5, 2): 0.15, (4, 3): 0.3, (5, 3): 0.1}
+
+
+@pytest.mark.parametrize("texel", WEIGHTS)
+@pytest.mark.parametrize("camera", [PARALLEL, CENTRAL])
+def test_four_texels_are_compared_and_weighted(camera, texel: tuple[int, int]) -> None:
+    """Each is 1 where it met nothing closer than 1.5 texels before the position."""
+    distance = 3.0
+    pixel = float(np.linalg.norm([*camera.right]))
+    bias = 1.5 * (pixel if camera is PARALLEL else pixel * distance)
+    column, row = texel[0] + FIRST[0], texel[1] + FIRST[1]
+    for before, shadowed in ((bias - 0.001, False), (bias + 0.001, True)):
+        met = sheet_of(FAR_AWAY)
+        met[row, column] = distance - before
+        wanted = 1.0 - WEIGHTS[texel] * shadowed
+        assert visibility(camera, AT, distance, met) == pytest.approx(wanted, abs=1e-5)
+        # all but one
+        met = sheet_of(1.0)
+        met[row, column] = distance - before
+        wanted = WEIGHTS[texel] * (not shadowed)
+        assert visibility(camera, AT, distance, met) == pytest.approx(wanted, abs=1e-5)
+
+
+@pytest.mark.parametrize("camera", [PARALLEL, CENTRAL])
+def test_out_of_the_view_of_a_light_nothing_is_shadowed(camera) -> None:
+    """The view ends at the middles of its outer texels, beside which another view's may lie."""
+    met = sheet_of(0.1)
+    for at, shadowed in (
+        ((0.51, 3.2), True),
+        ((0.49, 3.2), False),
+        ((7.49, 3.2), True),
+        ((7.51, 3.2), False),
+        ((5.3, 0.51), True),
+        ((5.3, 0.49), False),
+        ((5.3, 7.49), True),
+        ((5.3, 7.51), False),
+    ):
+        assert visibility(camera, at, 3.0, met) == (0.0 if shadowed else 1.0)
+    # behind the light, and another light's view
+    assert visibility(camera, AT, -0.5, sheet_of(-9.0)) == 1.0
+    assert visibility(camera, AT, 3.0, met, light=6) == 1.0
+
+
+def test_of_several_views_the_darkest_counts() -> None:
+    """Two views of one light, side by side in the sheet, of which either may see what is near."""
+    views = [CastView(7, PARALLEL, MAP, IVec2(x, 0)) for x in (0, MAP)]
+    for near in (0, 1):
+        met = np.full((MAP, 2 * MAP), FAR_AWAY, np.float32)
+        met[:, near * MAP : (near + 1) * MAP] = 1.0
+        with bound(edges_of("clamp")):
+            field = HeightField([met], "clamp")
+            found = past_others(field, Buffer(views, CastView), 7, vector((0.1, 0.2, 2.0)))
+        assert found == 0.0
 
 
 # --- what is in a program, and both engines ------------------------------------------------------

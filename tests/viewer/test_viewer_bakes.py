@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import itertools
 import struct
-import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +26,7 @@ from basrelief.techniques import TECHNIQUES
 from basrelief.viewer import write_view
 from helpers.agreement import assert_agree
 from helpers.browser import SOFTWARE, chromium
+from helpers.pngs import png
 
 TEXELS = 64
 
@@ -157,7 +157,7 @@ MADE = "[...viewer.drawing.bakes.values()].flatMap((each) => [...each.tables.key
 
 def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
-    _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
+    _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     said = seen.page.text_content("#map-said")
     assert said == "heights.png: 64 × 64 with 16 bits a channel, used as heights"
     held = seen.page.evaluate("[...viewer.pictures.field.texels]")
@@ -207,7 +207,7 @@ def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
     seen.draw()
     for seed in (1, 2):
         codes = noise((TEXELS, TEXELS), seed)
-        _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
+        _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(swapped, technique="exact"), seen.frame(), TEXELS)
     assert_agree(expected(swapped, technique="cone"), seen.frame("right"), TEXELS)
@@ -228,7 +228,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
     }"""
     codes = noise((TEXELS, TEXELS), 2)
     pictures = [noise((256, 256)), codes]
-    files = [base64.b64encode(_png(each[:, :, None], 0, 16)).decode() for each in pictures]
+    files = [base64.b64encode(png(each[:, :, None], 0, 16)).decode() for each in pictures]
     seen.page.evaluate(script, files)
     made = TECHNIQUES["exact"]
     seen.state(level=made.level, projection=made.projection)
@@ -240,7 +240,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
 
 def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
-    _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
+    _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.state(technique="offset", level=0.5, projection="full", show="missed")
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     scene = Scene((Object(swapped, technique="offset", scale=0.08),), camera=CAMERA)
@@ -264,13 +264,13 @@ def test_a_bake_is_kept_until_the_heights_change(seen: Seen) -> None:
     seen.draw()
     assert seen.page.evaluate("held === viewer.drawing.bakesFor('wrap').tables.get('bounds')")
     seen.state(compare="")
-    _drop(seen, "heights.png", _png(noise((32, 32))[:, :, None], 0, 16))
+    _drop(seen, "heights.png", png(noise((32, 32))[:, :, None], 0, 16))
     assert seen.page.evaluate(MADE) == []
 
 
 def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
     codes = noise((256, 256))
-    _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
+    _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.state(technique="relaxed_cone")
     seen.page.evaluate("viewer.changed()")
     seen.page.wait_for_function("/baking.*[1-9] %/.test(document.getElementById('busy').innerText)")
@@ -327,7 +327,7 @@ def test_a_png_is_read_with_all_its_bits(seen: Seen, bits: int, type: int, count
     ramp = np.add.outer(np.arange(11), np.arange(7))[:, :, None] * 701
     codes = (ramp + rng.integers(0, 999, (11, 7, count))).astype(np.uint16)
     codes = codes if bits == 16 else (codes >> 8).astype(np.uint8)
-    found = _decoded(seen, _png(codes, type, bits))
+    found = _decoded(seen, png(codes, type, bits))
     wide = codes.astype(np.uint16) * (1 if bits == 16 else 257)
     wanted = np.full((11, 7, 4), 65535, np.uint16)
     wanted[:, :, :3] = wide[:, :, :1] if count < 3 else wide[:, :, :3]
@@ -350,41 +350,41 @@ def test_a_png_of_the_librarys_own_writer_is_read(seen: Seen, tmp_path: Path) ->
 def test_palettes_and_clear_colours_are_read(seen: Seen) -> None:
     index = np.array([[0, 1, 2], [2, 1, 0]], np.uint8)[:, :, None]
     parts = {b"PLTE": bytes([9, 8, 7, 60, 50, 40, 255, 128, 0]), b"tRNS": bytes([0, 200])}
-    found = _decoded(seen, _png(index, 3, 8, parts))
+    found = _decoded(seen, png(index, 3, 8, parts))
     colors = np.array([[9, 8, 7, 0], [60, 50, 40, 200], [255, 128, 0, 255]], np.uint16) * 257
     assert np.array_equal(found, colors[index[:, :, 0]])
     grey = np.array([[[300], [40000]]], np.uint16)
-    found = _decoded(seen, _png(grey, 0, 16, {b"tRNS": struct.pack(">H", 300)}))
+    found = _decoded(seen, png(grey, 0, 16, {b"tRNS": struct.pack(">H", 300)}))
     assert found.tolist() == [[[300, 300, 300, 0], [40000, 40000, 40000, 65535]]]
 
 
 def test_a_clear_colour_beside_alpha_is_nothing(seen: Seen) -> None:
     grey = np.array([[[300, 7], [40000, 9]]], np.uint16)
-    found = _decoded(seen, _png(grey, 4, 16, {b"tRNS": struct.pack(">H", 300)}))
+    found = _decoded(seen, png(grey, 4, 16, {b"tRNS": struct.pack(">H", 300)}))
     assert found.tolist() == [[[300, 300, 300, 7], [40000, 40000, 40000, 9]]]
     with pytest.raises(Exception, match="this PNG is damaged: its clear colour is cut off"):
-        _decoded(seen, _png(np.ones((1, 2, 3), np.uint8), 2, 8, {b"tRNS": b"\0\1\0\1"}))
+        _decoded(seen, png(np.ones((1, 2, 3), np.uint8), 2, 8, {b"tRNS": b"\0\1\0\1"}))
 
 
 def test_what_of_a_png_cannot_be_read_is_told(seen: Seen) -> None:
-    whole = _png(noise((8, 8))[:, :, None], 0, 16)
+    whole = png(noise((8, 8))[:, :, None], 0, 16)
     before = seen.frame().color
     for content, said in (
         (whole[:60] + whole[90:], "this PNG is damaged"),
-        (_png(np.zeros((2, 8, 1), np.uint16), 0, 16, rows=8), "rows are missing"),
-        (_png(np.zeros((1, 40000, 1), np.uint8), 0, 8), "40000 × 1 is larger than this GPU takes"),
+        (png(np.zeros((2, 8, 1), np.uint16), 0, 16, rows=8), "rows are missing"),
+        (png(np.zeros((1, 40000, 1), np.uint8), 0, 8), "40000 × 1 is larger than this GPU takes"),
     ):
         seen.page.evaluate("document.getElementById('messages').replaceChildren()")
         _drop(seen, "broken.png", content, taken=False)
         assert said in seen.text("#messages")
     assert np.array_equal(seen.frame().color, before)
-    _drop(seen, "woven.png", _png(np.full((1, 1, 1), 513, np.uint16), 0, 16, interlaced=1))
+    _drop(seen, "woven.png", png(np.full((1, 1, 1), 513, np.uint16), 0, 16, interlaced=1))
     assert "woven.png is interlaced: 8 of its 16 bits" in seen.text("#messages")
 
 
 def test_a_map_too_large_for_the_gpu_is_told(seen: Seen) -> None:
     before = seen.frame().color
-    content = _png(noise((50, 37))[:, :, None], 0, 16)
+    content = png(noise((50, 37))[:, :, None], 0, 16)
     seen.page.evaluate("viewer.gpu.limits = { maxTextureDimension2D: 48 }")
     _drop(seen, "large.png", content, taken=False)
     assert "large.png: 37 × 50 is larger than this GPU takes (48 a side)" in seen.text("#messages")
@@ -402,7 +402,7 @@ def test_a_map_too_large_for_the_gpu_is_told(seen: Seen) -> None:
 def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
     before = seen.frame().color
     seen.page.evaluate("viewer.gpu.limits = { maxTextureDimension2D: 1e9 }")
-    _drop(seen, "long.png", _png(np.zeros((1, 40000, 1), np.uint8), 0, 8), taken=False)
+    _drop(seen, "long.png", png(np.zeros((1, 40000, 1), np.uint8), 0, 8), taken=False)
     assert np.array_equal(seen.frame().color, before)
     assert seen.text("#messages").count("long.png:") == 1
     assert seen.page.locator("#messages p").count() == 1
@@ -448,7 +448,7 @@ def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material
     }
     for slot, pixels in codes.items():
         bits = 8 * pixels.dtype.itemsize
-        _drop(seen, f"{slot}.png", _png(pixels, 2 if pixels.shape[2] == 3 else 0, bits), slot=slot)
+        _drop(seen, f"{slot}.png", png(pixels, 2 if pixels.shape[2] == 3 else 0, bits), slot=slot)
     packed = codes["packed"]
     maps = {
         "base_color": Map(codes["base_color"], True, "dropped"),
@@ -465,7 +465,7 @@ def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material
 
 def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
-    _drop(seen, "heights.png", _png(codes[:, :, None], 0, 16))
+    _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.open("maps")
     seen.page.locator("#leave-normal").click()
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
@@ -529,7 +529,7 @@ def test_values_of_few_programs_are_kept(seen: Seen) -> None:
 
 
 def test_other_proportions_are_told(seen: Seen) -> None:
-    _drop(seen, "wide.png", _png(noise((20, 60))[:, :, None], 0, 16))
+    _drop(seen, "wide.png", png(noise((20, 60))[:, :, None], 0, 16))
     assert "wide.png has other proportions" in seen.text("#messages")
     assert seen.frame().hit.any()
 
@@ -562,35 +562,3 @@ def _decoded(seen: Seen, content: bytes) -> np.ndarray:
     }"""
     height, width, texels = seen.page.evaluate(script, base64.b64encode(content).decode())
     return np.array(texels, np.uint16).reshape(height, width, 4)
-
-
-def _png(
-    codes: np.ndarray,
-    type: int,
-    bits: int,
-    parts: dict[bytes, bytes] | None = None,
-    *,
-    rows: int | None = None,
-    interlaced: int = 0,
-) -> bytes:
-    """A PNG of (h, w, c) samples whose rows take turns with the five filters."""
-    height, width, count = codes.shape
-    pixel = count * bits // 8
-    whole = codes.astype(">u2" if bits == 16 else np.uint8).reshape(height, -1).view(np.uint8)
-    above = np.zeros(whole.shape[1], np.uint8)
-    lines = []
-    for y, line in enumerate(whole):
-        left, corner = (np.concatenate([np.zeros(pixel, np.uint8), each[:-pixel]])
-                        for each in (line, above))  # fmt: skip
-        a, b, c = (each.astype(int) for each in (left, above, corner))
-        near = np.stack([abs(b - c), abs(a - c), abs(a + b - 2 * c)]).argmin(0)
-        guesses = (0 * a, a, b, (a + b) // 2, np.choose(near, (a, b, c)))
-        lines.append(bytes([y % 5]) + (line - guesses[y % 5]).astype(np.uint8).tobytes())
-        above = line
-    head = struct.pack(">IIBBBBB", width, rows or height, bits, type, 0, 0, interlaced)
-    body = {b"IHDR": head, **(parts or {}), b"IDAT": zlib.compress(b"".join(lines)), b"IEND": b""}
-    chunks = (
-        struct.pack(">I", len(part)) + name + part + struct.pack(">I", zlib.crc32(name + part))
-        for name, part in body.items()
-    )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)

@@ -8,11 +8,12 @@ half space.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.baking.texels import checked_edge
 from basrelief.engine.engine import Engine, Planes
 from basrelief.engine.select import choose_engine
 from basrelief.lang import HeightField, Shader, Texture, Vec2
@@ -43,6 +44,7 @@ def cone_map(heights: Heights, edge: Edge, engine: Engine | None = None) -> NDAr
     above the cone that has its tip there and the slope that is stored. It is read as it stands, not
     interpolated. Red, green and blue hold 1 ÷ (1 + slope), alpha is 1.
 
+    Raises InputError for other edges than "wrap" and "clamp".
     After J. Dummer, Cone Step Mapping, 2006, whose cones are those of texels alone; and G. Valasek
     and R. Bán, Quick Cone Map Generation on the GPU, Eurographics 2022 Short Papers, who search
     windows of growing width too.
@@ -63,6 +65,7 @@ def relaxed_cone_map(
     a ray come out within it: on gravel and bricks none of 130,000 rays did, on one-texel posts one
     in 4,000, on a checkerboard of single texels one in 500.
 
+    Raises InputError as `cone_map`.
     After F. Policarpo and M. M. Oliveira, Relaxed Cone Stepping for Relief Mapping, 2007, who try
     rays from the top above each texel only, so that others may come out again within a cone.
     """
@@ -74,7 +77,7 @@ class _Baking:
 
     def __init__(self, heights: Heights, edge: Edge, engine: Engine | None) -> None:
         self.heights = np.ascontiguousarray(heights, np.float32)
-        self.edge: Edge = edge
+        self.edge: Edge = checked_edge(edge)
         self.engine = engine or choose_engine("cpu")
         self.field = HeightField([self.heights], edge)
         self.highest = float(self.heights.max())
@@ -122,10 +125,22 @@ class _Baking:
     def _furthest(self) -> int:
         """How far away, along an axis, texels matter: of those that repeat, the nearest do."""
         side = int(max(self.heights.shape))
-        return side // 2 if self.edge == "wrap" else side - 1
+        match self.edge:
+            case "wrap":
+                return side // 2
+            case "clamp":
+                return side - 1
+            case _:
+                assert_never(self.edge)
 
     def _held(self, k: int) -> Windows:
-        return Windows(1 << k, (2 << k) - 1 if self.edge == "clamp" else 0)
+        match self.edge:
+            case "wrap":
+                return Windows(1 << k, 0)
+            case "clamp":
+                return Windows(1 << k, (2 << k) - 1)
+            case _:
+                assert_never(self.edge)
 
     def _first_windows(self, field: HeightField) -> Texture:
         return self._windows(cone_bake_windows.first_windows, 0, field=field)

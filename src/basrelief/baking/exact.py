@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.levels import levels_of
+from basrelief.baking.texels import checked_edge
 from basrelief.engine import Engine, choose_engine
 from basrelief.lang import Shader
 from basrelief.lang.program import Program
@@ -40,7 +41,7 @@ def bounds(
     Of N × M blocks the near records are 2N rows of 2M: u and v growing, u shrinking beside them, v
     shrinking below. The far ones, in the same order, lie below at the left; what is left is 0. With
     `all_levels` those of each lower level of the map's pyramid follow below. Some 10 bytes a texel.
-    On the CPU, or on an engine that is given.
+    On the CPU, or on an engine that is given. Raises InputError for other edges.
     """
     levels = levels_of(heights) if all_levels else [np.ascontiguousarray(heights, np.float32)]
     parts = []
@@ -61,7 +62,7 @@ class _Making:
     """The steps from a height map to its records, each a program of its own."""
 
     def __init__(self, heights: Heights, edge: Edge, engine: Engine | None) -> None:
-        self.edge: Edge = edge
+        self.edge: Edge = checked_edge(edge)
         self.engine = engine or choose_engine("cpu")
         self.heights = heights
         self.field = HeightField([heights], edge)

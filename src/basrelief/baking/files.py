@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, assert_never
 
 from basrelief.errors import InputError
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from basrelief.lang.resources import Edge
     from basrelief.material import Material
+    from basrelief.material.conventions import Green
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Baking:
     edge: Edge
     scale: float
     bits: int
-    green: str
+    green: Green
     directions: int
 
     def heights(self) -> NDArray[np.float32]:
@@ -107,8 +108,13 @@ def _normal(baking: Baking) -> Made:
     from basrelief.baking import normal_map
 
     made = normal_map(baking.heights(), baking.edge, baking.scale)
-    if baking.green == "dx":
-        made[:, :, 1] *= -1.0
+    match baking.green:
+        case "gl":
+            pass
+        case "dx":
+            made[:, :, 1] *= -1.0
+        case _:
+            assert_never(baking.green)
     return Made({f"normal_{baking.green}": baking.codes(made * 0.5 + 0.5)})
 
 

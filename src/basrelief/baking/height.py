@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import get_args
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.normal import Normals, normal_map
-from basrelief.baking.texels import Heights
+from basrelief.baking.texels import Heights, checked_edge
 from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
 
@@ -49,8 +49,7 @@ def height_map(normals: Normals, edge: Edge) -> Integrated:
         raise InputError(f"normals are an array of (rows, columns, 3), not {normals.shape}")
     if not np.isfinite(normals).all():
         raise InputError("some normals are NaN or infinite; mend the map")
-    if edge not in get_args(Edge):
-        raise InputError(f"what lies beyond baked heights is wrap or clamp, not {edge}")
+    checked_edge(edge)
     rows, columns = normals.shape[:2]
     raised = _integrated(*_slopes(normals), edge)
     low, high = float(raised.min()), float(raised.max())
@@ -73,10 +72,15 @@ def _integrated(
     right: NDArray[np.float64], down: NDArray[np.float64], edge: Edge
 ) -> NDArray[np.float64]:
     rows, columns = right.shape
-    if edge == "clamp":
-        # the heights are mirrored: the slope across the mirror turns round
-        right, down = _mirrored(right, 1, -1.0), _mirrored(down, 1, 1.0)
-        right, down = _mirrored(right, 0, 1.0), _mirrored(down, 0, -1.0)
+    match edge:
+        case "wrap":
+            pass
+        case "clamp":
+            # the heights are mirrored: the slope across the mirror turns round
+            right, down = _mirrored(right, 1, -1.0), _mirrored(down, 1, 1.0)
+            right, down = _mirrored(right, 0, 1.0), _mirrored(down, 0, -1.0)
+        case _:
+            assert_never(edge)
     wave_v = 2.0 * math.pi * np.fft.fftfreq(right.shape[0])[:, None]
     wave_u = 2.0 * math.pi * np.fft.rfftfreq(right.shape[1])[None, :]
     # what a central difference makes of a wave

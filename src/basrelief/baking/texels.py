@@ -27,9 +27,15 @@ def checked(heights: Heights, edge: Edge) -> Heights:
         raise InputError(f"heights are an array of (rows, columns), not of shape {heights.shape}")
     if not (heights.min() >= 0.0 and heights.max() <= 1.0):
         raise InputError("heights lie within 0 to 1; stretch them, and mend what is not finite")
+    checked_edge(edge)
+    return heights
+
+
+def checked_edge(edge: Edge) -> Edge:
+    """The edge; raises InputError for another than "wrap" and "clamp"."""
     if edge not in get_args(Edge):
         raise InputError(f"what lies beyond baked heights is wrap or clamp, not {edge}")
-    return heights
+    return edge
 
 
 def checked_scale(scale: float) -> float:

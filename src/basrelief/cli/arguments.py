@@ -25,13 +25,11 @@ from basrelief.scene import (
     Orbit,
     Scene,
     Tiling,
-    directional,
     placed,
-    point,
-    spot,
     turned,
 )
 from basrelief.scene.checks import FAR, NEAR
+from basrelief.scene.lights import LIGHTS
 from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
 from basrelief.scene.presets import NOTHING, Preset, preset, scene_of
 from basrelief.shading.brdf import Shading
@@ -40,11 +38,6 @@ from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques.height import Smoothing
 
-_LIGHTS: dict[str, Callable[..., Light]] = {
-    "directional": directional,
-    "point": point,
-    "spot": spot,
-}
 _VECTORS = ("position", "target", "up", "color")
 """The numbers of cameras and lights that are three."""
 
@@ -154,9 +147,9 @@ def camera_from(text: str) -> Orbit | LookAt:
 def light_from(text: str) -> Light:
     """A light from "point,position=1/2/3,intensity=2"; the first word says which kind."""
     kind, *parts = text.split(",")
-    made = _LIGHTS.get(kind.strip())
+    made = LIGHTS.get(kind.strip())
     if made is None:
-        raise InputError(f"--light {text}: begin with {', '.join(_LIGHTS)}; or none, alone")
+        raise InputError(f"--light {text}: begin with {', '.join(LIGHTS)}; or none, alone")
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
 
 

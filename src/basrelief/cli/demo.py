@@ -12,11 +12,17 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
+from basrelief.shading.kinds import ShapeKind
 from basrelief.techniques import TECHNIQUES
 
 _SIZE = (640, 360)
 _SAMPLES = 3
-_SHAPES = (("cobbles", "sphere"), ("tiles", "box"), ("gravel", "cylinder"), ("terrain", "plane"))
+_SHAPES: tuple[tuple[str, ShapeKind], ...] = (
+    ("cobbles", "sphere"),
+    ("tiles", "box"),
+    ("gravel", "cylinder"),
+    ("terrain", "plane"),
+)
 _SHOWN = [name for name, made in TECHNIQUES.items() if made.most_reads < 100]
 """The techniques that are drawn: all but the slowest."""
 COUNT = len(_SHOWN) + len(_SHAPES)

@@ -15,7 +15,7 @@ import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,7 +243,8 @@ class GpuEngine:
 
     def edge_sampler(self, edge: Edge) -> Any:
         """A sampler that filters nothing and sees to what lies beyond a map."""
-        mode = "repeat" if edge == "wrap" else "clamp-to-edge"
+        modes: dict[Edge, str] = {"wrap": "repeat", "clamp": "clamp-to-edge"}
+        mode = modes[edge]
         return self.gpu.create_sampler(address_mode_u=mode, address_mode_v=mode)
 
     def _texture(self, value: HeightField | Texture) -> Any:
@@ -317,20 +318,24 @@ class Job:
 
     def _bound(self, binding: Binding, program: Program, values: Mapping[str, Any]) -> Any:
         name = binding.name
-        if binding.kind in ("run", "planes"):
-            buffer = self._run if binding.kind == "run" else self.planes
-            return {"buffer": buffer, "offset": 0, "size": buffer.size}
-        if binding.kind == "sampler":
-            return self.engine.edge_sampler(program.edge)
-        value = value_of(program, name, values)
-        if binding.kind == "uniform":
-            buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM", "STORAGE")
-            self._owned.append(buffer)
-            return {"buffer": buffer, "offset": 0, "size": buffer.size}
-        resident = self.engine.resident(value)
-        if binding.kind == "map":
-            return resident
-        return {"buffer": resident, "offset": 0, "size": resident.size}
+        match binding.kind:
+            case "run":
+                return _whole(self._run)
+            case "planes":
+                return _whole(self.planes)
+            case "sampler":
+                return self.engine.edge_sampler(program.edge)
+            case "uniform":
+                value = value_of(program, name, values)
+                buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM", "STORAGE")
+                self._owned.append(buffer)
+                return _whole(buffer)
+            case "map":
+                return self.engine.resident(value_of(program, name, values))
+            case "buffer":
+                return _whole(self.engine.resident(value_of(program, name, values)))
+            case _:
+                assert_never(binding.kind)
 
     def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
         """Compute rows first … last − 1, `times` over, between `timestamps` (WebGPU's writes)."""
@@ -368,16 +373,26 @@ def _layout_entry(number: int, binding: Binding, spares_uniforms: bool) -> dict[
     import wgpu
 
     entry: dict[str, Any] = {"binding": number, "visibility": wgpu.ShaderStage.COMPUTE}
-    uniform = "read-only-storage" if spares_uniforms else "uniform"
-    kinds = {"run": uniform, "uniform": uniform, "planes": "storage"}
-    if binding.kind == "map":
-        sample = "unfilterable-float" if binding.type is HeightField else "uint"
-        entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
-    elif binding.kind == "sampler":
-        entry["sampler"] = {"type": "non-filtering"}
-    else:
-        entry["buffer"] = {"type": kinds.get(binding.kind, "read-only-storage")}
+    match binding.kind:
+        case "map":
+            sample = "unfilterable-float" if binding.type is HeightField else "uint"
+            entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
+        case "sampler":
+            entry["sampler"] = {"type": "non-filtering"}
+        case "run" | "uniform":
+            entry["buffer"] = {"type": "read-only-storage" if spares_uniforms else "uniform"}
+        case "planes":
+            entry["buffer"] = {"type": "storage"}
+        case "buffer":
+            entry["buffer"] = {"type": "read-only-storage"}
+        case _:
+            assert_never(binding.kind)
     return entry
+
+
+def _whole(buffer: Any) -> dict[str, Any]:
+    """A whole buffer, as a bind group takes it."""
+    return {"buffer": buffer, "offset": 0, "size": buffer.size}
 
 
 def _pack_list(buffer: Buffer[Any]) -> NDArray[np.int32]:

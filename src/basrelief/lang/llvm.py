@@ -349,6 +349,8 @@ class _FunctionPrinter(_Printer):
                 now = self.operation("or", waiting, self.active(), bool)
                 self.store(now, self.continued[-1], bool)
                 self.store("zeroinitializer", self.mask, bool)
+            case _:
+                raise AssertionError(statement)
 
     def return_statement(self, values: Leaves) -> None:
         mask = self.active()
@@ -900,6 +902,10 @@ def _cost(block: tree.Block) -> int:
                 total += _expression_cost(test) + _cost(body) + _cost(otherwise)
             case tree.For() | tree.While():
                 total += _CHEAP + 1
+            case tree.Break() | tree.Continue():
+                pass
+            case _:
+                raise AssertionError(statement)
     return total
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar, assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ class _Pyramid:
     def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge) -> None:
         if not levels:
             raise ValueError("a map has at least one level")
+        if edge not in get_args(Edge):
+            raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
         self.edge: Edge = edge
         height, width = levels[0].shape[:2]
         for k, level in enumerate(levels):
@@ -48,9 +50,15 @@ class _Pyramid:
         self.firsts.append(start + stride + 1)
         block = self.stored[start : self._end].reshape(height + 2, stride, *level.shape[2:])
         block[1:-1, 1:-1] = level
-        far = self.edge == "wrap"
-        block[0], block[-1] = block[-2 if far else 1], block[1 if far else -2]
-        block[:, 0], block[:, -1] = block[:, -2 if far else 1], block[:, 1 if far else -2]
+        match self.edge:
+            case "wrap":
+                before, after = -2, 1
+            case "clamp":
+                before, after = 1, -2
+            case _:
+                assert_never(self.edge)
+        block[0], block[-1] = block[before], block[after]
+        block[:, 0], block[:, -1] = block[:, before], block[:, after]
         return block[1:-1, 1:-1]
 
     @property
@@ -71,7 +79,13 @@ class _Pyramid:
 
     def _beside(self, index: int, count: int) -> int:
         held = min(max(index, -1), count)
-        return held % count if self.edge == "wrap" else min(max(held, 0), count - 1)
+        match self.edge:
+            case "wrap":
+                return held % count
+            case "clamp":
+                return min(max(held, 0), count - 1)
+            case _:
+                assert_never(self.edge)
 
 
 class HeightField(_Pyramid):

@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
@@ -226,6 +226,8 @@ class ModulePrinter:
                         f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
                         f"{where}<storage, read> {self.buffers[record]}: {whole};"
                     )
+                case _:
+                    assert_never(binding.kind)
 
     def places(self, value: str, t: Any) -> Iterator[tuple[str, Any]]:
         """The scalars of a value as WGSL reaches them, and their types."""
@@ -323,6 +325,8 @@ class _FunctionPrinter:
                 self.emit("break;")
             case tree.Continue():
                 self.emit("continue;")
+            case _:
+                raise AssertionError(statement)
 
     def if_statement(self, node: tree.If, before: str) -> None:
         self.emit(f"{before}if ({self.value(node.test)}) {{")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ def one_channel(picture: Picture, channel: str) -> Pixels:
     A grey picture answers with its one channel to all but "a". Raises InputError when there is no
     such channel.
     """
+    if channel not in get_args(Channel):
+        raise InputError(f"channel is one of {', '.join(get_args(Channel))}, not {channel!r}")
     if channel == "a":
         if picture.alpha is None:
             raise InputError(f"{picture.path}: has no alpha channel; choose another channel")
@@ -68,18 +70,26 @@ def normals(picture: Picture, packing: NormalPacking) -> Pixels:
     alpha, y in green (DXT5nm). The last two rebuild z from the unit length. Floats that reach
     below 0 are taken for −1 to 1. Raises InputError when the channels are not there.
     """
-    if packing == "ag":
-        x, y = one_channel(picture, "a"), one_channel(picture, "g")
-    elif picture.pixels.shape[2] == 1 or (packing == "rgb" and picture.opaque.shape[2] < 3):
+    match packing:
+        case "ag":
+            x, y = one_channel(picture, "a"), one_channel(picture, "g")
+        case "rg":
+            _check_count(picture, picture.pixels.shape[2], 2)
+            x, y = picture.pixels[:, :, 0:1], picture.pixels[:, :, 1:2]
+        case "rgb":
+            _check_count(picture, picture.opaque.shape[2], 3)
+            return _unsigned(np.ascontiguousarray(picture.opaque[:, :, :3]))
+        case _:
+            assert_never(packing)
+    return _with_z(_unsigned(np.concatenate([x, y], axis=2)))
+
+
+def _check_count(picture: Picture, count: int, needed: int) -> None:
+    if count < needed:
         raise InputError(
             f"{picture.path}: {picture.pixels.shape[2]} channels make no normal map;"
             " if it holds heights, name it with --height FILE"
         )
-    elif packing == "rg":
-        x, y = picture.pixels[:, :, 0:1], picture.pixels[:, :, 1:2]
-    else:
-        return _unsigned(np.ascontiguousarray(picture.opaque[:, :, :3]))
-    return _with_z(_unsigned(np.concatenate([x, y], axis=2)))
 
 
 def _unsigned(pixels: Pixels) -> Pixels:

@@ -8,12 +8,14 @@ them tried in their order.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, assert_never, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Edge = Literal["wrap", "clamp"]
+"""What lies beyond the map: the same again, or its border going on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +30,16 @@ class BoxHits:
 
 
 def first_box_hits(
-    heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Literal["wrap", "clamp"] = "wrap"
+    heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Edge = "wrap"
 ) -> BoxHits:
     """The first place at which each ray is not above the box of the texel that it is over.
 
     `heights` (h, w) within 0 to 1; `uv` (n, 2) where the rays are at height 1; `fall` (n, 2) how
     far they move while they fall to 0; `edge` what lies beyond the map.
+    Raises ValueError for another edge.
     """
+    if edge not in get_args(Edge):
+        raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     field = np.asarray(heights, np.float64)
     start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, fall))
     met = [_first(field, s, w, edge) for s, w in zip(start, way, strict=True)]
@@ -42,7 +47,7 @@ def first_box_hits(
     return BoxHits(t, start + way * t[:, None], np.array([each[1] for each in met]))
 
 
-def _first(field: Floats, uv: Floats, fall: Floats, edge: str) -> tuple[float, tuple[int, int]]:
+def _first(field: Floats, uv: Floats, fall: Floats, edge: Edge) -> tuple[float, tuple[int, int]]:
     """When one ray meets a box, and which way the side faces."""
     texels = np.array(field.shape[::-1], np.float64)
     start, way = uv * texels, fall * texels
@@ -75,10 +80,15 @@ def _walls(start: Floats, way: Floats) -> tuple[Floats, NDArray[np.int64]]:
     return all_times[order], all_axes[order]
 
 
-def _tops(field: Floats, texels: NDArray[np.int64], edge: str) -> Floats:
+def _tops(field: Floats, texels: NDArray[np.int64], edge: Edge) -> Floats:
     height, width = field.shape
     x, y = texels.T
-    if edge == "wrap":
-        x, y = x % width, y % height
-    tops: Floats = field[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
+    match edge:
+        case "wrap":
+            x, y = x % width, y % height
+        case "clamp":
+            x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
+        case _:
+            assert_never(edge)
+    tops: Floats = field[y, x]
     return tops

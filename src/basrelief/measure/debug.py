@@ -8,7 +8,7 @@ Dark is as it should be in all of them; maps of colour are even to the eye (`mea
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeGuard, assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,22 +46,36 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
     number that holds 99 of 100 pixels. Raises InputError for anything else, and where a truth is
     needed and not given.
     """
-    check_shown(what)
+    if not is_shown(what):
+        raise InputError(_not_shown(what))
     if what == "reads":
         return _reads(frame)
     if truth is None:
         raise InputError(f"{what} is measured against the truth; give it, as truth(scene, size)")
-    if what == "missed":
-        return _missed(frame, truth)
-    if what == "overshoot":
-        return _signed(overshoot(frame, truth), "uv overshoot", "texels")
-    return _signed(depth_error(frame, truth), "depth error", "world units")
+    match what:
+        case "missed":
+            return _missed(frame, truth)
+        case "overshoot":
+            return _signed(overshoot(frame, truth), "uv overshoot", "texels")
+        case "depth-error":
+            return _signed(depth_error(frame, truth), "depth error", "world units")
+        case _:
+            assert_never(what)
+
+
+def is_shown(what: str) -> TypeGuard[Shown]:
+    """Whether there is a debug picture of that name."""
+    return what in SHOWN
 
 
 def check_shown(what: str) -> None:
     """Raise InputError for what there is no debug picture of."""
-    if what not in SHOWN:
-        raise InputError(f"nothing is shown as {what!r}; use color, {', '.join(SHOWN)}")
+    if not is_shown(what):
+        raise InputError(_not_shown(what))
+
+
+def _not_shown(what: str) -> str:
+    return f"nothing is shown as {what!r}; use color, {', '.join(SHOWN)}"
 
 
 def _reads(frame: Frame) -> DebugPicture:

@@ -11,13 +11,15 @@ A ray falls from height 1 at t = 0 to height 0 at t = 1; its texture coordinates
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, assert_never, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Edge = Literal["wrap", "clamp"]
+"""What lies beyond the map: the same again, or its border going on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +35,12 @@ class Hits:
         return 1.0 - self.t
 
 
-def first_hits(
-    heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Literal["wrap", "clamp"] = "wrap"
-) -> Hits:
+def first_hits(heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Edge = "wrap") -> Hits:
     """The first place at which each ray is not above the surface.
 
     `heights` (h, w) within 0 to 1, texel centres at (i + ½) ÷ N; `uv` (n, 2) where the rays are at
     height 1; `fall` (n, 2) how far they move while they fall to 0; `edge` what lies beyond the map.
-    Raises ValueError for heights outside 0 to 1, and for what is not finite.
+    Raises ValueError for heights outside 0 to 1, for what is not finite, and for another edge.
     """
     field = np.asarray(heights, np.float64)
     start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, fall))
@@ -48,6 +48,8 @@ def first_hits(
         raise ValueError("heights and rays must be finite")
     if field.min() < 0.0 or field.max() > 1.0:
         raise ValueError(f"heights from {field.min():g} to {field.max():g}: give 0 to 1")
+    if edge not in get_args(Edge):
+        raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     texels = np.array(field.shape[::-1], np.float64)
     walk = _Walk(field, start * texels - 0.5, way * texels, edge)
     t = walk.to_the_end()
@@ -57,8 +59,9 @@ def first_hits(
 class _Walk:
     """Rays on their way, in texels: cell (i, j) lies between texel centres i and i + 1."""
 
-    def __init__(self, field: Floats, start: Floats, way: Floats, edge: str) -> None:
-        self.field, self.edge = field, edge
+    def __init__(self, field: Floats, start: Floats, way: Floats, edge: Edge) -> None:
+        self.field = field
+        self.edge: Edge = edge
         self.start, self.way = start, way
         count = len(start)
         self.cell: Ints = np.floor(start).astype(np.int64)
@@ -120,11 +123,14 @@ class _Walk:
     def _corners(self, rays: Ints) -> tuple[Floats, Floats, Floats, Floats]:
         height, width = self.field.shape
         i, j = self.cell[rays].T
-        if self.edge == "wrap":
-            columns, rows = (i % width, (i + 1) % width), (j % height, (j + 1) % height)
-        else:
-            columns = (np.clip(i, 0, width - 1), np.clip(i + 1, 0, width - 1))
-            rows = (np.clip(j, 0, height - 1), np.clip(j + 1, 0, height - 1))
+        match self.edge:
+            case "wrap":
+                columns, rows = (i % width, (i + 1) % width), (j % height, (j + 1) % height)
+            case "clamp":
+                columns = (np.clip(i, 0, width - 1), np.clip(i + 1, 0, width - 1))
+                rows = (np.clip(j, 0, height - 1), np.clip(j + 1, 0, height - 1))
+            case _:
+                assert_never(self.edge)
         upper, lower = rows
         left, right = columns
         field = self.field

@@ -264,7 +264,7 @@ def _how(comparison: Results) -> str:
     wide, tall = comparison.size
     timed = " × ".join(map(str, comparison.timing.size))
     texels = " × ".join(map(str, comparison.texels))
-    by = "the GPU’s timestamps" if comparison.timing.by == "timestamps" else "the clock"
+    by = {"timestamps": "the GPU’s timestamps", "clock": "the clock"}[comparison.timing.by]
     return (
         f"Heights of {texels} texels, {comparison.scale:.3g} of a tile deep; pictures of "
         f"{wide} × {tall} pixels, {comparison.samples} samples each. A hit is missed where a pixel "

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, assert_never
 
 from basrelief.engine import Engine
 from basrelief.lang.program import Program
@@ -27,7 +27,7 @@ class Timing:
     """How times are taken: the picture's (width, height), and by "clock" or "timestamps"."""
 
     size: tuple[int, int]
-    by: str
+    by: Literal["clock", "timestamps"]
 
 
 def timing_on(engine: Engine, size: tuple[int, int]) -> Timing:
@@ -60,10 +60,14 @@ def _ready(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
     """What draws a scene once and says how long it took."""
     thing, size = scene.objects[0], timing.size
     program, values = program_of(thing, scene), values_of(thing, scene, size)
-    if timing.by == "timestamps":
-        job = stack.enter_context(engine.prepare(program, values, size))
-        return lambda: engine.seconds(job, size[1], _DISPATCHES)
-    return lambda: _clocked(engine, program, values, size)
+    match timing.by:
+        case "timestamps":
+            job = stack.enter_context(engine.prepare(program, values, size))
+            return lambda: engine.seconds(job, size[1], _DISPATCHES)
+        case "clock":
+            return lambda: _clocked(engine, program, values, size)
+        case _:
+            assert_never(timing.by)
 
 
 def _clocked(

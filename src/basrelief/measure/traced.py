@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,9 +139,14 @@ def surface_heights(heights: Floats, uv: Floats, edge: Edge, boxes: bool) -> Flo
 
     def read(right: int, down: int) -> Floats:
         x, y = (first + np.array([right, down])).T
-        if edge == "wrap":
-            x, y = x % size[0], y % size[1]
-        found: Floats = heights[np.clip(y, 0, size[1] - 1), np.clip(x, 0, size[0] - 1)]
+        match edge:
+            case "wrap":
+                x, y = x % size[0], y % size[1]
+            case "clamp":
+                x, y = np.clip(x, 0, size[0] - 1), np.clip(y, 0, size[1] - 1)
+            case _:
+                assert_never(edge)
+        found: Floats = heights[y, x]
         return found
 
     if boxes:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
+from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import first_hits
 from basrelief.rendering.programs import map_edge, maps_of, rays_of, values_of
 from basrelief.rendering.render import check_picture
@@ -103,11 +104,11 @@ def _heights(thing: Object) -> NDArray[np.float32]:
 
 
 def _met(
-    heights: NDArray[np.float32], start: Floats, fall: Floats, edge: str
+    heights: NDArray[np.float32], start: Floats, fall: Floats, edge: Edge
 ) -> tuple[Floats, Floats]:
     uv, height = np.empty_like(start), np.empty(len(start))
     for first in range(0, len(start), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        hits = first_hits(heights, start[some], fall[some], edge)  # type: ignore[arg-type]
+        hits = first_hits(heights, start[some], fall[some], edge)
         uv[some], height[some] = hits.uv, hits.height
     return uv, height

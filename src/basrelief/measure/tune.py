@@ -16,7 +16,7 @@ import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
@@ -43,7 +43,10 @@ APART = 15.0
 MOST = 1024
 """The most effort that is tried."""
 _RUNS = 5
-_FLIP_SAMPLES = 4
+Measure = Literal["missed", "flip"]
+_MEASURED: dict[Measure, str] = {"missed": "missed hits", "flip": "FLIP"}
+_SAMPLES: dict[Measure, int] = {"missed": 1, "flip": 4}
+"""Of each pixel, while a candidate is measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,7 @@ class Tuned:
     chosen: Tried
     nearest: Tried | None
     others: tuple[Tried, ...]
-    measure: str
+    measure: Measure
     bound: float
     angles: tuple[float, ...]
     source: str
@@ -134,11 +137,16 @@ class Tuned:
         return "\n".join(lines)
 
     def _told(self, tried: Tried) -> str:
-        what = "missed hits" if self.measure == "missed" else "FLIP"
-        return f"{self._number(tried.error)} {what}"
+        return f"{self._number(tried.error)} {_MEASURED[self.measure]}"
 
     def _number(self, error: float) -> str:
-        return f"{100.0 * error:.3g} %" if self.measure == "missed" else f"{error:.3g}"
+        match self.measure:
+            case "missed":
+                return f"{100.0 * error:.3g} %"
+            case "flip":
+                return f"{error:.3g}"
+            case _:
+                assert_never(self.measure)
 
 
 def tune(
@@ -180,7 +188,7 @@ def tune(
     ]
     runner = choose_engine(engine) if isinstance(engine, str) else engine
     views = _views(angles)
-    measure = "missed" if flip is None else "flip"
+    measure: Measure = "missed" if flip is None else "flip"
     progress(f"working out the truth of {material.name}", 0.0)
     ruler = _Ruler(material, views, size, runner, options, measure, bound)
     tried: list[Tried] = []
@@ -252,19 +260,23 @@ class _Ruler:
         size: tuple[int, int],
         engine: Engine,
         options: Mapping[str, Any],
-        measure: str,
+        measure: Measure,
         bound: float,
     ) -> None:
         self.material, self.angles, self.size = material, angles, size
         self.engine, self.options, self.bound = engine, options, bound
-        self.samples = _FLIP_SAMPLES if measure == "flip" else 1
+        self.samples = _SAMPLES[measure]
         (reference,) = candidates(["exact"], {})
         self.true: dict[float, Truth | Frame] = {}
         for angle in angles:
             scene = self.scene(reference, angle)
-            self.true[angle] = (
-                truth(scene, size, engine=engine) if measure == "missed" else self.drawn(scene)
-            )
+            match measure:
+                case "missed":
+                    self.true[angle] = truth(scene, size, engine=engine)
+                case "flip":
+                    self.true[angle] = self.drawn(scene)
+                case _:
+                    assert_never(measure)
 
     def scene(self, candidate: Candidate, angle: float) -> Scene:
         """What a candidate is measured on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, assert_never
 
 from basrelief.lang import Buffer, Vec2, Vec3
 from basrelief.lang.program import Program
@@ -14,7 +14,7 @@ from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shading import pixel, relief, shapes, view_ray
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import Light
-from basrelief.shading.variant import Choices, bindings_of
+from basrelief.shading.variant import SHAPES, Choices, bindings_of
 from basrelief.techniques import Nothing, flat, projection
 
 MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_normal")
@@ -69,7 +69,7 @@ def rays_of(thing: Object) -> Program:
     return Program(
         view_ray.view_ray,
         {
-            shapes.shape: getattr(shapes, thing.shape),
+            shapes.shape: SHAPES[thing.shape],
             relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
             projection.projection: projection.full,
         },
@@ -80,10 +80,14 @@ def rays_of(thing: Object) -> Program:
 def map_edge(thing: Object) -> Edge:
     """What programs read beyond a map: within a shape that is clipped it repeats, if it has to."""
     over = [] if thing.layer is None else [thing.layer.tiling]
-    repeats = thing.edge == "clip" and any(
-        each.repeats for each in (thing.main_tiling, *thing.tilings.values(), *over)
-    )
-    return "wrap" if thing.edge == "wrap" or repeats else "clamp"
+    match thing.edge:
+        case "wrap" | "clamp":
+            return thing.edge
+        case "clip":
+            lain = (thing.main_tiling, *thing.tilings.values(), *over)
+            return "wrap" if any(each.repeats for each in lain) else "clamp"
+        case _:
+            assert_never(thing.edge)
 
 
 def maps_of(thing: Object) -> dict[str, Any]:

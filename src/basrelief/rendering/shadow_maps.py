@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,8 @@ from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
-from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, SPOT, Light
+from basrelief.shading.kinds import light_kind
+from basrelief.shading.lights import FAR_AWAY, Light
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import Nothing
 
@@ -66,19 +67,27 @@ def _cameras(
 ) -> Iterator[Camera]:
     position = np.array([*light.position], np.float64)
     way = np.array([*light.direction], np.float64)
-    if light.kind == DIRECTIONAL:
-        yield _looking(center - way * 2.0 * radius, way, side, orthographic_height=2.0 * radius)
-        return
-    if light.kind == SPOT:
-        half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
-        if 2.0 * half <= _WIDEST:
-            wide = math.tan(math.radians(half)) * side[0] / (side[0] - 2.0)
-            degrees = max(2.0 * math.degrees(math.atan(wide)), _NARROWEST)
-            yield _looking(position, way, side, field_of_view=degrees)
+    kind = light_kind(light)
+    match kind:
+        case "directional":
+            yield _looking(center - way * 2.0 * radius, way, side, orthographic_height=2.0 * radius)
             return
+        case "spot":
+            half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
+            if 2.0 * half <= _WIDEST:
+                wide = math.tan(math.radians(half)) * side[0] / (side[0] - 2.0)
+                degrees = max(2.0 * math.degrees(math.atan(wide)), _NARROWEST)
+                yield _looking(position, way, side, field_of_view=degrees)
+                return
+        case "point":
+            pass
+        case _:
+            assert_never(kind)
+    # all that a lamp lights, or a cone too wide for one depth map
     away = float(np.linalg.norm(center - position))
     half = math.degrees(math.asin(min(1.0, radius / max(away, 1e-9))))
-    if 2.0 * half <= _WIDEST and away > radius:
+    # within the ball it is a right angle
+    if 2.0 * half <= _WIDEST:
         wide = max(2.0 * half, _NARROWEST)
         yield _looking(position, (center - position) / away, side, field_of_view=wide)
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,14 @@ def spot(
         cos_inner=math.cos(half * (1.0 - softness)),
         cos_outer=math.cos(half),
     )
+
+
+LIGHTS: dict[str, Callable[..., Light]] = {
+    "directional": directional,
+    "point": point,
+    "spot": spot,
+}
+"""What makes a light of each kind."""
 
 
 def _light(

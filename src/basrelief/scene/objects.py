@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, assert_never, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,17 @@ from basrelief.material import Material
 from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
 from basrelief.scene.transforms import LYING, OUTLINES, Transform, placed, sound
 from basrelief.shading.intersection import Placement
+from basrelief.shading.kinds import (
+    AlphaKind,
+    CastsKind,
+    EdgeKind,
+    HeightsKind,
+    MappingKind,
+    Projection,
+    ShapeKind,
+    SurfaceKind,
+    values_of,
+)
 from basrelief.shading.relief import Depth
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import Finish
@@ -24,11 +35,16 @@ from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import technique_from_file
 
-SHAPES = ("plane", "box", "sphere", "cylinder")
+SHAPES: tuple[ShapeKind, ...] = get_args(ShapeKind)
 DEFAULT_SCALE = 0.05
 """The depth of a relief whose material does not say: 5 % of a tile's width."""
 
-_TILING = {"plane": (1.0, 1.0), "box": (1.0, 1.0), "sphere": (4.0, 2.0), "cylinder": (3.0, 1.0)}
+_TILING: dict[ShapeKind, tuple[float, float]] = {
+    "plane": (1.0, 1.0),
+    "box": (1.0, 1.0),
+    "sphere": (4.0, 2.0),
+    "cylinder": (3.0, 1.0),
+}
 """Tiles around and along each shape so that a square tile stays about square."""
 
 
@@ -104,24 +120,24 @@ class Object:
     """
 
     material: Material
-    shape: str = "plane"
+    shape: ShapeKind = "plane"
     technique: str | Technique[..., Any] | None = None
     settings: Any = field(default_factory=dict)
     scale: float | None = None
     level: float | None = None
-    projection: Literal["full", "biased", "limited"] | None = None
+    projection: Projection | None = None
     bias: float = 0.42
-    heights: Literal["sharp", "smooth", "mip"] = "sharp"
+    heights: HeightsKind = "sharp"
     smoothing: Any = field(default_factory=dict)
     fade: tuple[float, float] | None = None
-    edge: Literal["wrap", "clamp", "clip"] = "wrap"
+    edge: EdgeKind = "wrap"
     tiling: tuple[float, float] | None = None
     shift: tuple[float, float] = (0.0, 0.0)
     tilings: Mapping[str, Tiling] = field(default_factory=dict)
-    mapping: Literal["planar", "triplanar"] = "planar"
-    alpha: Literal["blend", "mask", "opaque"] = "blend"
-    casts: Literal["shape", "opaque", "none"] = "shape"
-    surface: Literal["standard", "landscape"] = "standard"
+    mapping: MappingKind = "planar"
+    alpha: AlphaKind = "blend"
+    casts: CastsKind = "shape"
+    surface: SurfaceKind = "standard"
     finish: Any = field(default_factory=dict)
     layer: Layer | None = None
     transform: Transform | None = None
@@ -129,14 +145,17 @@ class Object:
     def __post_init__(self) -> None:
         self._check_kinds()
         self._choose_technique()
-        one_of("shape", self.shape, SHAPES)
-        one_of("projection", self.projection, (None, "full", "biased", "limited"))
-        one_of("heights", self.heights, ("sharp", "smooth", "mip"))
-        one_of("edge", self.edge, ("wrap", "clamp", "clip"))
-        one_of("mapping", self.mapping, ("planar", "triplanar"))
-        one_of("alpha", self.alpha, ("blend", "mask", "opaque"))
-        one_of("casts", self.casts, ("shape", "opaque", "none"))
-        one_of("surface", self.surface, tuple(SURFACES))
+        one_of("projection", self.projection, (None, *values_of(Projection)))
+        for name, kinds in (
+            ("shape", ShapeKind),
+            ("heights", HeightsKind),
+            ("edge", EdgeKind),
+            ("mapping", MappingKind),
+            ("alpha", AlphaKind),
+            ("casts", CastsKind),
+            ("surface", SurfaceKind),
+        ):
+            one_of(name, getattr(self, name), values_of(kinds))
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
@@ -231,11 +250,11 @@ class Object:
         """How far the relief stands above the polygon at most, in lengths of object space."""
         if not self.has_relief:
             return 0.0
-        around = math.pi if self.shape in ("sphere", "cylinder") else 1.0
+        around = _width_around(self.shape)
         return (1.0 - self.relief_level) * self.relief_scale * around / abs(self.tiles[0])
 
     @property
-    def relief_projection(self) -> str:
+    def relief_projection(self) -> Projection:
         """The name of the projection in use."""
         return self.projection or self.drawn_with.projection
 
@@ -245,7 +264,13 @@ class Object:
         if self.tiling is not None:
             return self.tiling
         u, v = _TILING[self.shape]
-        return (u, v) if self.shape in ("plane", "box") else (u, v * self.material.proportion)
+        match self.shape:
+            case "plane" | "box":
+                return u, v
+            case "sphere" | "cylinder":
+                return u, v * self.material.proportion
+            case _:
+                assert_never(self.shape)
 
     @property
     def to_world(self) -> Transform:
@@ -316,6 +341,17 @@ class Object:
             tilings={name: each.moved(u, v) for name, each in self.tilings.items()},
             layer=layer and replace(layer, tiling=layer.tiling.moved(u, v)),
         )
+
+
+def _width_around(shape: ShapeKind) -> float:
+    """The length of u from 0 to 1 in object space: a side, or the circumference."""
+    match shape:
+        case "plane" | "box":
+            return 1.0
+        case "sphere" | "cylinder":
+            return math.pi
+        case _:
+            assert_never(shape)
 
 
 def _columns(matrix: NDArray[Any]) -> Mat3:

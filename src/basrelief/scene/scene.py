@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -16,6 +16,15 @@ from basrelief.scene.views import LookAt, Orbit
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import Camera
 from basrelief.shading.fog import Fog
+from basrelief.shading.kinds import (
+    FogKind,
+    OcclusionKind,
+    ShadingModel,
+    ShadowsKind,
+    ShadowsOnKind,
+    light_kind,
+    values_of,
+)
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 
@@ -51,13 +60,13 @@ class Scene:
     camera: Orbit | LookAt = field(default_factory=Orbit)
     lights: tuple[Light, ...] = field(default_factory=_default_lights)
     shading: Any = field(default_factory=dict)
-    shading_model: Literal["ggx", "phong"] = "ggx"
-    shadows: Literal["none", "hard", "soft"] = "none"
-    shadows_on: Literal["relief", "polygon"] = "relief"
+    shading_model: ShadingModel = "ggx"
+    shadows: ShadowsKind = "none"
+    shadows_on: ShadowsOnKind = "relief"
     shadow_map: int = 1024
     shadowing: Any = field(default_factory=dict)
-    occlusion_kind: Literal["ambient", "directional"] = "ambient"
-    fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
+    occlusion_kind: OcclusionKind = "ambient"
+    fog: FogKind = "none"
     air: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = BACKGROUND
 
@@ -65,11 +74,15 @@ class Scene:
         objects = self.objects if np.iterable(self.objects) else (self.objects,)
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
-        one_of("shading_model", self.shading_model, ("ggx", "phong"))
-        one_of("shadows", self.shadows, ("none", "hard", "soft"))
-        one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
-        one_of("occlusion_kind", self.occlusion_kind, ("ambient", "directional"))
-        one_of("fog", self.fog, ("none", "linear", "exponential", "exponential_squared"))
+        for name, kinds in (
+            ("shading_model", ShadingModel),
+            ("shadows", ShadowsKind),
+            ("shadows_on", ShadowsOnKind),
+            ("occlusion_kind", OcclusionKind),
+            ("fog", FogKind),
+        ):
+            one_of(name, getattr(self, name), values_of(kinds))
+        self._check_lights()
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (
             ("shading", Shading, "the shading"),
@@ -87,6 +100,16 @@ class Scene:
             )
         object.__setattr__(self, "objects", tuple(objects))
         object.__setattr__(self, "lights", tuple(self.lights))
+
+    def _check_lights(self) -> None:
+        if not np.iterable(self.lights):
+            raise InputError("lights are a tuple, as (directional(),)")
+        for light in self.lights:
+            if not isinstance(light, Light):
+                raise InputError(
+                    f"a light is {light!r}: give one made by directional, point or spot"
+                )
+            light_kind(light)
 
     @property
     def casts(self) -> bool:
@@ -134,4 +157,7 @@ def _inside(thing: Object, x: float, y: float, z: float) -> bool:
             return max(abs(x), abs(y), abs(z)) <= 0.5
         case "sphere":
             return math.hypot(x, y, z) <= 0.5
-    return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
+        case "cylinder":
+            return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
+        case _:
+            assert_never(thing.shape)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.scene.checks import FAR, NEAR
+from basrelief.shading.kinds import ShapeKind
 
 Transform = NDArray[np.float64]
 """An affine map from object to world space, (4, 4), acting on columns."""
@@ -55,7 +56,7 @@ def _round(heights: Sequence[float], radii: Sequence[float]) -> NDArray[np.float
 
 _CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _FROM_POLE = np.linspace(0.0, np.pi, 13)
-OUTLINES = {
+OUTLINES: dict[ShapeKind, NDArray[np.float64]] = {
     "plane": _CORNERS * (1.0, 1.0, 0.0),
     "box": _CORNERS,
     "sphere": _round([*np.cos(_FROM_POLE) / 2], [*np.sin(_FROM_POLE) / 2]),

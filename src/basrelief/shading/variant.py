@@ -7,11 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, assert_never
 
 from basrelief.lang import Shader
 from basrelief.lang.resources import Edge
 from basrelief.shading import brdf, fog, pixel, relief, self_shadow, shadow_map, shapes
+from basrelief.shading.kinds import (
+    AlphaKind,
+    FogKind,
+    HeightsKind,
+    MappingKind,
+    OcclusionKind,
+    Projection,
+    ShadingModel,
+    ShadowsKind,
+    ShadowsOnKind,
+    ShapeKind,
+    SurfaceKind,
+)
 from basrelief.shading.surfaces import landscape, standard, surface
 from basrelief.techniques import Technique, columns, displace, edge, flat, height, projection
 
@@ -27,16 +40,16 @@ class Choices:
     """
 
     technique: Technique[..., Any]
-    shape: str
-    projection: str
-    heights: Literal["sharp", "smooth", "mip"]
+    shape: ShapeKind
+    projection: Projection
+    heights: HeightsKind
     edge: Edge
     clipped: bool
     fades: bool
-    mapping: str
+    mapping: MappingKind
     apart: bool
-    alpha: str
-    surface: str
+    alpha: AlphaKind
+    surface: SurfaceKind
     layer: bool
     base_color: bool
     normal: bool
@@ -44,12 +57,12 @@ class Choices:
     emission: bool
     layer_color: bool
     layer_normal: bool
-    shadows: str
-    shadows_on: str
+    shadows: ShadowsKind
+    shadows_on: ShadowsOnKind
     casts: bool
-    shading_model: str
-    occlusion_kind: str
-    fog: str
+    shading_model: ShadingModel
+    occlusion_kind: OcclusionKind
+    fog: FogKind
 
     @property
     def displaced(self) -> bool:
@@ -64,12 +77,12 @@ class Choices:
     @property
     def triplanar(self) -> bool:
         """Whether colours are laid on from three sides, as the relief lies."""
-        return self.mapping == "triplanar" and self.displaced and self.base_color
+        return _FROM_THREE_SIDES[self.mapping] and self.displaced and self.base_color
 
     @property
     def directional(self) -> bool:
         """Whether occlusion has a direction."""
-        return self.occlusion_kind == "directional"
+        return _HAS_DIRECTION[self.occlusion_kind]
 
 
 Rule = Callable[[Choices], AnyShader]
@@ -87,7 +100,13 @@ def _inside(c: Choices) -> AnyShader:
     """What is cut off at the object's edge: around a sphere or a cylinder there is none along u."""
     if not c.clipped:
         return pixel.anywhere
-    return pixel.within if c.shape in ("plane", "box") else pixel.within_rims
+    match c.shape:
+        case "plane" | "box":
+            return pixel.within
+        case "sphere" | "cylinder":
+            return pixel.within_rims
+        case _:
+            assert_never(c.shape)
 
 
 def _slope_of(c: Choices) -> AnyShader:
@@ -99,7 +118,7 @@ def _slope_of(c: Choices) -> AnyShader:
 
 def _flat_height(c: Choices) -> AnyShader:
     """The height where nothing is displaced, for what asks for one."""
-    if c.surface == "landscape" or c.directional:
+    if _GOES_BY_HEIGHT[c.surface] or c.directional:
         return columns.top_at if c.boxed else relief.as_stored
     return relief.unread
 
@@ -109,10 +128,24 @@ def _surface_height(c: Choices) -> AnyShader:
 
 
 def _shadow(c: Choices) -> AnyShader:
-    """What the relief hides of a light."""
-    if c.boxed:
-        return self_shadow.soft_of_boxes if c.shadows == "soft" else self_shadow.hard_of_boxes
-    return self_shadow.soft if c.shadows == "soft" else self_shadow.hard
+    """What the relief hides of a light; read by no program that has no shadows."""
+    match c.shadows:
+        case "soft":
+            return self_shadow.soft_of_boxes if c.boxed else self_shadow.soft
+        case "hard" | "none":
+            return self_shadow.hard_of_boxes if c.boxed else self_shadow.hard
+        case _:
+            assert_never(c.shadows)
+
+
+def _unhidden(c: Choices) -> AnyShader:
+    match c.shadows:
+        case "none":
+            return relief.everything
+        case "hard" | "soft":
+            return relief.self_shadowed if c.displaced else relief.everything
+        case _:
+            assert_never(c.shadows)
 
 
 def _base_color_of(c: Choices) -> AnyShader:
@@ -123,16 +156,50 @@ def _base_color_of(c: Choices) -> AnyShader:
     return standard.pixelated_base_color if c.boxed else standard.mapped_base_color
 
 
-_LEVELS: Mapping[str, AnyShader] = {
+# --- what each value of a choice stands for; no other value is known
+
+SHAPES: Mapping[ShapeKind, AnyShader] = {
+    "plane": shapes.plane,
+    "box": shapes.box,
+    "sphere": shapes.sphere,
+    "cylinder": shapes.cylinder,
+}
+PROJECTIONS: Mapping[Projection, AnyShader] = {
+    "full": projection.full,
+    "biased": projection.biased,
+    "limited": projection.limited,
+}
+LEVELS: Mapping[HeightsKind, AnyShader] = {
     "sharp": relief.finest,
     "smooth": relief.as_the_pixel_sees,
     "mip": relief.nearest_level,
 }
-_ALPHA: Mapping[str, AnyShader] = {
+ALPHA: Mapping[AlphaKind, AnyShader] = {
     "blend": standard.blended,
     "mask": standard.masked,
     "opaque": standard.opaque,
 }
+SURFACES: Mapping[SurfaceKind, AnyShader] = {
+    "standard": standard.standard_surface,
+    "landscape": landscape.landscape_surface,
+}
+RECEIVERS: Mapping[ShadowsOnKind, AnyShader] = {
+    "relief": pixel.on_the_relief,
+    "polygon": pixel.on_the_polygon,
+}
+REFLECTANCES: Mapping[ShadingModel, AnyShader] = {"ggx": brdf.ggx, "phong": brdf.phong}
+FOGS: Mapping[FogKind, AnyShader] = {
+    "none": fog.clear,
+    "linear": fog.linear,
+    "exponential": fog.exponential,
+    "exponential_squared": fog.exponential_squared,
+}
+_FROM_THREE_SIDES: Mapping[MappingKind, bool] = {"planar": False, "triplanar": True}
+_HAS_DIRECTION: Mapping[OcclusionKind, bool] = {"ambient": False, "directional": True}
+_GOES_BY_HEIGHT: Mapping[SurfaceKind, bool] = {"standard": False, "landscape": True}
+
+
+# --- the rules
 
 
 def _of_the_edge(slot: AnyShader) -> Rule:
@@ -144,8 +211,8 @@ def _of_the_heights(slot: AnyShader) -> Rule:
 
 
 RULES: dict[AnyShader, Rule] = {
-    shapes.shape: lambda c: getattr(shapes, c.shape),
-    projection.projection: lambda c: getattr(projection, c.projection),
+    shapes.shape: lambda c: SHAPES[c.shape],
+    projection.projection: lambda c: PROJECTIONS[c.projection],
     displace: lambda c: c.technique,
     **{each: _of_the_edge(each) for each in edge.edges_of("wrap")},
     **{each: _of_the_heights(each) for each in height.heights_of("sharp")},
@@ -154,16 +221,14 @@ RULES: dict[AnyShader, Rule] = {
     pixel.facing: lambda c: pixel.as_the_side if c.boxed else pixel.as_mapped,
     relief.displaced: lambda c: relief.with_relief if c.displaced else relief.without_relief,
     relief.depth_seen: lambda c: relief.fading if c.fades else relief.as_deep,
-    relief.lod_seen: lambda c: _LEVELS[c.heights],
+    relief.lod_seen: lambda c: LEVELS[c.heights],
     relief.flat_height: _flat_height,
     relief.slope_of: _slope_of,
     # --- the surface
-    surface.surface_at: lambda c: (
-        landscape.landscape_surface if c.surface == "landscape" else standard.standard_surface
-    ),
+    surface.surface_at: lambda c: SURFACES[c.surface],
     surface.spot_of: lambda c: surface.apart if c.apart else surface.together,
     surface.turned: lambda c: surface.mirrored_with if c.apart else surface.as_it_is,
-    standard.opacity_of: lambda c: _ALPHA[c.alpha],
+    standard.opacity_of: lambda c: ALPHA[c.alpha],
     standard.layered: lambda c: standard.with_details if c.layer else standard.bare,
     landscape.high_ground: lambda c: landscape.of_the_layer if c.layer else landscape.as_below,
     standard.base_color_of: _base_color_of,
@@ -181,19 +246,15 @@ RULES: dict[AnyShader, Rule] = {
         standard.mapped_layer_normal if c.layer_normal else standard.plain_layer_normal
     ),
     # --- the light
-    relief.unhidden: lambda c: (
-        relief.self_shadowed if c.shadows != "none" and c.displaced else relief.everything
-    ),
+    relief.unhidden: _unhidden,
     relief.lit_from: lambda c: relief.on_the_box if c.boxed else relief.on_the_surface,
     self_shadow.shadow: _shadow,
     shadow_map.reaching_past_others: lambda c: (
         shadow_map.past_others if c.casts else shadow_map.nothing_else
     ),
-    pixel.receiver: lambda c: (
-        pixel.on_the_polygon if c.shadows_on == "polygon" else pixel.on_the_relief
-    ),
-    brdf.reflectance: lambda c: getattr(brdf, c.shading_model),
+    pixel.receiver: lambda c: RECEIVERS[c.shadows_on],
+    brdf.reflectance: lambda c: REFLECTANCES[c.shading_model],
     pixel.openness: lambda c: pixel.open_from_above if c.directional else pixel.open_to_all,
-    fog.fogged: lambda c: fog.clear if c.fog == "none" else getattr(fog, c.fog),
+    fog.fogged: lambda c: FOGS[c.fog],
 }
 """What each slot of `pixel` is bound to."""

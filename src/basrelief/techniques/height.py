@@ -187,7 +187,9 @@ def patch_of_level(field: HeightField, cell: IVec2, level: int) -> Vec4:
 
 def heights_of(kind: Literal["sharp", "smooth", "mip"]) -> dict[Any, Any]:
     """The slots of this module as a way to read heights binds them."""
-    read = {"sharp": sharp, "smooth": smooth, "mip": from_one_level}[kind]
-    if kind == "mip":
-        return {surface_height: read, level_under: level_of_ray, patch_of: patch_of_level}
-    return {surface_height: read, level_under: finest_level, patch_of: patch_of_finest}
+    each = {
+        "sharp": (sharp, finest_level, patch_of_finest),
+        "smooth": (smooth, finest_level, patch_of_finest),
+        "mip": (from_one_level, level_of_ray, patch_of_level),
+    }
+    return dict(zip((surface_height, level_under, patch_of), each[kind], strict=True))

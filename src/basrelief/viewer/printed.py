@@ -17,6 +17,19 @@ from basrelief.lang.resources import Edge, buffer_record
 from basrelief.rendering.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shading import pixel
+from basrelief.shading.kinds import (
+    AlphaKind,
+    EdgeKind,
+    FogKind,
+    HeightsKind,
+    MappingKind,
+    OcclusionKind,
+    Projection,
+    ShadingModel,
+    ShadowsKind,
+    SurfaceKind,
+    values_of,
+)
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.surfaces.surface import SurfaceSettings
 from basrelief.shading.variant import RULES, Choices, bindings_of
@@ -26,16 +39,16 @@ from basrelief.viewer.bakes import BAKES, is_asked
 
 MENUS: dict[str, tuple[str, ...]] = {
     "shape": SHAPES,
-    "projection": ("full", "biased", "limited"),
-    "heights": ("sharp", "smooth", "mip"),
-    "edge": ("wrap", "clamp", "clip"),
-    "mapping": ("planar", "triplanar"),
-    "alpha": ("blend", "mask", "opaque"),
-    "surface": tuple(SURFACES),
-    "shadows": ("none", "hard", "soft"),
-    "shading_model": ("ggx", "phong"),
-    "occlusion_kind": ("ambient", "directional"),
-    "fog": ("none", "linear", "exponential", "exponential_squared"),
+    "projection": values_of(Projection),
+    "heights": values_of(HeightsKind),
+    "edge": values_of(EdgeKind),
+    "mapping": values_of(MappingKind),
+    "alpha": values_of(AlphaKind),
+    "surface": values_of(SurfaceKind),
+    "shadows": values_of(ShadowsKind),
+    "shading_model": values_of(ShadingModel),
+    "occlusion_kind": values_of(OcclusionKind),
+    "fog": values_of(FogKind),
 }
 """What a page chooses by name, as `Object` and `Scene` have it."""
 _EITHER = (True, False)

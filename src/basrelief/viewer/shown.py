@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, assert_never
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional, point, spot
 from basrelief.scene.checks import one_of, within
+from basrelief.shading.kinds import LightKind, values_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
@@ -20,7 +21,7 @@ OF_SCENE = (
     "shadows", "shading_model", "shading", "shadowing", "occlusion_kind", "fog", "air",
 )  # fmt: skip
 """The settings that objects and scenes have by the same names."""
-_LIGHTS: dict[str, Callable[[], Light]] = {
+_LIGHTS: dict[LightKind, Callable[[], Light]] = {
     "directional": directional,
     "point": lambda: point((0.0, 1.0, 0.0)),
     "spot": lambda: spot((0.0, 1.0, 0.0)),
@@ -102,15 +103,21 @@ def light_of(said: Mapping[str, Any]) -> Light:
     """A light from a page's. Raises InputError for numbers that make none."""
     color, intensity, falloff = said["color"], said["intensity"], said["falloff"]
     within("intensity", float(intensity), 0.0, None)
-    if said["kind"] == "directional":
-        return directional(said["azimuth"], said["elevation"], color, intensity)
-    if said["kind"] == "point":
-        return point(said["position"], color, intensity, falloff)
-    # the way is that of a light from far away at these angles
-    way = directional(said["azimuth"], said["elevation"]).direction
-    target = [p + float(d) for p, d in zip(said["position"], way, strict=True)]
-    angle, softness = said["angle"], said["softness"]
-    return spot(said["position"], target, color, intensity, falloff, angle, softness)
+    one_of("the kind of a light", said["kind"], values_of(LightKind))
+    kind: LightKind = said["kind"]
+    match kind:
+        case "directional":
+            return directional(said["azimuth"], said["elevation"], color, intensity)
+        case "point":
+            return point(said["position"], color, intensity, falloff)
+        case "spot":
+            # the way is that of a light from far away at these angles
+            way = directional(said["azimuth"], said["elevation"]).direction
+            target = [p + float(d) for p, d in zip(said["position"], way, strict=True)]
+            angle, softness = said["angle"], said["softness"]
+            return spot(said["position"], target, color, intensity, falloff, angle, softness)
+        case _:
+            assert_never(kind)
 
 
 def said_light(given: Any) -> dict[str, Any]:
@@ -124,7 +131,7 @@ def said_light(given: Any) -> dict[str, Any]:
     if not isinstance(given, Mapping):
         raise InputError(f"a light is {given!r}: give one made by directional, point or spot")
     kind = given.get("kind", "directional")
-    one_of("the kind of a light", kind, tuple(_LIGHTS))
+    one_of("the kind of a light", kind, values_of(LightKind))
     usual = plain_light(_LIGHTS[kind]())
     for name in given:
         one_of("a light's number", name, tuple(usual))

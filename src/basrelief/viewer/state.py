@@ -25,7 +25,8 @@ from basrelief.scene.scene import BACKGROUND
 from basrelief.scene.views import FILLED
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
-from basrelief.shading.lights import SPOT, Light
+from basrelief.shading.kinds import LightKind, ShapeKind, light_kind, values_of
+from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
@@ -38,7 +39,6 @@ SAMPLES = 16
 """Places in a pixel that a picture at rest is averaged over."""
 SHOWS = ("color", "reads", "missed", "depth")
 """What a page can draw."""
-_KINDS = ("directional", "point", "spot")
 LIMITS: dict[str, Any] = {
     "numbers": {
         "scale": (0.0, 10.0),
@@ -129,7 +129,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, thing, techniques),
         "shows": SHOWS,
-        "lightKinds": _KINDS,
+        "lightKinds": values_of(LightKind),
         "limits": LIMITS,
         "names": names(),
     }
@@ -170,7 +170,7 @@ def _called(made: Technique[..., Any]) -> str:
     return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{made.name}"
 
 
-def _shape(thing: Object, shape: str) -> dict[str, Any]:
+def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
     """Where a shape stands, how many tiles it has, and the points that it lies between."""
     # a scene's own transform is that of its own shape
     placed = thing.transform if shape == thing.shape else None
@@ -295,10 +295,11 @@ def plain_light(light: Light) -> dict[str, Any]:
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
     # a light of another kind has the cone that it would get as a spot
-    cone = light if int(light.kind) == SPOT else spot((0.0, 1.0, 0.0))
+    kind = light_kind(light)
+    cone = light if kind == "spot" else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
-        "kind": _KINDS[int(light.kind)],
+        "kind": kind,
         "position": said["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),

@@ -6,20 +6,22 @@ from collections.abc import Iterator
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
+from basrelief.shading.kinds import ShapeKind
 
 CAMERA = Orbit(azimuth=30.0, elevation=15.0, field_of_view=30.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
     """Growing strength on a sphere and on a cylinder; last a march."""
-    for shape, technique, strength in (
+    shown: tuple[tuple[ShapeKind, str, float], ...] = (
         ("sphere", "offset", 0.03),
         ("sphere", "offset", 0.15),
         ("sphere", "relief", 0.15),
         ("cylinder", "offset", 0.03),
         ("cylinder", "offset", 0.15),
         ("cylinder", "relief", 0.15),
-    ):
+    )
+    for shape, technique, strength in shown:
         thing = Object(
             sample("tiles" if shape == "cylinder" else "cobbles", texels),
             shape=shape,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from types import MappingProxyType
 from typing import Any
@@ -13,10 +13,8 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import MAPS
-from basrelief.scene import LookAt, Orbit, directional, point, spot
-
-LIGHTS: dict[str, Callable[..., Any]] = {"directional": directional, "point": point, "spot": spot}
-"""The kinds of lights."""
+from basrelief.scene import LookAt, Orbit
+from basrelief.scene.lights import LIGHTS
 
 TEXT, SWITCH, NUMBER, WHOLE = "a text", "true or false", "a number", "a whole number"
 PAIR, TRIPLE = "two numbers, as [1, 2]", "three numbers, as [1, 2, 3]"

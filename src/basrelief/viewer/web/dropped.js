@@ -122,8 +122,11 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
       return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
     case "packed":
       return { ...pictures, response: merged(response, picture, threeOf(picture)) };
+    case "occlusion":
+    case "roughness":
+    case "metallic":
+      return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
   }
-  return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
 }
 
 /**

@@ -394,8 +394,13 @@ function layoutEntry({ kind, type }, binding) {
     entry.sampler = { type: "non-filtering" };
   } else {
     /** @type {{ [kind: string]: GPUBufferBindingType }} */
-    const kinds = { run: "uniform", uniform: "uniform", planes: "storage" };
-    entry.buffer = { type: kinds[kind] ?? "read-only-storage" };
+    const kinds = {
+      run: "uniform",
+      uniform: "uniform",
+      planes: "storage",
+      buffer: "read-only-storage",
+    };
+    entry.buffer = { type: kinds[kind] };
   }
   return entry;
 }

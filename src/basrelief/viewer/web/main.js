@@ -32,6 +32,7 @@ const MESSAGES = 8; // that are shown at once
 const READ = 8000; // milliseconds for which a message that is only told stays
 const AS_NAMED = { channel: "luminance", polarity: "", green: "" };
 const FURTHEST = 20; // widths of a shape that zooming goes away
+const RADII = { box: 0.87, sphere: 0.5, cylinder: 0.71 }; // of balls that hold the solids
 
 /**
  * Degrees as −180 to 180.
@@ -444,8 +445,7 @@ export class View {
     if (plane) camera.target[1] = Math.max(0, camera.target[1]);
     if (camera.distance !== null) {
       const away = Math.hypot(...camera.target);
-      const radius = plane ? 0.02 : shape === "sphere" ? 0.5 : shape === "box" ? 0.87 : 0.71;
-      camera.distance = Math.max(camera.distance, plane ? 0.15 : radius + away + 0.05);
+      camera.distance = Math.max(camera.distance, plane ? 0.15 : RADII[shape] + away + 0.05);
       // an orthographic one sees nothing that is behind it
       if (camera.orthographic_height !== null) {
         const all = framing(camera, this.data.shapes[shape].outline, [1, 1], 1) - 1;
@@ -666,6 +666,7 @@ export class View {
   text(kind) {
     if (kind === "python") return toPython(this.state, this.data);
     if (kind === "command") return toCommand(this.state, this.data);
+    if (kind !== "link") throw new Error(`nothing is copied as ${kind}`);
     return location.href.split("#")[0] + toHash(this.state, this.start);
   }
 

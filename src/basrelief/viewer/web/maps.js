@@ -135,7 +135,9 @@ function nextLevel(level, cutOut) {
   const plain = halved(level, 4);
   const texels = new Uint16Array(made.texels.length);
   for (let k = 0; k < texels.length; k += 4) {
-    for (let c = 0; c < 3; c++) texels[k + c] = roundEven(made.texels[k + c] / made.texels[k + 3]);
+    const share = made.texels[k + 3];
+    // in 32 bits, as NumPy divides: a quotient just beside a half may be rounded onto it
+    for (let c = 0; c < 3; c++) texels[k + c] = roundEven(Math.fround(made.texels[k + c] / share));
     texels[k + 3] = roundEven(plain.texels[k + 3]);
   }
   return { ...made, texels };

@@ -1,0 +1,236 @@
+"""Kinds: each value is drawn, and any other is refused by one line wherever it is written."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from basrelief import baking
+from basrelief.errors import InputError
+from basrelief.images import Picture
+from basrelief.lang import HeightField, Shader, Texture
+from basrelief.material import channels, sample
+from basrelief.measure.boxes import first_box_hits
+from basrelief.measure.debug import SHOWN, debug_picture
+from basrelief.measure.oracle import first_hits
+from basrelief.rendering.frame import Frame
+from basrelief.rendering.programs import choices_of, program_of
+from basrelief.rendering.shadow_maps import light_views
+from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, kinds, motion, point, spot
+from basrelief.scene.lights import LIGHTS
+from basrelief.scene.presets import Preset, preset
+from basrelief.scene.transforms import OUTLINES
+from basrelief.shading import variant
+from basrelief.shading.kinds import LightKind, light_kind, values_of
+from basrelief.viewer.printed import MENUS
+from basrelief.viewer.shown import light_of, said_light
+from basrelief.viewer.state import plain_light
+from helpers.command_line import refused as command_refused
+from helpers.command_line import write_heights
+
+OF_OBJECT = {
+    "shape": kinds.ShapeKind,
+    "projection": kinds.Projection,
+    "heights": kinds.HeightsKind,
+    "edge": kinds.EdgeKind,
+    "mapping": kinds.MappingKind,
+    "alpha": kinds.AlphaKind,
+    "casts": kinds.CastsKind,
+    "surface": kinds.SurfaceKind,
+}
+OF_SCENE = {
+    "shading_model": kinds.ShadingModel,
+    "shadows": kinds.ShadowsKind,
+    "shadows_on": kinds.ShadowsOnKind,
+    "occlusion_kind": kinds.OcclusionKind,
+    "fog": kinds.FogKind,
+}
+OPTIONS = {**OF_OBJECT, **OF_SCENE}
+EACH = [(name, value) for name, kind in OPTIONS.items() for value in values_of(kind)]
+BRICKS = sample("bricks", 16)
+UNKNOWN = ("torus", "", "Plane", "none ")
+
+
+def scene(**options: Any) -> Scene:
+    of_scene = {name: options.pop(name) for name in list(options) if name in OF_SCENE}
+    return Scene((Object(BRICKS, **options),), **of_scene)
+
+
+def refusal(make: Any) -> str:
+    with pytest.raises(InputError) as caught:
+        make()
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def told(name: str, value: str) -> str:
+    """The line that refuses an unknown value: what is wrong, and what to write."""
+    return f"{name} is one of {', '.join(values_of(OPTIONS[name]))}, not {value!r}"
+
+
+# --- known values ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "value"), EACH)
+def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
+    """All slots are bound, and another value of the same option binds some otherwise."""
+    # the options below bind slots that the value may change
+    others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard"}
+    bindings = {}
+    for each in values_of(OPTIONS[name]):
+        made = scene(**{**others, name: each})
+        chosen = choices_of(made.objects[0], made)
+        bindings[each] = variant.bindings_of(chosen)
+        assert all(isinstance(shader, Shader) for shader in bindings[each].values())
+        assert program_of(made.objects[0], made).key
+    same = [each for each in bindings if bindings[each] == bindings[value]]
+    # objects that cast nothing are drawn no otherwise themselves; within, clip repeats as wrap does
+    if name == "casts":
+        assert same == list(bindings)
+    else:
+        assert same == [value]
+
+
+@pytest.mark.parametrize(
+    ("table", "kind"),
+    [
+        (variant.SHAPES, kinds.ShapeKind),
+        (variant.PROJECTIONS, kinds.Projection),
+        (variant.LEVELS, kinds.HeightsKind),
+        (variant.ALPHA, kinds.AlphaKind),
+        (variant.SURFACES, kinds.SurfaceKind),
+        (variant.RECEIVERS, kinds.ShadowsOnKind),
+        (variant.REFLECTANCES, kinds.ShadingModel),
+        (variant.FOGS, kinds.FogKind),
+        (SHAPES, kinds.ShapeKind),
+        (SURFACES, kinds.SurfaceKind),
+        (OUTLINES, kinds.ShapeKind),
+        (LIGHTS, LightKind),
+        *((MENUS[name], OPTIONS[name]) for name in MENUS),
+    ],
+)
+def test_tables_have_every_kind(table: Any, kind: Any) -> None:
+    assert tuple(table) == values_of(kind)
+
+
+def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
+    """The page counts them in the same order."""
+    lights = (directional(), point((1.0, 2.0, 3.0)), spot((1.0, 2.0, 3.0)))
+    assert [light_kind(light) for light in lights] == list(values_of(LightKind))
+    assert [int(light.kind) for light in lights] == [0, 1, 2]
+    # a directional light has one view, one that lights all around six
+    around = Scene((Object(BRICKS, "sphere"),), lights=lights, shadow_map=16)
+    assert [view.light for view in light_views(around)] == [0, 1, 2]
+    # within the ball: a lamp has six views, a spot one, or six where its cone is too wide
+    place = (0.1, 0.2, 0.3)
+    for light, count in (
+        (point(place), 6),
+        (spot(place, angle=60.0), 1),
+        (spot(place, angle=150.0), 6),
+    ):
+        assert len(light_views(replace(around, lights=(light,)))) == count
+
+
+# --- unknown values -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "value"), [*itertools.product(OPTIONS, UNKNOWN)])
+def test_python_refuses_an_unknown_value(name: str, value: str) -> None:
+    assert refusal(lambda: scene(**{name: value})) == told(name, value)
+    # and what is changed of an object or a scene that there is
+    made = scene()
+    changed = made.objects[0] if name in OF_OBJECT else made
+    assert refusal(lambda: replace(changed, **{name: value})) == told(name, value)
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_a_preset_refuses_an_unknown_value(name: str, tmp_path: Path) -> None:
+    table = "object" if name in OF_OBJECT else "scene"
+    assert refusal(lambda: Preset("mine", values={table: {name: "torus"}})) == told(name, "torus")
+    file = tmp_path / "mine.toml"
+    file.write_text(f"[{table}]\n{name} = 'torus'\n")
+    assert refusal(lambda: preset(file)) == f"{file}: {told(name, 'torus')}"
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_the_command_line_refuses_an_unknown_value(name: str, tmp_path: Path) -> None:
+    folder = write_heights(tmp_path / "bumps")
+    target = tmp_path / "out.png"
+    flag = f"--{name.replace('_', '-')}"
+    line = command_refused("render", folder, "--engine", "cpu", "-o", target, flag, "torus")
+    assert line == told(name, "torus")
+    assert not target.exists()
+
+
+@pytest.mark.parametrize("number", [-1, 3, 7])
+def test_a_light_of_an_unknown_kind_is_refused(number: int) -> None:
+    lamp = replace(point((1.0, 2.0, 3.0)), kind=number)
+    line = f"the kind of a light is one of 0 (directional), 1 (point), 2 (spot), not {number}"
+    assert refusal(lambda: light_kind(lamp)) == line
+    assert refusal(lambda: Scene((Object(BRICKS),), lights=(directional(), lamp))) == line
+    assert refusal(lambda: replace(scene(), lights=(lamp,))) == line
+    turning = motion.Lighting()
+    made = scene()
+    object.__setattr__(made, "lights", (lamp,))
+    now = motion.Moment(0.25, 1.0, (8, 8))
+    assert refusal(lambda: turning(made, now)) == line
+
+
+def test_what_is_no_light_is_refused() -> None:
+    line = refusal(lambda: Scene((Object(BRICKS),), lights=("directional",)))
+    assert line == "a light is 'directional': give one made by directional, point or spot"
+    line = refusal(lambda: Scene((Object(BRICKS),), lights=directional()))
+    assert line == "lights are a tuple, as (directional(),)"
+
+
+def test_a_page_takes_lights_of_all_kinds_and_no_others() -> None:
+    for kind in values_of(LightKind):
+        assert light_kind(light_of(said_light({"kind": kind}))) == kind
+    said = {**plain_light(point((1.0, 2.0, 3.0))), "kind": "lamp"}
+    line = "the kind of a light is one of directional, point, spot, not 'lamp'"
+    assert refusal(lambda: light_of(said)) == line
+
+
+# --- what lies beyond a map, and other kinds ------------------------------------------------------
+
+
+@pytest.mark.parametrize("edge", ["clip", "mirror", ""])
+def test_maps_refuse_an_unknown_edge(edge: Any) -> None:
+    """`clip` is an object's: its maps repeat, or their border goes on."""
+    heights = np.zeros((2, 3), np.float32)
+    for make in (
+        lambda: HeightField([heights], edge),
+        lambda: Texture([np.zeros((2, 3, 4), np.uint16)], edge),
+        lambda: first_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: first_box_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+    ):
+        with pytest.raises(ValueError, match=f"edge is '{edge}': use wrap or clamp"):
+            make()
+
+
+@pytest.mark.parametrize("name", ["bounds", "cone_map", "relaxed_cone_map", "normal_map",
+                                  "horizon_map", "ambient_occlusion", "height_map"])  # fmt: skip
+def test_bakes_refuse_an_unknown_edge(name: str) -> None:
+    scaled = ("normal_map", "horizon_map", "ambient_occlusion")
+    given = np.full((2, 3, 3), 0.5) if name == "height_map" else np.zeros((2, 3), np.float32)
+    more = {"scale": 0.1} if name in scaled else {}
+    line = refusal(lambda: getattr(baking, name)(given, "clip", **more))
+    assert line == "what lies beyond baked heights is wrap or clamp, not clip"
+
+
+def test_an_unknown_channel_is_refused() -> None:
+    picture = Picture(np.zeros((2, 3, 3), np.uint8), ("R", "G", "B"), Path("a.png"))
+    line = refusal(lambda: channels.one_channel(picture, "x"))
+    assert line == f"channel is one of {', '.join(get_args(channels.Channel))}, not 'x'"
+
+
+def test_an_unknown_debug_picture_is_refused() -> None:
+    empty = np.zeros((1, 1))
+    frame = Frame(np.zeros((1, 1, 4)), empty, np.zeros((1, 1, 2)), empty > 0, empty, "cpu")  # type: ignore[arg-type]
+    line = refusal(lambda: debug_picture("height", frame))
+    assert line == f"nothing is shown as 'height'; use color, {', '.join(SHOWN)}"
