@@ -21,11 +21,11 @@ from basrelief.measure.oracle import first_hits
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import choices_of, program_of
 from basrelief.rendering.shadow_maps import light_views
-from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, kinds, motion, point, spot
+from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.presets import Preset, preset
 from basrelief.scene.transforms import OUTLINES
-from basrelief.shading import variant
+from basrelief.shading import kinds, variant
 from basrelief.shading.kinds import LightKind, light_kind, values_of
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import light_of, said_light
