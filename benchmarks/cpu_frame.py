@@ -22,13 +22,13 @@ def main() -> None:
     from basrelief.engine.gpu import GpuEngine
 
     scene = plane_scene()
-    program, values = work(scene, SIZE)
     cpu, gpu = CpuEngine(), GpuEngine()
+    program, values = work(scene, SIZE, cpu)
     start = time.perf_counter()
     cpu.compile(program)
     print(f"compiled cold in {time.perf_counter() - start:.2f} s (at most 1.5)")
     start = time.perf_counter()
-    CpuEngine().compile(work(scene, SIZE)[0])
+    CpuEngine().compile(program)
     print(f"loaded from the cache in {time.perf_counter() - start:.3f} s (at most 0.1)")
     print(f"{cpu.device} against {gpu.device}")
     with gpu.prepare(program, values, SIZE) as job:

@@ -42,7 +42,7 @@ def scenes() -> dict[str, basrelief.Scene]:
 def jobs(engine: GpuEngine, made: Printed, scene: basrelief.Scene) -> tuple[dict[str, Job], Any]:
     """The engine's program and the linked one, and the seconds that each took to make."""
     thing = scene.objects[0]
-    program, values = program_of(thing, scene), values_of(thing, scene, SIZE)
+    program, values = program_of(thing, scene), values_of(thing, scene, SIZE, engine)
     library = made.library
     types = program.parameters
     needed = [replace(each, type=types.get(each.name)) for each in library.bindings["pixel"]]

@@ -76,7 +76,7 @@ def on_cpu() -> tuple[str, dict[str, float]]:
     for name, (scene_of, size) in CASES.items():
         scene = scene_of()
         thing = scene.objects[0]
-        program, values = program_of(thing, scene), values_of(thing, scene, size)
+        program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     return engine.device, alternate(tasks)
 
@@ -91,7 +91,7 @@ def on_gpu() -> tuple[str, dict[str, float]]:
     for name, (scene_of, size) in CASES.items():
         scene = scene_of()
         thing = scene.objects[0]
-        values = values_of(thing, scene, size)
+        values = values_of(thing, scene, size, engine)
         with engine.prepare(program_of(thing, scene), values, size) as job:
             found[name] = milliseconds(engine, {name: job}, size[1])[name] / 1000.0
     return engine.device, found

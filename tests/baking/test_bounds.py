@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from basrelief import baking
 from basrelief.engine import choose_engine
-from basrelief.techniques.exact import (
+from basrelief.techniques.exact_records import (
     BLOCK,
     FAR,
     FAR_2,

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
+from basrelief.baking.tables import FUNCTIONS
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
 from basrelief.lang.program import Program
@@ -218,7 +219,7 @@ def landed(
     """How many texels behind the first hit each of many rays ends; whether it says that it has
     found it; its reads."""
     heights = np.asarray(heights, np.float32)
-    baked = getattr(baking, technique.bake)(heights, edge, engine)
+    baked = FUNCTIONS[technique.bake](heights, edge, engine)
     program = Program(ended, {**edges_of(edge), displace: technique, **heights_of("sharp")}, edge)
     given = {
         "fan": Fan(reach, 0),

@@ -23,8 +23,8 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, HeightField
 from basrelief.techniques import exact_bake as shaders
 from basrelief.techniques.edge import edges_of
-from basrelief.techniques.exact import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 from basrelief.techniques.exact_bake import FAR_REACH, REACH, Blocks, Overlap
+from basrelief.techniques.exact_records import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 
 FAR_WINDOWS = {"least": FAR, "second": FAR_2, "third": FAR_3, "most": FAR_4}
 """The windows of a far record by name, and their widths in blocks."""

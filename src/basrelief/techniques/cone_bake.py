@@ -26,7 +26,14 @@ from basrelief.lang import (
     sqrt,
     struct,
 )
-from basrelief.techniques.cone_bake_windows import UNIT, Windows, windows_at
+from basrelief.techniques.bake import Bake
+from basrelief.techniques.cone_bake_windows import (
+    UNIT,
+    Windows,
+    first_windows,
+    next_windows,
+    windows_at,
+)
 from basrelief.techniques.edge import cell_in_map
 
 BLOCKS = 8
@@ -255,3 +262,17 @@ def rise_along(slope: float, towards: int) -> float:
 def as_stored(slope: float) -> Stored:
     """1 ÷ (1 + slope), rounded down: a steeper slope is a narrower cone."""
     return Stored(floor(65535.0 / (1.0 + slope * (1.0 + ROUNDING) + min(slope, LEAST))))
+
+
+# --- the bakes ------------------------------------------------------------------------------------
+
+CONE_MAP = Bake(
+    "cone_map",
+    "Cones that the surface does not rise into.",
+    (first_windows, next_windows, steepest, cone_of),
+)
+RELAXED_CONE_MAP = Bake(
+    "relaxed_cone_map",
+    "Wider cones, for a search after each leap.",
+    (far_side, first_windows, next_windows, steepest, relaxed_cone_of),
+)
