@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from basrelief.baking import passes
 from basrelief.baking.files import OPTIONS
+from basrelief.baking.horizon import ambient_occlusion, horizon_map
+from basrelief.baking.normal import normal_map
 from basrelief.baking.tables import FUNCTIONS, table
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
@@ -73,3 +76,34 @@ def test_a_bake_that_no_function_runs_is_refused_before_anything_is_drawn() -> N
     mine = technique(bake=Bake("cone_map", "Mine.", CONE_MAP.programs))(exact.function)
     with pytest.raises(InputError, match=r"exact: .* the bake cone_map .*import BOUNDS, CONE_MAP"):
         Object(material, technique=mine)
+
+
+# --- bands ----------------------------------------------------------------------------------------
+
+BANDED = {
+    **{name: lambda engine, bake=bake: table(bake, HEIGHTS, "clamp", engine)
+       for name, bake in BAKES.items()},
+    "normals": lambda engine: normal_map(HEIGHTS, "clamp", 0.1, engine),
+    "horizons": lambda engine: horizon_map(HEIGHTS, "clamp", 0.1, 4, engine),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BANDED)
+def test_a_gpu_is_given_few_texels_at_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drivers stop programs that run for seconds. Bands change nothing, and a CPU has none."""
+    monkeypatch.setattr(passes, "AT_ONCE", 400)
+    gpu, other = RecordingEngine("gpu"), RecordingEngine("cpu")
+    made, whole = BANDED[name](gpu), BANDED[name](other)
+    np.testing.assert_array_equal(made, whole)
+    assert max(gpu.texels) <= 400
+    assert max(other.texels) >= HEIGHTS.size // 8
+    assert sum(gpu.texels) == sum(other.texels)
+
+
+def test_the_more_directions_the_fewer_texels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of occlusion, which goes all ways from each texel."""
+    monkeypatch.setattr(passes, "AT_ONCE", 1600)
+    gpu = RecordingEngine("gpu")
+    made = ambient_occlusion(HEIGHTS, "wrap", 0.1, 16, gpu)
+    np.testing.assert_array_equal(made, ambient_occlusion(HEIGHTS, "wrap", 0.1, 16))
+    assert max(gpu.texels) <= 100

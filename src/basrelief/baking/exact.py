@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.levels import levels_of
+from basrelief.baking.passes import run_pass
 from basrelief.engine import Engine, choose_engine
 from basrelief.lang import Shader
 from basrelief.lang.program import Program
@@ -98,14 +99,14 @@ class _Making:
     def tops(
         self, entry: Shader[..., Any], values: dict[str, Any], size: tuple[int, int]
     ) -> HeightField:
-        planes = self.engine.run(self.program(entry), values, size)
+        planes = run_pass(self.engine, self.program(entry), values, size)
         return HeightField([planes["height"]], self.edge)
 
     def records(self, entry: Shader[..., Any], side: int, **windows: HeightField) -> Records:
         """The records of all blocks and quadrants."""
         rows, columns = (2 * n for n in self.count(side))
         values = {"field": self.field, **windows}
-        planes = self.engine.run(self.program(entry), values, (columns, rows))
+        planes = run_pass(self.engine, self.program(entry), values, (columns, rows))
         words = np.stack([planes["low"], planes["high"]], -1)
         return words.view(np.uint16)
 
