@@ -18,6 +18,7 @@ from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
 from basrelief.techniques import cone, displace, relaxed_cone
 from basrelief.techniques.cone import Cones, RelaxedCones
+from basrelief.techniques.cone_bake import LEAST, ROUNDING
 from basrelief.techniques.edge import edges_of
 from basrelief.techniques.height import heights_of
 from basrelief.techniques.ray import Ray
@@ -140,6 +141,34 @@ def test_nothing_rises_into_a_cone(rows, columns, edge, seed, levels, smooth) ->
 def test_nothing_rises_into_a_cone_of_a_gpu(rows, columns, edge, seed, levels, smooth) -> None:
     gpu = choose_engine("gpu")
     assert_nothing_rises_into_a_cone(rows, columns, edge, seed, levels, smooth, gpu)
+
+
+def test_the_margin_covers_what_webgpu_lets_a_device_lose() -> None:
+    """The narrowest cone of each code, by a device as inexact as WGSL allows, is narrow enough.
+
+    Of 1 ÷ (1 + slope): 2.5 units in the last place by division, half of one by addition. Of the
+    slope: some more by its own division and square root, and of the rise 1e-7 by 16-bit windows.
+    """
+    codes = np.arange(1.0, 65536.0)
+    # the least slope at which a cone of that code is too wide
+    true = (65535.0 / codes - 1.0) * (1.0 + 1e-9) + 1e-9
+    slope = np.maximum(true * (1.0 - 1e-6) - 1e-7, 1e-10)
+    below = 1.0 + slope * (1.0 + ROUNDING) + LEAST
+    below -= np.spacing(below.astype(np.float32)) / 2.0
+    quotient = 65535.0 / below
+    quotient += 2.5 * np.spacing(quotient.astype(np.float32))
+    assert (np.floor(quotient) < codes).all()
+
+
+def test_the_slightest_slope_is_no_half_space() -> None:
+    """One code of 16 bits, seen from 300 texels away: less than float32 has room for beside 1."""
+    heights = np.full((1, 700), 32768 / 65535, np.float32)
+    heights[0, 350] = 32769 / 65535
+    for make in (baking.cone_map, baking.relaxed_cone_map):
+        slopes = slopes_of(make(heights, "clamp"))[0, :350]
+        assert (slopes * (350 - np.arange(350)) >= 1 / 65536).all()
+        # nor is the cone narrower than the next code
+        assert slopes[:300].max() < 1.6e-5
 
 
 def test_a_flat_map_has_half_spaces() -> None:

@@ -39,8 +39,9 @@ from basrelief.techniques.edge import cell_in_map
 BLOCKS = 8
 """Blocks along each side of what one octave covers; a block is four windows."""
 ROUNDING = 1e-5
-"""The share of a slope, and the slope, that stand for what float32 rounds off."""
-LEAST = 2e-7
+LEAST = 4e-7
+"""The share of a slope, and the slope, that stand for what float32 rounds off: with a division as
+inexact as WGSL allows, 2.5 units in the last place, and 1e-7 for the rise."""
 LEVEL = 1e-6
 """Heights a texel that a surface may fall by and be level still: engines round differently."""
 
@@ -261,7 +262,9 @@ def rise_along(slope: float, towards: int) -> float:
 @shader
 def as_stored(slope: float) -> Stored:
     """1 ÷ (1 + slope), rounded down: a steeper slope is a narrower cone."""
-    return Stored(floor(65535.0 / (1.0 + slope * (1.0 + ROUNDING) + min(slope, LEAST))))
+    # what is level stays a half space, and no more: beside 1 the slightest slopes are rounded off
+    margin = LEAST if slope > 0.0 else 0.0
+    return Stored(floor(65535.0 / (1.0 + slope * (1.0 + ROUNDING) + margin)))
 
 
 # --- the bakes ------------------------------------------------------------------------------------
