@@ -96,7 +96,7 @@ def test_a_gpu_is_given_few_texels_at_once(name: str, monkeypatch: pytest.Monkey
     made, whole = BANDED[name](gpu), BANDED[name](other)
     np.testing.assert_array_equal(made, whole)
     assert max(gpu.texels) <= 400
-    assert max(other.texels) >= HEIGHTS.size // 8
+    assert len(other.texels) < len(gpu.texels)
     assert sum(gpu.texels) == sum(other.texels)
 
 

@@ -88,7 +88,8 @@ def test_tuning_bakes_there(engine: RecordingEngine) -> None:
 
 
 def test_a_page_holds_what_that_engine_baked(engine: RecordingEngine, tmp_path: Path) -> None:
-    write_view(Scene((Object(bumps(8)),)), tmp_path / "page.html", engine=engine)
+    scene = Scene((Object(bumps(8), layer=Layer(bumps(11))),))
+    write_view(scene, tmp_path / "page.html", engine=engine)
     assert set(engine.entries) >= {normals, *RELAXED_CONE_MAP.programs}
 
 
