@@ -23,13 +23,13 @@ def main() -> None:
     options = option_parser(__doc__).parse_args()
     size, maps, runs = ((96, 54), 64, 1) if options.quick else (SIZE, 1024, 7)
     scene = plane_scene(maps)
-    program, values = work(scene, size)
     cpu, gpu = CpuEngine(), GpuEngine()
+    program, values = work(scene, size, cpu)
     with tempfile.TemporaryDirectory() as folder:
         os.environ["BASRELIEF_CACHE"] = folder
         cold = seconds_of(lambda: cpu.compile(program))
         print(f"compiled cold in {cold.wall:.2f} s (at most 1.5), {cold.processor:.2f} s processor")
-        cached = seconds_of(lambda: CpuEngine().compile(work(scene, size)[0]))
+        cached = seconds_of(lambda: CpuEngine().compile(work(scene, size, cpu)[0]))
         print(f"loaded from the cache in {cached.wall:.3f} s (at most 0.1)")
     print(f"{cpu.device} against {gpu.device}")
     figures = {

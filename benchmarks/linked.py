@@ -46,7 +46,7 @@ def jobs(
 ) -> tuple[dict[str, Job], Any]:
     """The engine's program and the linked one, and the seconds that each took to make."""
     thing = scene.objects[0]
-    program, values = program_of(thing, scene), values_of(thing, scene, size)
+    program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
     library = made.library
     types = program.parameters
     needed = [replace(each, type=types.get(each.name)) for each in library.bindings["pixel"]]

@@ -39,13 +39,12 @@ from basrelief.techniques.exact import (
     Clearance,
     cell_after,
     clearance,
-    extent_of,
     first_root,
     is_met,
     line_of,
     walls_of,
 )
-from basrelief.techniques.height import heights_of
+from basrelief.techniques.height import extent_of, heights_of
 from basrelief.techniques.ray import Hit, Ray, at
 
 LATE = 0.05

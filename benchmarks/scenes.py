@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import basrelief
+from basrelief.engine import Engine
 from basrelief.rendering.programs import program_of, values_of
 
 
@@ -29,10 +30,10 @@ def plane_scene(maps: int = 1024) -> basrelief.Scene:
     return basrelief.Scene((thing,), camera=camera, lights=lights)
 
 
-def work(scene: basrelief.Scene, size: tuple[int, int]):  # type: ignore[no-untyped-def]
-    """The program of the scene's first object, and its values."""
+def work(scene: basrelief.Scene, size: tuple[int, int], engine: Engine):  # type: ignore[no-untyped-def]
+    """The program of the scene's first object, and its values, baked by an engine."""
     thing = scene.objects[0]
-    return program_of(thing, scene), values_of(thing, scene, size)
+    return program_of(thing, scene), values_of(thing, scene, size, engine)
 
 
 class Seconds(NamedTuple):

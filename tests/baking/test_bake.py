@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
@@ -65,10 +65,12 @@ def sine(tangent):
 # --- horizons -------------------------------------------------------------------------------------
 
 
-def assert_horizon(heights: np.ndarray, edge: str, count: int, k: int, reach: float) -> None:
+def assert_horizon(
+    heights: np.ndarray, edge: str, count: int, k: int, reach: float, engine=None
+) -> None:
     scale = 0.4
     rise = scale * heights.shape[1]
-    stored = baking.horizon_map(heights, edge, scale, count)[:, :, k] / MOST
+    stored = baking.horizon_map(heights, edge, scale, count, engine)[:, :, k] / MOST
     wanted = sights(heights, edge, k, count, reach)
     least = sine(np.maximum(wanted - 1e-6, 0) * rise)
     assert (stored >= least).all(), f"too low by {(least - stored).max()}"
@@ -83,6 +85,17 @@ def assert_horizon(heights: np.ndarray, edge: str, count: int, k: int, reach: fl
 def test_horizons_are_never_too_low(shape, edge, k, seed) -> None:
     repeats = math.lcm(*shape) * 1.5
     assert_horizon(rough(shape, seed), edge, 8, k, min(repeats, 8 * max(shape)) + 1)
+
+
+@pytest.mark.gpu
+@settings(max_examples=20)
+@given(sizes, st.sampled_from(EDGES), st.integers(0, 7), st.integers(0, 1000))
+@example((1, 1), "wrap", 0, 1)
+@example((1, 11), "clamp", 4, 1)
+@example((9, 1), "wrap", 2, 1)
+def test_horizons_of_a_gpu_are_never_too_low(shape, edge, k, seed) -> None:
+    reach = min(math.lcm(*shape) * 1.5, 8 * max(shape)) + 1
+    assert_horizon(rough(shape, seed), edge, 8, k, reach, choose_engine("gpu"))
 
 
 @settings(max_examples=10)

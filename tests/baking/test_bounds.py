@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
+from basrelief.baking.levels import levels_of
 from basrelief.engine import choose_engine
-from basrelief.techniques.exact import (
+from basrelief.techniques.exact_records import (
     BLOCK,
     FAR,
     FAR_2,
@@ -59,14 +60,10 @@ def parts(made: np.ndarray, shape: tuple[int, int]):
     return found
 
 
-@settings(max_examples=40)
-@given(
-    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 4, 255, 65535]),
-    st.integers(0, 10_000),
-)  # fmt: skip
-def test_near_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+def assert_near_is_safe(rows, columns, edge, levels, seed, engine=None) -> None:
+    """No height ahead of a block lies above its plane or its window."""
     heights = heights_of(rows, columns, levels, seed)
-    near, _ = parts(baking.bounds(heights, edge), heights.shape)
+    near, _ = parts(baking.bounds(heights, edge, engine), heights.shape)
     for back, records in near.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         room, *codes, window = records[block].astype(np.float32) / np.float32(65535)
@@ -82,14 +79,10 @@ def test_near_records_are_on_the_safe_side(rows, columns, edge, levels, seed) ->
         assert (plane - below).min() < 0.003
 
 
-@settings(max_examples=40)
-@given(
-    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 255, 65535]),
-    st.integers(0, 10_000),
-)  # fmt: skip
-def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+def assert_far_is_safe(rows, columns, edge, levels, seed, engine=None) -> None:
+    """No height ahead of a block lies above its windows."""
     heights = heights_of(rows, columns, levels, seed) * np.float32(0.7)
-    _, far = parts(baking.bounds(heights, edge), heights.shape)
+    _, far = parts(baking.bounds(heights, edge, engine), heights.shape)
     for back, records in far.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
@@ -97,6 +90,56 @@ def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> 
             highest = ahead(heights, edge, block, FAR_BLOCK, cells, back).max()
             room = code / np.float32(65535)
             assert 1.0 - room - 4 / 65535 <= highest <= 1.0 - room
+
+
+@settings(max_examples=40)
+@given(
+    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 4, 255, 65535]),
+    st.integers(0, 10_000),
+)  # fmt: skip
+def test_near_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+    assert_near_is_safe(rows, columns, edge, levels, seed)
+
+
+@settings(max_examples=40)
+@given(
+    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 255, 65535]),
+    st.integers(0, 10_000),
+)  # fmt: skip
+def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> None:
+    assert_far_is_safe(rows, columns, edge, levels, seed)
+
+
+@pytest.mark.gpu
+@settings(max_examples=40)
+@given(
+    SIZES, SIZES, st.sampled_from(["wrap", "clamp"]), st.sampled_from([1, 4, 255, 65535]),
+    st.integers(0, 10_000),
+)  # fmt: skip
+@example(1, 1, "wrap", 65535, 3)
+@example(1, 23, "wrap", 65535, 3)
+@example(19, 1, "clamp", 65535, 3)
+def test_records_are_on_the_safe_side_on_a_gpu(rows, columns, edge, levels, seed) -> None:
+    gpu = choose_engine("gpu")
+    assert_near_is_safe(rows, columns, edge, levels, seed, gpu)
+    assert_far_is_safe(rows, columns, edge, levels, seed, gpu)
+
+
+@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+@pytest.mark.parametrize("shape", [(37, 53), (1, 40), (16, 9)])
+def test_the_table_of_all_levels_is_that_of_each(shape, engine) -> None:
+    """One below the other, so that what holds of a map holds of its lower levels."""
+    runner = choose_engine(engine)
+    heights = heights_of(*shape, 65535, 4)
+    whole = baking.bounds(heights, "wrap", runner, all_levels=True)
+    row = 0
+    for level in levels_of(heights):
+        wanted = baking.bounds(level, "wrap", runner)
+        part = whole[row : row + len(wanted)]
+        np.testing.assert_array_equal(part[:, : wanted.shape[1]], wanted)
+        assert not part[:, wanted.shape[1] :].any()
+        row += len(wanted)
+    assert row == len(whole)
 
 
 def test_a_plane_is_its_own_bound() -> None:

@@ -9,12 +9,12 @@ import pytest
 
 import basrelief
 from basrelief import baking
-from basrelief.baking.files import BAKES
+from basrelief.baking.files import OPTIONS
 from basrelief.images import read_picture, write_data
 from helpers.command_line import done, refused, write_heights
 
 HEIGHTS = (np.random.default_rng(4).random((20, 28, 1)) * 65535).astype(np.uint16)
-FLAGS = [f"--{name.replace('_', '-')}" for name in BAKES]
+FLAGS = [f"--{name.replace('_', '-')}" for name in OPTIONS]
 
 
 @pytest.fixture

@@ -108,7 +108,7 @@ def test_python_computes_the_same_pixel_as_the_cpu(technique: str, shape: str) -
     """Bit for bit, the whole pixel: C14's function, stepped through as it stands."""
     thing = Object(material("cobbles", 32), shape=shape, technique=technique)
     scene = Scene((thing,))
-    program, values = program_of(thing), values_of(thing, scene, (40, 24))
+    program, values = program_of(thing), values_of(thing, scene, (40, 24), cpu())
     planes = cpu().run(program, values, (40, 24))
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
     zero = HeightField([np.zeros((1, 1))])
@@ -171,7 +171,7 @@ def test_a_pixel_is_the_same_in_a_picture_of_rows_and_alone() -> None:
     """The last row and column come out as in a larger run of the same camera."""
     thing = Object(material("bricks", 64), technique="relief")
     scene = Scene((thing,))
-    program, values = program_of(thing), values_of(thing, scene, (67, 19))
+    program, values = program_of(thing), values_of(thing, scene, (67, 19), cpu())
     whole = cpu().run(program, values, (67, 19))
     part = cpu().run(program, values, (5, 3))
     for name in whole:

@@ -229,7 +229,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     thing = basrelief.Object(material, **options)
     scene = basrelief.Scene((thing,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog="linear")
     engine, size = GpuEngine(), (64, 48)
-    program, values = program_of(thing, scene), values_of(thing, scene, size)
+    program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
     made = printed()
     text = linked(made.library, "pixel", made.bound(choices_of(thing, scene)))
     types = program.parameters

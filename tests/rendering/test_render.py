@@ -569,7 +569,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
     """C14: the whole pixel, stepped through, is the CPU's bit for bit."""
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
-    program, values = program_of(made), values_of(made, scene, SIZE)
+    program, values = program_of(made), values_of(made, scene, SIZE, CpuEngine())
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
     maps = ("emission", "response", "layer_color", "layer_normal", "baked")
     others = {"distances": HeightField([np.zeros((1, 1))]), "views": Buffer((), CastView)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 
 import numpy as np
 import pytest
@@ -10,11 +11,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.baking.levels import halved
+from basrelief.engine import choose_engine
 from basrelief.images import srgb_decode
 from basrelief.material import Map, Material, sample
 from basrelief.rendering import textures
+from basrelief.rendering.programs import mapped, maps_of
+from basrelief.scene import Layer, Object
+from basrelief.techniques import BOUNDS, CONE_MAP
+from basrelief.techniques.cone_bake import cone_of
+from basrelief.techniques.cone_bake_windows import next_windows
+from basrelief.techniques.normal_bake import normals
+from helpers.engines import RecordingEngine
 
 UNIT = 65535
+CPU = choose_engine("cpu")
 
 
 def map_of(values, dtype=np.float32, srgb: bool = False) -> Map:
@@ -103,7 +113,7 @@ def test_what_is_missing_has_no_pyramid() -> None:
     nothing = Material("nothing")
     assert textures.height_field(nothing, "wrap") is None
     assert textures.base_color(nothing, "wrap") is None
-    assert textures.normal(nothing, "wrap", 0.1) is None
+    assert textures.normal(nothing, "wrap", 0.1, CPU) is None
     assert textures.response(nothing, "wrap") is None
     assert textures.emission(nothing, "wrap") is None
 
@@ -211,7 +221,7 @@ def test_missing_parts_of_the_response_are_plain() -> None:
 
 def normals_from(heights, scale: float, edge: str = "clamp") -> np.ndarray:
     material = Material("x", height=map_of(heights))
-    texture = textures.normal(material, edge, scale)  # type: ignore[arg-type]
+    texture = textures.normal(material, edge, scale, CPU)  # type: ignore[arg-type]
     assert texture is not None
     return texture.levels[0][:, :, :3].astype(np.float64) / UNIT * 2 - 1
 
@@ -257,13 +267,13 @@ def test_normals_of_a_sample_are_those_of_its_heights() -> None:
 def test_a_normal_map_comes_before_heights() -> None:
     given_map = map_of(np.full((2, 2, 3), [0.5, 0.5, 1.0]))
     material = Material("x", height=map_of([[0, 1], [1, 0]]), normal=given_map)
-    texture = textures.normal(material, "wrap", 0.3)
+    texture = textures.normal(material, "wrap", 0.3, CPU)
     assert texture is not None
     np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT, given_map.pixels, atol=1e-4)
 
 
 def test_without_depth_heights_have_no_normals() -> None:
-    assert textures.normal(Material("x", height=map_of([[0, 1]])), "wrap", 0.0) is None
+    assert textures.normal(Material("x", height=map_of([[0, 1]])), "wrap", 0.0, CPU) is None
 
 
 # --- kept -----------------------------------------------------------------------------------------
@@ -274,10 +284,49 @@ def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
     field = textures.height_field(material, "wrap")
     assert textures.height_field(material, "wrap") is field
     assert textures.height_field(material, "clamp") is not field
-    normal = textures.normal(material, "wrap", 0.1)
-    assert textures.normal(material, "wrap", 0.1) is normal
-    assert textures.normal(material, "wrap", 0.2) is not normal
+    normal = textures.normal(material, "wrap", 0.1, CPU)
+    assert textures.normal(material, "wrap", 0.1, CPU) is normal
+    assert textures.normal(material, "wrap", 0.2, CPU) is not normal
+    assert textures.baked(material, "wrap", BOUNDS, CPU) is textures.baked(
+        material, "wrap", BOUNDS, CPU
+    )
     held = len(textures._made)
     del material, field, normal
     gc.collect()
     assert len(textures._made) < held
+
+
+def test_what_one_engine_baked_is_not_given_to_another() -> None:
+    material = Material("x", height=map_of([[0.2, 1.0, 0.4], [0.5, 0.1, 0.9]]))
+    other = RecordingEngine()
+    for _ in range(2):
+        for engine in (CPU, other):
+            textures.baked(material, "wrap", CONE_MAP, engine)
+    assert set(other.entries) == {*CONE_MAP.programs} - {next_windows}
+    assert other.entries.count(cone_of) == 1
+    textures.normal(material, "wrap", 0.1, CPU)
+    assert normals not in other.entries
+    textures.normal(material, "wrap", 0.1, other)
+    assert normals in other.entries
+
+
+def test_which_maps_there_are_is_known_without_baking() -> None:
+    """As the program of an object asks; and it is what its values then hold."""
+    heights, other = map_of([[0.2, 1.0], [0.5, 0.1]]), map_of([[0.5]])
+    bare, high = Material("bare"), Material("high", height=heights)
+    full = Material(
+        "full", height=heights, normal=map_of([[[0.5, 0.5, 1.0]]]), opacity=other, metallic=other,
+        emission=map_of([[[0.1, 0.2, 0.3]]]),
+    )  # fmt: skip
+    for material, layer, options in itertools.product(
+        (bare, high, full),
+        (None, bare, high, full),
+        ({}, {"technique": "exact"}, {"technique": "texel"}, {"scale": 0.0}),
+    ):
+        if material is bare and "technique" in options:
+            continue
+        thing = Object(material, layer=layer and Layer(layer), **options)
+        there = {name for name, has in mapped(thing).items() if has}
+        assert there == set(maps_of(thing, CPU)) - {"field", "baked"}
+    assert mapped(Object(high, technique="texel"))["normal"] is False
+    assert mapped(Object(full, technique="texel"))["normal"] is True

@@ -44,7 +44,7 @@ def by_shader(
     thing = scene.objects[0]
     edge = map_edge(thing)
     program = Program(missed_hit, {**rays_of(thing).bindings, **edges_of(edge)}, edge)
-    values = values_of(thing, scene, SIZE)
+    values = values_of(thing, scene, SIZE, choose_engine(engine))
     found = choose_engine(engine).run(
         program,
         {

@@ -120,6 +120,36 @@ def test_a_plain_shader_will_do(here: Path) -> None:
     assert (marked == drawn("other.py:sink", "--engine", "cpu")).all()
 
 
+def test_it_reads_what_the_library_bakes(here: Path) -> None:
+    """A march by cones of one's own: the library's, under another name."""
+    own(
+        """\
+from basrelief.techniques import CONE_MAP, HeightField, Hit, Ray, Texture, technique
+from basrelief.techniques.cone import Cones, cone
+
+
+@technique(bake=CONE_MAP)
+def mine(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
+    return cone(field, baked, ray, settings)
+"""
+    )
+    wanted = drawn("cone", "--engine", "cpu")
+    assert (drawn("my.py:mine", "--engine", "cpu") == wanted).all()
+    assert not (drawn("flat", "--engine", "cpu") == wanted).all()
+
+
+def test_a_bake_that_there_is_not_is_told(here: Path) -> None:
+    head = "from basrelief.techniques import *\nfrom basrelief.techniques import TECHNIQUES\n"
+    by_name = '@technique(bake="cone_map")\ndef mine(field, baked, ray, settings): ...\n'
+    own(head + by_name)
+    line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
+    assert re.search(r"my\.py:3: `@technique\(bake=\"cone_map\"\)`: .*as CONE_MAP of", line), line
+    other = 'MINE = Bake("heaps", "Heaps.", ())\nmine = technique(bake=MINE)(TECHNIQUES["cone"])\n'
+    own(head + other)
+    line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
+    assert "no function runs the bake heaps" in line
+
+
 def test_it_runs_once_and_leaves_nothing_beside_it(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

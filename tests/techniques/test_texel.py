@@ -275,10 +275,10 @@ def test_sides_are_lit_as_walls_and_throw_shadows(camera: str, light: str, shado
 
 def test_the_normals_of_the_heights_do_not_bend_the_tops() -> None:
     """They are those of the bilinear surface; a normal map of the material's own is kept."""
-    assert "normal" not in values_of(town(), Scene((town(),)), (8, 8))
+    assert "normal" not in values_of(town(), Scene((town(),)), (8, 8), CpuEngine())
     own = replace(town().material, normal=map_of(np.full((2, 2, 3), (0.6, 0.5, 0.9))))
     thing = replace(town(), material=own)
-    assert "normal" in values_of(thing, Scene((thing,)), (8, 8))
+    assert "normal" in values_of(thing, Scene((thing,)), (8, 8), CpuEngine())
 
 
 def test_colours_are_whole_texels_near_by() -> None:

@@ -15,6 +15,8 @@ import pytest
 from test_viewer import CAMERA, SIZE, Seen, expected
 
 from basrelief import baking
+from basrelief.baking.tables import table
+from basrelief.engine import choose_engine
 from basrelief.images import encode_png, read_picture
 from basrelief.material import Map, Material, sample
 from basrelief.measure.errors import errors
@@ -22,7 +24,7 @@ from basrelief.measure.truth import truth
 from basrelief.rendering import textures
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
-from basrelief.techniques import TECHNIQUES
+from basrelief.techniques import BAKES, TECHNIQUES
 from basrelief.viewer import write_view
 from helpers.agreement import assert_agree
 from helpers.browser import SOFTWARE, chromium
@@ -115,8 +117,8 @@ READ = """async ([codes, height, width, name, edge]) => {
 @pytest.mark.parametrize(
     ("name", "edge"),
     [
-        *itertools.product(("bounds", "cone_map", "relaxed_cone_map"), ("wrap", "clamp")),
-        ("mip_bounds", "wrap"),
+        *itertools.product(BAKES, ("wrap", "clamp")),
+        *((f"mip_{name}", "wrap") for name, bake in BAKES.items() if bake.all_levels),
     ],
 )
 def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, int]) -> None:
@@ -124,10 +126,8 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
     width, height, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name, edge])
     found = np.array(words, np.uint16).reshape(height, width, 4)
     heights = as_heights(codes)
-    if name == "mip_bounds":
-        wanted = baking.bounds(heights, edge, all_levels=True)
-    else:
-        wanted = getattr(baking, name)(heights, edge)
+    bake, whole = BAKES[name.removeprefix("mip_")], name.startswith("mip_")
+    wanted = table(bake, heights, edge, choose_engine("cpu"), all_levels=whole)
     assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
     assert seen.said == []
@@ -196,7 +196,7 @@ def test_bakes_go_by_edge_and_levels(
 
 def test_only_what_takes_long_comes_baked(seen: Seen) -> None:
     made = set(seen.page.evaluate("Object.keys(viewer.data.maps)"))
-    assert made & {"bounds", "cone_map", "relaxed_cone_map"} == {"relaxed_cone_map"}
+    assert made & set(BAKES) == {"relaxed_cone_map"}
 
 
 def test_heights_may_be_dropped_while_a_baked_technique_is_shown(

@@ -1,8 +1,9 @@
 """Bakes kept on disk, found by content, beside the compiled programs.
 
-A bake is found again by the heights' own numbers, the edge, its name and parameters, and the source
-of all that may have a say in it, so that a changed method never finds what an older one made. What
-is damaged is made anew; where nothing can be kept, nothing is.
+A bake is found again by the heights' own numbers, the edge, its name and parameters, how the engine
+rounds, and the source of all that may have a say in it, so that a changed method never finds what
+an older one made, nor one device what another made. What is damaged is made anew; where nothing can
+be kept, nothing is.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from basrelief import engine
 from basrelief._version import __version__
-from basrelief.engine import cache
+from basrelief.engine import Engine, cache
 from basrelief.lang.resources import Edge
 
 LIMIT = 2 * 1024**3
@@ -36,18 +37,19 @@ def kept(
     make: Callable[..., NDArray[Any]],
     heights: NDArray[np.float32],
     edge: Edge,
+    engine: Engine,
     **parameters: Any,
 ) -> NDArray[Any]:
-    """make(heights, edge, **parameters), from disk where it was made before.
+    """make(heights, edge, engine=engine, **parameters), from disk where it was made before.
 
     `make` is a function of this package; `parameters` are numbers and text.
     """
     if heights.size < WORTH:
-        return make(heights, edge, **parameters)
-    key = _key(make, heights, edge, parameters)
+        return make(heights, edge, engine=engine, **parameters)
+    key = _key(make, heights, edge, {**parameters, "rounding": engine.rounding})
     found = _read(key)
     if found is None:
-        found = make(heights, edge, **parameters)
+        found = make(heights, edge, engine=engine, **parameters)
         _write(key, found)
     return found
 

@@ -13,6 +13,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.baking.passes import run_pass
 from basrelief.baking.texels import checked_edge
 from basrelief.engine.engine import Engine, Planes
 from basrelief.engine.select import choose_engine
@@ -171,7 +172,7 @@ class _Baking:
             cone_bake.is_asked: asked,
         }
         program = Program(entry, bindings, self.edge)
-        return self.engine.run(program, values, (width + beyond, height + beyond))
+        return run_pass(self.engine, program, values, (width + beyond, height + beyond))
 
 
 def sector_of(sector: int) -> Sector:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.levels import levels_of
+from basrelief.baking.passes import run_pass
 from basrelief.baking.texels import checked_edge
 from basrelief.engine import Engine, choose_engine
 from basrelief.lang import Shader
@@ -24,8 +25,8 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, HeightField
 from basrelief.techniques import exact_bake as shaders
 from basrelief.techniques.edge import edges_of
-from basrelief.techniques.exact import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 from basrelief.techniques.exact_bake import FAR_REACH, REACH, Blocks, Overlap
+from basrelief.techniques.exact_records import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 
 FAR_WINDOWS = {"least": FAR, "second": FAR_2, "third": FAR_3, "most": FAR_4}
 """The windows of a far record by name, and their widths in blocks."""
@@ -99,14 +100,14 @@ class _Making:
     def tops(
         self, entry: Shader[..., Any], values: dict[str, Any], size: tuple[int, int]
     ) -> HeightField:
-        planes = self.engine.run(self.program(entry), values, size)
+        planes = run_pass(self.engine, self.program(entry), values, size)
         return HeightField([planes["height"]], self.edge)
 
     def records(self, entry: Shader[..., Any], side: int, **windows: HeightField) -> Records:
         """The records of all blocks and quadrants."""
         rows, columns = (2 * n for n in self.count(side))
         values = {"field": self.field, **windows}
-        planes = self.engine.run(self.program(entry), values, (columns, rows))
+        planes = run_pass(self.engine, self.program(entry), values, (columns, rows))
         words = np.stack([planes["low"], planes["high"]], -1)
         return words.view(np.uint16)
 

@@ -1,6 +1,6 @@
 """Baking a material's maps to files: which bakes there are, and how each is stored.
 
-A bake more is a line in `BAKES`. `docs/bake.md` says what is in each file.
+A bake more is a line in `OPTIONS`. `docs/bake.md` says what is in each file.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from basrelief.engine import Engine
     from basrelief.lang.resources import Edge
     from basrelief.material import Material
     from basrelief.material.conventions import Green
@@ -29,6 +30,7 @@ class Baking:
     """What bakes are made from: a material, and the choices that hold for all of them."""
 
     material: Material
+    engine: Engine
     edge: Edge
     scale: float
     bits: int
@@ -62,21 +64,21 @@ class Made:
 
 
 @dataclass(frozen=True)
-class Bake:
-    """A bake that the command line knows, by its option's name."""
+class Option:
+    """A bake that the command line offers."""
 
     help: str
     make: Callable[[Baking], Made]
 
 
-def _records(name: str, end: str) -> Callable[[Baking], Made]:
-    """A bake of `basrelief.baking` that is a texture of four 16-bit channels already."""
+def _table(name: str, end: str) -> Callable[[Baking], Made]:
+    """The table of a bake that techniques declare: four 16-bit channels already."""
 
     def make(baking: Baking) -> Made:
-        from basrelief import baking as bakes
-        from basrelief.baking.cache import kept
+        from basrelief.baking.tables import table
+        from basrelief.techniques import BAKES
 
-        return Made({end: kept(getattr(bakes, name), baking.heights(), baking.edge)})
+        return Made({end: table(BAKES[name], baking.heights(), baking.edge, baking.engine)})
 
     return make
 
@@ -88,7 +90,7 @@ def _horizon(baking: Baking) -> Made:
     if baking.directions % 4:
         raise InputError(f"--directions {baking.directions}: four go into a file; name 4, 8, 12 …")
     made = kept(
-        horizon_map, baking.heights(), baking.edge,
+        horizon_map, baking.heights(), baking.edge, baking.engine,
         scale=baking.scale, directions=baking.directions,
     )  # fmt: skip
     return Made(
@@ -100,14 +102,14 @@ def _occlusion(baking: Baking) -> Made:
     from basrelief.baking import ambient_occlusion
     from basrelief.baking.cache import kept
 
-    made = kept(ambient_occlusion, baking.heights(), baking.edge, scale=baking.scale)
+    made = kept(ambient_occlusion, baking.heights(), baking.edge, baking.engine, scale=baking.scale)
     return Made({"ao": baking.codes(made[:, :, None])})
 
 
 def _normal(baking: Baking) -> Made:
     from basrelief.baking import normal_map
 
-    made = normal_map(baking.heights(), baking.edge, baking.scale)
+    made = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
     match baking.green:
         case "gl":
             pass
@@ -127,21 +129,22 @@ def _height(baking: Baking) -> Made:
             f"{baking.material.name}: has no normal map to make heights from; "
             "name one with --normal-map FILE"
         )
-    made = height_map(normal.linear() * 2.0 - 1.0, baking.edge)
+    made = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
     note = f"scale {made.scale:.4g}; its normals are {made.residual:.2g}° off those given (rms)"
     return Made({"height": baking.codes(made.heights[:, :, None])}, note)
 
 
-BAKES: dict[str, Bake] = {
-    "normal": Bake("Normals, from heights.", _normal),
-    "height": Bake("Heights, from normals.", _height),
-    "occlusion": Bake("Ambient occlusion: the sky that each texel sees.", _occlusion),
-    "horizon": Bake("The elevation of the horizon in 8 directions.", _horizon),
-    "cone": Bake("Cones that the surface does not rise into.", _records("cone_map", "cone")),
-    "relaxed_cone": Bake(
-        "Wider cones, for a search after each leap.", _records("relaxed_cone_map", "relaxed_cone")
+OPTIONS: dict[str, Option] = {
+    "normal": Option("Normals, from heights.", _normal),
+    "height": Option("Heights, from normals.", _height),
+    "occlusion": Option("Ambient occlusion: the sky that each texel sees.", _occlusion),
+    "horizon": Option("The elevation of the horizon in 8 directions.", _horizon),
+    # what techniques declare; said again here, so that listing it loads no shaders
+    "cone": Option("Cones that the surface does not rise into.", _table("cone_map", "cone")),
+    "relaxed_cone": Option(
+        "Wider cones, for a search after each leap.", _table("relaxed_cone_map", "relaxed_cone")
     ),
-    "bounds": Bake("What the technique exact goes by.", _records("bounds", "bounds")),
+    "bounds": Option("What the technique exact goes by.", _table("bounds", "bounds")),
 }
 """What `basrelief bake` makes, by the name of its option."""
 
@@ -149,13 +152,13 @@ BAKES: dict[str, Bake] = {
 def bake_to(
     folder: Path, names: Sequence[str], baking: Baking, *, overwrite: bool = False
 ) -> list[tuple[Path, str]]:
-    """Make some of `BAKES` and write them to a folder, all or none: files, each with a note.
+    """Make some of `OPTIONS` and write them to a folder, all or none: files, each with a note.
 
     The folder is made if it is missing. Raises InputError where a file of that name is there and
     is not to be replaced, or something else cannot be made or written.
     """
     start = _start(baking.material)
-    made = [(name, BAKES[name].make(baking)) for name in names]
+    made = [(name, OPTIONS[name].make(baking)) for name in names]
     files = {
         folder / f"{start}_{end}.png": (pixels, each.note)
         for _, each in made

@@ -79,7 +79,8 @@ def ambient_occlusion(
     ways = Buffer(_ways(heights.shape, edge, directions, _SEEN))
     least = _LOWEST / max(checked_scale(scale) * heights.shape[1], _LOWEST)
     values = _values(heights, edge, scale, max(least, shaders.BLUR))
-    return run(shaders.openness, heights, edge, engine, ways=ways, **values)["open"]
+    planes = run(shaders.openness, heights, edge, engine, effort=directions, ways=ways, **values)
+    return planes["open"]
 
 
 def _count(directions: int) -> int:

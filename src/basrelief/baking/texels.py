@@ -8,6 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.baking.passes import run_pass
 from basrelief.engine import Engine, choose_engine
 from basrelief.engine.engine import Planes
 from basrelief.errors import InputError
@@ -45,9 +46,18 @@ def checked_scale(scale: float) -> float:
     return float(scale)
 
 
-def run(entry: Any, heights: Heights, edge: Edge, engine: Engine | None, **values: Any) -> Planes:
+def run(
+    entry: Any,
+    heights: Heights,
+    edge: Edge,
+    engine: Engine | None,
+    *,
+    effort: int = 1,
+    **values: Any,
+) -> Planes:
     """An entry's planes, for every texel; on all cores unless another engine is named."""
-    drawing = engine or choose_engine("cpu")
     rows, columns = heights.shape
     values = {"field": HeightField([heights], edge), **values}
-    return drawing.run(Program(entry, edges_of(edge), edge), values, (columns, rows))
+    program = Program(entry, edges_of(edge), edge)
+    size = (columns, rows)
+    return run_pass(engine or choose_engine("cpu"), program, values, size, effort=effort)

@@ -455,15 +455,16 @@ def bake(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace files that are there.")
     ] = False,
+    engine: EngineOption = "auto",
     **given: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
-    from basrelief.baking.files import BAKES, Baking, bake_to
+    from basrelief.baking.files import OPTIONS, Baking, bake_to
 
-    names = [name for name in BAKES if given.pop(name)]
+    names = [name for name in OPTIONS if given.pop(name)]
     if not names:
         raise InputError(
-            f"nothing to bake: name {', '.join('--' + name.replace('_', '-') for name in BAKES)}"
+            f"nothing to bake: name {', '.join('--' + name.replace('_', '-') for name in OPTIONS)}"
         )
     for option, value, known in (
         ("edge", edge, ("wrap", "clamp")), ("green", green, ("gl", "dx")), ("bits", bits, (8, 16)),
@@ -472,6 +473,7 @@ def bake(
             raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
+        from basrelief.engine import choose_engine
         from basrelief.scene.objects import DEFAULT_SCALE
 
         arguments.check_lengths(given["depth"], given["tile"], scale)
@@ -479,7 +481,8 @@ def bake(
         material = _loaded(path, **maps)
         progress.task = f"baking {material.name}"
         used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
-        chosen = Baking(material, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        runner = choose_engine(engine)
+        chosen = Baking(material, runner, edge, used, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         made = bake_to(folder, names, chosen, overwrite=overwrite)
     for file, note in made:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from basrelief.baking.files import BAKES
+from basrelief.baking.files import OPTIONS
 
 __all__ = [
     "Bakes",
@@ -152,7 +152,7 @@ def _flag(name: str, help: str) -> Any:
 class Bakes:
     """What is baked."""
 
-    __annotations__ = {name: _flag(name, each.help) for name, each in BAKES.items()}
+    __annotations__ = {name: _flag(name, each.help) for name, each in OPTIONS.items()}
 
 
 class Sources:

@@ -33,6 +33,8 @@ class CpuEngine:
     """Runs programs on all cores. `lanes` and `threads` default to what the machine has."""
 
     name = "cpu"
+    rounding = "IEEE 754"
+    """Of every processor, whatever its lanes: `CONVENTIONS.md` says what numbers mean."""
 
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
         self.lanes = lanes or _natural_lanes()

@@ -21,10 +21,14 @@ Words = NDArray[np.int32]
 
 
 class Engine(Protocol):
-    """Runs programs. `name` is "cpu" or "gpu"; `device` says on what."""
+    """Runs programs. `name` is "cpu" or "gpu"; `device` says on what.
+
+    `rounding` names how numbers round: engines with the same compute the same planes, bit for bit.
+    """
 
     name: str
     device: str
+    rounding: str
 
     def compile(self, program: Program) -> None:
         """Make the program ready, from the cache where it was compiled before."""

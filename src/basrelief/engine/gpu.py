@@ -104,6 +104,7 @@ class GpuEngine:
         self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
         self.limits = limits
         self.device = f"{adapter.info['device']} ({adapter.info['backend_type']})"
+        self.rounding = _rounding(adapter.info)
         # Mesa's software driver looks for uniforms that branches depend on, to compile them in, and
         # in 22.3 writes past the end of its list of them; storage it leaves alone
         self.spares_uniforms = adapter.info["device"].startswith("llvmpipe")
@@ -275,6 +276,14 @@ class GpuEngine:
             # what is on its way is held twice until it is submitted
             self.gpu.queue.submit([])
         return texture.create_view()
+
+
+def _rounding(info: Mapping[str, Any]) -> str:
+    """What division, square roots and contraction go by: the chip, and all that compiles for it."""
+    import wgpu
+
+    parts = ("backend_type", "vendor", "device", "description")
+    return ", ".join([f"wgpu {wgpu.__version__}", *(str(info[part]) for part in parts)])
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
 from basrelief.measure.boxes import first_box_hits
@@ -77,17 +78,17 @@ def _met(
     thing: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
 ) -> tuple[Object, Meeting] | None:
     """An object with where the ray through the middle of a pixel meets its shape."""
-    values = values_of(thing, scene, size)
     with bound(program_of(thing, scene).bindings):
         place = Vec2(pixel[0] + 0.5, pixel[1] + 0.5)
-        meeting = meet(primary_ray(values["view"].camera, place), values["placement"])
+        meeting = meet(primary_ray(scene.shader_camera(size), place), thing.placement())
     return (thing, meeting) if meeting.point.found else None
 
 
 def _explained(
     thing: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
 ) -> Explanation:
-    values = values_of(thing, scene, size)
+    # the shaders run in Python, which rounds as the CPU does
+    values = values_of(thing, scene, size, choose_engine("cpu"))
     field, technique = values["field"], thing.drawn_with
     with bound(program_of(thing, scene).bindings):
         deep = depth_seen(values["depth"], met.point.distance)

@@ -16,7 +16,8 @@ from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import first_hits
-from basrelief.rendering.programs import map_edge, maps_of, rays_of, values_of
+from basrelief.rendering import textures
+from basrelief.rendering.programs import map_edge, rays_of, values_of
 from basrelief.rendering.render import check_picture
 from basrelief.scene import Object, Scene
 
@@ -58,7 +59,7 @@ def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine =
     scene = what if isinstance(what, Scene) else Scene((what,))
     thing = measurable(scene)
     runner = choose_engine(engine) if isinstance(engine, str) else engine
-    values = values_of(thing, scene, size)
+    values = values_of(thing, scene, size, runner)
     rays = runner.run(rays_of(thing), values, size)
     found = rays["found"] != 0
     start, fall = (
@@ -95,9 +96,7 @@ def measurable(scene: Scene) -> Object:
 
 def _heights(thing: Object) -> NDArray[np.float32]:
     """The finest level of the field that programs read."""
-    from basrelief.rendering import textures
-
-    field = maps_of(thing)["field"] or textures.height_field(thing.material, map_edge(thing))
+    field = textures.height_field(thing.material, map_edge(thing))
     assert field is not None
     heights: NDArray[np.float32] = field.levels[0]
     return heights

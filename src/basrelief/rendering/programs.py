@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, assert_never
 
+from basrelief.engine import Engine
 from basrelief.lang import Buffer, Vec2, Vec3
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
+from basrelief.material import Material
 from basrelief.rendering import textures
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
@@ -21,6 +23,27 @@ MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_
 """The maps for which something plain stands where they are missing."""
 
 
+def mapped(thing: Object) -> dict[str, bool]:
+    """Which of `MAPPED` an object has; nothing is baked to know that."""
+    material = thing.material
+    # the tops of boxes are level, whatever the heights beside them
+    level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
+    over = None if thing.layer is None else thing.layer.material
+    return {
+        "base_color": textures.has_base_color(material),
+        "normal": not level and textures.has_normal(material, thing.relief_scale),
+        "response": textures.has_response(material),
+        "emission": material.emission is not None,
+        "layer_color": over is not None and textures.has_base_color(over),
+        "layer_normal": over is not None and textures.has_normal(over, _layer_scale(over)),
+    }
+
+
+def _layer_scale(over: Material) -> float:
+    """The scale at which a layer's heights give normals."""
+    return over.scale or DEFAULT_SCALE
+
+
 def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
     choices = choices_of(thing, scene or Scene((thing,)))
@@ -29,7 +52,6 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def choices_of(thing: Object, scene: Scene) -> Choices:
     """What an object's program depends on."""
-    maps = maps_of(thing)
     return Choices(
         technique=thing.drawn_with if thing.has_relief else flat,
         shape=thing.shape,
@@ -49,7 +71,7 @@ def choices_of(thing: Object, scene: Scene) -> Choices:
         shading_model=scene.shading_model,
         occlusion_kind=scene.occlusion_kind,
         fog=scene.fog,
-        **{name: maps[name] is not None for name in MAPPED},
+        **mapped(thing),
     )
 
 
@@ -90,32 +112,34 @@ def map_edge(thing: Object) -> Edge:
             assert_never(thing.edge)
 
 
-def maps_of(thing: Object) -> dict[str, Any]:
-    """The material's maps as programs read them, None for those that are missing."""
+def maps_of(thing: Object, engine: Engine) -> dict[str, Any]:
+    """The material's maps as programs read them, without those that are missing.
+
+    What is made of heights, a technique's table and normals, the engine that draws bakes.
+    """
     material, beyond = thing.material, map_edge(thing)
-    glow = textures.emission(material, beyond)
+    has, glow = mapped(thing), textures.emission(material, beyond)
     over = thing.layer and thing.layer.material
-    # the tops of boxes are level, whatever the heights beside them
-    level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
-    return {
+    scale = thing.relief_scale
+    found = {
         "field": textures.height_field(material, beyond) if thing.has_relief else None,
         "baked": textures.baked(
-            material, beyond, thing.drawn_with.bake, all_levels=thing.heights == "mip"
+            material, beyond, thing.drawn_with.bake, engine, all_levels=thing.heights == "mip"
         ),
         "base_color": textures.base_color(material, beyond),
-        "normal": None if level else textures.normal(material, beyond, thing.relief_scale),
+        "normal": textures.normal(material, beyond, scale, engine) if has["normal"] else None,
         "response": textures.response(material, beyond),
         "emission": glow and glow[0],
         "layer_color": over and textures.base_color(over, beyond),
-        "layer_normal": over and textures.normal(over, beyond, over.scale or DEFAULT_SCALE),
+        "layer_normal": over and textures.normal(over, beyond, _layer_scale(over), engine),
     }
+    return {name: value for name, value in found.items() if value is not None}
 
 
-def values_of(thing: Object, scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
+def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
     """The values of an object's program, all but the place of the sample and what others cast."""
-    found = {name: value for name, value in maps_of(thing).items() if value is not None}
     return {
-        **found,
+        **maps_of(thing, engine),
         "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "placement": thing.placement(),
         "depth": thing.depth(),

@@ -137,7 +137,7 @@ class _Drawing:
             else [{}] * len(order)
         )
         self.things = [
-            (program_of(thing, scene), {**values_of(thing, scene, size), **others})
+            (program_of(thing, scene), {**values_of(thing, scene, size, engine), **others})
             for thing, others in zip(order, cast, strict=True)
         ]
         width, height = size

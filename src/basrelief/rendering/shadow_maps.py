@@ -151,9 +151,8 @@ def _distances(
     """How far each view of each light reaches until it meets an object."""
     if thing.casts == "none" or not views:
         return None
-    program, maps = reach_of(thing), maps_of(thing)
-    values = {name: value for name, value in maps.items() if value is not None}
-    values |= {
+    program = reach_of(thing)
+    values = maps_of(thing, engine) | {
         "placement": thing.placement(),
         "depth": thing.depth(),
         "smoothing": thing.smoothing,

@@ -1,7 +1,8 @@
 """From a material's maps to what programs read: pyramids of heights and of 16-bit channels.
 
 Colours become linear before they are averaged; levels are area averages of the one before, exact
-for odd sizes too. A map is turned into a pyramid once while it lives.
+for odd sizes too. A map is turned into a pyramid once while it lives. What is baked from heights is
+baked by the engine that draws, and told apart by how that rounds.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief import baking
-from basrelief.baking.cache import kept
 from basrelief.baking.levels import halved, levels_of
+from basrelief.baking.tables import table
+from basrelief.engine import Engine
 from basrelief.images import srgb_decode
 from basrelief.lang.resources import Edge, HeightField, Texture
 from basrelief.material.material import Map, Material
+from basrelief.techniques import Bake
 
 _UNIT = 65535
 _PLAIN_COLOR = 0.6
@@ -38,26 +41,30 @@ def height_field(material: Material, edge: Edge) -> HeightField | None:
 
 
 def baked(
-    material: Material, edge: Edge, what: str | None, *, all_levels: bool = False
+    material: Material, edge: Edge, bake: Bake | None, engine: Engine, *, all_levels: bool = False
 ) -> Texture | None:
     """What a technique has baked from the heights, or from all their levels; None without any."""
     height = material.height
-    if height is None or what is None:
+    if height is None or bake is None:
         return None
-    make = getattr(baking, what)
 
-    def once() -> Texture:
-        levels = {"all_levels": True} if all_levels else {}
-        return Texture([kept(make, height.linear()[:, :, 0], edge, **levels)], edge)
+    def make() -> Texture:
+        heights = height.linear()[:, :, 0]
+        return Texture([table(bake, heights, edge, engine, all_levels=all_levels)], edge)
 
-    return _once(height, ("baked", what, edge, all_levels), once)
+    return _once(height, ("baked", bake, edge, all_levels, engine.rounding), make)
+
+
+def has_base_color(material: Material) -> bool:
+    """Whether the material has colour or opacity."""
+    return material.base_color is not None or material.opacity is not None
 
 
 def base_color(material: Material, edge: Edge) -> Texture | None:
     """Linear colour with opacity, None where the material has neither."""
-    color, opacity = material.base_color, material.opacity
-    if color is None and opacity is None:
+    if not has_base_color(material):
         return None
+    color, opacity = material.base_color, material.opacity
 
     def make() -> Texture:
         shape = _largest(color, opacity)
@@ -72,29 +79,46 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
     return _once(material, ("base color", edge), make)
 
 
-def normal(material: Material, edge: Edge, scale: float) -> Texture | None:
+def has_normal(material: Material, scale: float) -> bool:
+    """Whether the material has normals, or heights that give some at a relief's scale."""
+    return material.normal is not None or (material.height is not None and scale > 0.0)
+
+
+def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Texture | None:
     """Tangent-space normals; where there is no map those of the heights, at a relief's scale.
 
     Both are those of square texels. Of normals from heights only the latest are kept.
     """
+    if not has_normal(material, scale):
+        return None
     if material.normal is not None:
         held = material.normal
         return _once(held, ("normal", edge), lambda: _texture([*_channels(held)], edge))
-    if material.height is None or scale <= 0.0:
-        return None
     height = material.height
+    assert height is not None
     latest = _made.setdefault(height, {})
-    if latest.get("slopes") != (edge, scale):
-        latest["normal"] = _texture(_normals_of(height.linear()[:, :, 0], scale, edge), edge)
-        latest["slopes"] = (edge, scale)
+    slopes = (edge, scale, engine.rounding)
+    if latest.get("slopes") != slopes:
+        heights = height.linear()[:, :, 0]
+        latest["normal"] = _texture(_normals_of(heights, scale, edge, engine), edge)
+        latest["slopes"] = slopes
     return latest["normal"]
+
+
+def _response_maps(material: Material) -> tuple[Map | None, ...]:
+    return material.occlusion, material.roughness, material.metallic, material.layer_mask
+
+
+def has_response(material: Material) -> bool:
+    """Whether the material has any of the maps that share this texture."""
+    return any(each is not None for each in _response_maps(material))
 
 
 def response(material: Material, edge: Edge) -> Texture | None:
     """Occlusion, roughness, metallic and the layer's mask in one texture, None without any."""
-    maps = (material.occlusion, material.roughness, material.metallic, material.layer_mask)
-    if all(m is None for m in maps):
+    if not has_response(material):
         return None
+    maps = _response_maps(material)
 
     def make() -> Texture:
         shape = _largest(*maps)
@@ -197,7 +221,9 @@ def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint1
     return np.rint(np.concatenate([color, halved(level[:, :, 3:])], 2)).astype(np.uint16)
 
 
-def _normals_of(heights: NDArray[np.float32], scale: float, edge: Edge) -> list[Any]:
+def _normals_of(
+    heights: NDArray[np.float32], scale: float, edge: Edge, engine: Engine
+) -> list[Any]:
     """Encoded normals of a height field, channels first."""
-    made = baking.normal_map(heights, edge, scale)
+    made = baking.normal_map(heights, edge, scale, engine)
     return [np.rint((made[:, :, k] * 0.5 + 0.5) * _UNIT).astype(np.uint16) for k in range(3)]

@@ -10,6 +10,7 @@ from typing import Any, assert_never, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.baking.tables import check_bake
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
@@ -208,6 +209,7 @@ class Object:
                 f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
                 "add one, or draw it with the technique flat"
             )
+        check_bake(self.drawn_with.bake, self.drawn_with.name)
 
     def _check_fade(self) -> None:
         if self.fade is None:

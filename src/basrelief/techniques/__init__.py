@@ -9,9 +9,12 @@ import importlib
 import pkgutil
 from collections.abc import Iterator
 
-from basrelief.lang import HeightField, setting, struct
+from basrelief.lang import HeightField, Texture, setting, struct
+from basrelief.techniques.bake import Bake
 from basrelief.techniques.cone import cone, relaxed_cone
+from basrelief.techniques.cone_bake import CONE_MAP, RELAXED_CONE_MAP
 from basrelief.techniques.exact import exact
+from basrelief.techniques.exact_bake import BOUNDS
 from basrelief.techniques.height import height_under
 from basrelief.techniques.march import fixed_length, parallax_occlusion, relief, steep
 from basrelief.techniques.offset import flat, offset, offset_limited
@@ -21,10 +24,10 @@ from basrelief.techniques.technique import Nothing, Technique, displace, techniq
 from basrelief.techniques.texel import texel
 
 __all__ = [
-    "TECHNIQUES", "HeightField", "Hit", "Nothing", "Ray", "Technique", "at", "cone", "contact",
-    "displace", "exact", "fixed_length", "flat", "height_under", "offset", "offset_limited",
-    "parallax_occlusion", "relaxed_cone", "relief", "secant", "setting", "steep", "struct",
-    "technique", "texel",
+    "BAKES", "BOUNDS", "CONE_MAP", "RELAXED_CONE_MAP", "TECHNIQUES", "Bake", "HeightField", "Hit",
+    "Nothing", "Ray", "Technique", "Texture", "at", "cone", "contact", "displace", "exact",
+    "fixed_length", "flat", "height_under", "offset", "offset_limited", "parallax_occlusion",
+    "relaxed_cone", "relief", "secant", "setting", "steep", "struct", "technique", "texel",
 ]  # fmt: skip
 
 
@@ -41,3 +44,7 @@ TECHNIQUES: dict[str, Technique[..., Hit]] = {
     made.name: made for made in sorted(_found(), key=lambda each: each.most_reads)
 }
 """The techniques by name, from the cheapest on."""
+BAKES: dict[str, Bake] = {
+    made.bake.name: made.bake for made in TECHNIQUES.values() if made.bake is not None
+}
+"""What the techniques have baked, by name."""

@@ -19,6 +19,7 @@ from basrelief.lang import (
     stored,
     struct,
 )
+from basrelief.techniques.cone_bake import CONE_MAP, RELAXED_CONE_MAP
 from basrelief.techniques.edge import cell_in_map
 from basrelief.techniques.exact import (
     Clearance,
@@ -26,13 +27,12 @@ from basrelief.techniques.exact import (
     cell_of_map,
     clearance,
     clearance_after,
-    extent_of,
     first_root,
     is_met,
     line_of,
     walls_of,
 )
-from basrelief.techniques.height import cell_at, height_at
+from basrelief.techniques.height import cell_at, extent_of, height_at
 from basrelief.techniques.ray import Hit, Ray, at
 from basrelief.techniques.technique import technique
 
@@ -56,7 +56,7 @@ class RelaxedCones:
     search_steps: int = setting(default=6, doc="halvings of the last leap", low=0, high=24)
 
 
-@technique(bake="cone_map", most_reads=96)
+@technique(bake=CONE_MAP, most_reads=96)
 def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     """Solve the cell below the ray; where that is not met, leap to the end of its cone.
 
@@ -93,7 +93,7 @@ def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     return Hit(at(ray, height), height, found or met >= 1.0, reads)
 
 
-@technique(bake="relaxed_cone_map", most_reads=36)
+@technique(bake=RELAXED_CONE_MAP, most_reads=36)
 def relaxed_cone(field: HeightField, baked: Texture, ray: Ray, settings: RelaxedCones) -> Hit:
     """Leap to the end of wider cones, into the surface but not out again, then halve the last leap.
 

@@ -26,14 +26,22 @@ from basrelief.lang import (
     sqrt,
     struct,
 )
-from basrelief.techniques.cone_bake_windows import UNIT, Windows, windows_at
+from basrelief.techniques.bake import Bake
+from basrelief.techniques.cone_bake_windows import (
+    UNIT,
+    Windows,
+    first_windows,
+    next_windows,
+    windows_at,
+)
 from basrelief.techniques.edge import cell_in_map
 
 BLOCKS = 8
 """Blocks along each side of what one octave covers; a block is four windows."""
 ROUNDING = 1e-5
-"""The share of a slope, and the slope, that stand for what float32 rounds off."""
-LEAST = 2e-7
+LEAST = 4e-7
+"""The share of a slope, and the slope, that stand for what float32 rounds off: with a division as
+inexact as WGSL allows, 2.5 units in the last place, and 1e-7 for the rise."""
 LEVEL = 1e-6
 """Heights a texel that a surface may fall by and be level still: engines round differently."""
 
@@ -254,4 +262,20 @@ def rise_along(slope: float, towards: int) -> float:
 @shader
 def as_stored(slope: float) -> Stored:
     """1 ÷ (1 + slope), rounded down: a steeper slope is a narrower cone."""
-    return Stored(floor(65535.0 / (1.0 + slope * (1.0 + ROUNDING) + min(slope, LEAST))))
+    # what is level stays a half space, and no more: beside 1 the slightest slopes are rounded off
+    margin = LEAST if slope > 0.0 else 0.0
+    return Stored(floor(65535.0 / (1.0 + slope * (1.0 + ROUNDING) + margin)))
+
+
+# --- the bakes ------------------------------------------------------------------------------------
+
+CONE_MAP = Bake(
+    "cone_map",
+    "Cones that the surface does not rise into.",
+    (first_windows, next_windows, steepest, cone_of),
+)
+RELAXED_CONE_MAP = Bake(
+    "relaxed_cone_map",
+    "Wider cones, for a search after each leap.",
+    (far_side, first_windows, next_windows, steepest, relaxed_cone_of),
+)

@@ -17,38 +17,36 @@ from basrelief.lang import (
     floor,
     maximum,
     shader,
-    size,
     sqrt,
     stored,
     struct,
 )
 from basrelief.techniques.edge import cell_is_baked, cells_in_map
-from basrelief.techniques.height import level_under, patch_of
+from basrelief.techniques.exact_bake import BOUNDS
+from basrelief.techniques.exact_records import (
+    BLOCK,
+    FAR,
+    FAR_2,
+    FAR_3,
+    FAR_4,
+    FAR_BLOCK,
+    FAR_SHIFT,
+    HIGHEST,
+    LOWEST,
+    PLANE,
+    SHIFT,
+    STEEPEST,
+    WINDOW,
+    far_blocks,
+    first_row,
+    near_blocks,
+)
+from basrelief.techniques.height import extent_of, level_under, patch_of
 from basrelief.techniques.ray import Hit, Ray, at
 from basrelief.techniques.technique import Nothing, technique
 
 MOST_STEPS = 16384
 """A ray that takes more, at a grazing angle over many tiles, stays where it is."""
-SHIFT = 1
-BLOCK = 1 << SHIFT
-"""Cells along each side that share a near record."""
-PLANE = 4
-"""Cells along each side of the window ahead that a near record's plane lies above."""
-WINDOW = 10
-"""Cells along each side of the window ahead whose highest point a near record holds."""
-FAR_SHIFT = 3
-FAR_BLOCK = 1 << FAR_SHIFT
-"""Cells along each side that share a far record."""
-FAR = 3
-FAR_2 = 6
-FAR_3 = 12
-FAR_4 = 24
-"""Blocks along each side of the windows ahead whose highest points a far record holds."""
-STEEPEST = 0.5
-"""The steepest slope that a record can hold, in heights a texel."""
-LOWEST = -4.0
-HIGHEST = 4.0
-"""The least and the most that a record can hold of 1 − a plane's height at its block's corner."""
 FLATTEST = 1e-20
 """The least way, in texels, that is divided by."""
 BLUR = 2.5e-7
@@ -99,7 +97,7 @@ class Walk:
     reads: int
 
 
-@technique(bake="bounds", mips=True, most_reads=24)
+@technique(bake=BOUNDS, most_reads=24)
 def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
     """Go on as far as bounds prove that nothing is in the way, and solve the cells that are left.
 
@@ -152,28 +150,6 @@ def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Wal
 
 
 @shader
-def extent_of(field: HeightField, level: int) -> Vec2:
-    """The size of a level in texels."""
-    count = size(field, level)
-    return Vec2(float(count.x), float(count.y))
-
-
-@shader
-def first_row(field: HeightField, level: int) -> int:
-    """Where the records of a level begin in the table: below those of all levels above it."""
-    rows = 0
-    for k in range(level):
-        rows = rows + rows_of(extent_of(field, k))
-    return rows
-
-
-@shader
-def rows_of(extent: Vec2) -> int:
-    """How many rows the records of a level take."""
-    return 2 * (near_blocks(extent).y + far_blocks(extent).y)
-
-
-@shader
 def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
     """The ray from the top of the heights to their bottom, in texels of a level whose records begin
     at a row of the table."""
@@ -199,20 +175,6 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
         near=IVec2(near.x if back_u else 0, row + (near.y if back_v else 0)),
         far=IVec2(far.x if back_u else 0, row + near.y * 2 + (far.y if back_v else 0)),
     )
-
-
-@shader
-def near_blocks(extent: Vec2) -> IVec2:
-    """How many blocks of a near record cover a map."""
-    more = BLOCK - 1
-    return IVec2((int(extent.x) + more) >> SHIFT, (int(extent.y) + more) >> SHIFT)
-
-
-@shader
-def far_blocks(extent: Vec2) -> IVec2:
-    """How many blocks of a far record cover a map."""
-    more = FAR_BLOCK - 1
-    return IVec2((int(extent.x) + more) >> FAR_SHIFT, (int(extent.y) + more) >> FAR_SHIFT)
 
 
 @shader

@@ -20,8 +20,9 @@ from basrelief.lang import (
     size,
     struct,
 )
+from basrelief.techniques.bake import Bake
 from basrelief.techniques.edge import cells_in_map
-from basrelief.techniques.exact import (
+from basrelief.techniques.exact_records import (
     BLOCK,
     FAR,
     FAR_2,
@@ -33,10 +34,10 @@ from basrelief.techniques.exact import (
     PLANE,
     STEEPEST,
     WINDOW,
-    extent_of,
     far_blocks,
     near_blocks,
 )
+from basrelief.techniques.height import extent_of
 
 MOST = 65535.0
 SLACK = 1e-6
@@ -243,3 +244,13 @@ def packed(codes: Vec4) -> Packed:
         int(codes.x) | (int(codes.y) << 16),
         int(codes.z) | (int(codes.w) << 16),
     )
+
+
+# --- the bake -------------------------------------------------------------------------------------
+
+BOUNDS = Bake(
+    "bounds",
+    "What the technique exact goes by.",
+    (block_top, window_top, near_record, far_record),
+    all_levels=True,
+)

@@ -148,6 +148,13 @@ def within(four: Vec4, x: float, y: float) -> float:
 # --- whole cells, for techniques that solve them --------------------------------------------------
 
 
+@shader
+def extent_of(field: HeightField, level: int) -> Vec2:
+    """The size of a level in texels."""
+    count = size(field, level)
+    return Vec2(float(count.x), float(count.y))
+
+
 @slot
 def level_under(ray: Ray) -> int:
     """The level whose bilinear surface a ray meets."""

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, Literal, ParamSpec, TypeVar
 
 from basrelief.lang import HeightField, Shader, Texture, TypeSlot, slot, struct
+from basrelief.techniques.bake import Bake
 from basrelief.techniques.ray import Hit, Ray
 
 P = ParamSpec("P")
@@ -43,20 +44,19 @@ class Technique(Shader[P, R]):
     projection: Projection = "full"
     most_reads: int = 0
     """Heights read at most with the default settings, a first idea of the cost."""
-    bake: str | None = None
-    """What has to be baked from the heights for it, by its name in `basrelief.baking`."""
+    bake: Bake | None = None
+    """The table that it reads, baked from the heights."""
     boxes: bool = False
     """Whether it takes each texel for a box (`shaders.boxes`), and no bilinear surface."""
-
-    mips: bool = False
-    """Whether what is baked for it covers the lower levels of the map too."""
 
     @property
     def takes_heights(self) -> tuple[str, ...]:
         """The ways to read heights that it can be drawn with."""
-        if self.mips:
-            return ("sharp", "mip")
-        return ("sharp",) if self.bake or self.boxes else ("sharp", "smooth", "mip")
+        if self.boxes:
+            return ("sharp",)
+        if self.bake is not None:
+            return ("sharp", "mip") if self.bake.all_levels else ("sharp",)
+        return ("sharp", "smooth", "mip")
 
     @property
     def settings(self) -> Any:
@@ -70,22 +70,23 @@ def technique(
     level: float = 1.0,
     projection: Projection = "full",
     most_reads: int = 0,
-    bake: str | None = None,
+    bake: Bake | None = None,
     boxes: bool = False,
-    mips: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
     """Mark a shader as a technique; `level` and `projection` are its defaults.
 
     `most_reads` says how many heights it reads at most with its default settings, `bake` what is
-    baked for it: such a technique takes `(field, baked, ray, settings)`. With `boxes` the object's
-    normals and shadows are those of boxes, one for each texel. With `mips` all levels are baked,
-    and it goes by `level_under` and `patch_of`.
+    baked for it, as `CONE_MAP`: such a technique takes `(field, baked, ray, settings)`. With
+    `boxes` the object's normals and shadows are those of boxes, one for each texel.
+    Raises TypeError for a bake that is no declaration.
     """
+    if not (bake is None or isinstance(bake, Bake)):
+        raise TypeError(f"bake is {bake!r}: give a declaration, as CONE_MAP of {__package__}")
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
         made.level, made.projection, made.most_reads = level, projection, most_reads
-        made.bake, made.boxes, made.mips = bake, boxes, mips
+        made.bake, made.boxes = bake, boxes
         return made
 
     return mark

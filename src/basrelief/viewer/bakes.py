@@ -1,6 +1,6 @@
 """What a page needs to bake as the library does: the programs, and the numbers of their steps.
 
-The steps themselves are those of `bake.bounds` and `bake.cones`; `web/bakes.js` goes through them.
+The steps are those of `baking.exact` and `baking.cone`; `web/bakes.js` goes through them.
 """
 
 from __future__ import annotations
@@ -10,23 +10,14 @@ from typing import Any
 from basrelief.baking.cone import SECTORS, ends_of, sector_of
 from basrelief.baking.exact import FAR_WINDOWS
 from basrelief.lang import Shader
-from basrelief.techniques import cone_bake, cone_bake_windows, exact_bake, normal_bake
-from basrelief.techniques.exact import BLOCK, FAR_BLOCK
+from basrelief.techniques import BAKES, cone_bake, normal_bake
 from basrelief.techniques.exact_bake import FAR_REACH, REACH
+from basrelief.techniques.exact_records import BLOCK, FAR_BLOCK
 from basrelief.viewer.layouts import plain
 
-BAKES: tuple[Shader[..., Any], ...] = (
+PROGRAMS: tuple[Shader[..., Any], ...] = (
     normal_bake.normals,
-    exact_bake.block_top,
-    exact_bake.window_top,
-    exact_bake.near_record,
-    exact_bake.far_record,
-    cone_bake.far_side,
-    cone_bake.steepest,
-    cone_bake.cone_of,
-    cone_bake.relaxed_cone_of,
-    cone_bake_windows.first_windows,
-    cone_bake_windows.next_windows,
+    *dict.fromkeys(program for bake in BAKES.values() for program in bake.programs),
 )
 """The programs that bake something; a page finds them by their names."""
 

@@ -26,7 +26,7 @@ from basrelief.rendering import textures
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.techniques import Nothing
+from basrelief.techniques import RELAXED_CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
@@ -44,7 +44,7 @@ _REST = 400_000
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
-_LONG_BAKE = "relaxed_cone_map"
+_LONG_BAKE = RELAXED_CONE_MAP
 """What the page is given though it could bake it: without a GPU that takes it minutes."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
@@ -101,11 +101,11 @@ def page_of(
     while True:
         progress("packing the maps", 0.9)
         shown = _shrunk(thing, most)
-        maps = _maps(shown)
+        maps = _maps(shown, runner)
         if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
             break
         most = most // 2
-    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills))
+    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills), runner)
     scaled = shown_size(shown) if most < whole else None
     data = {
         "programs": programs.told(),
@@ -162,7 +162,7 @@ def _stored_as(one: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
     return Map(np.rint(codes * 255.0).astype(np.uint8), one.srgb, one.source)
 
 
-def _maps(thing: Object) -> dict[str, Any]:
+def _maps(thing: Object, engine: Engine) -> dict[str, Any]:
     """The finest level of each map that programs read."""
     material = thing.material
     found: dict[str, Any] = {}
@@ -170,7 +170,7 @@ def _maps(thing: Object) -> dict[str, Any]:
     if field is not None:
         found["field"] = packed(as_fractions(field.levels[0]))
     if material.normal is not None:
-        normal = textures.normal(material, "wrap", thing.relief_scale)
+        normal = textures.normal(material, "wrap", thing.relief_scale, engine)
         assert normal is not None
         found["normal"] = packed(normal.levels[0])
     glow = textures.emission(material, "wrap")
@@ -182,27 +182,27 @@ def _maps(thing: Object) -> dict[str, Any]:
         if map is not None:
             found[name] = packed(map.levels[0])
     if thing.layer is not None:
-        found |= _layer_maps(thing.layer.material)
+        found |= _layer_maps(thing.layer.material, engine)
     return found
 
 
-def _layer_maps(over: Material) -> dict[str, Any]:
+def _layer_maps(over: Material, engine: Engine) -> dict[str, Any]:
     """What is read of a material that lies over another."""
     color = textures.base_color(over, "wrap")
-    normal = textures.normal(over, "wrap", over.scale or DEFAULT_SCALE)
+    normal = textures.normal(over, "wrap", over.scale or DEFAULT_SCALE, engine)
     both = {"layer_color": color, "layer_normal": normal}
     return {name: packed(map.levels[0]) for name, map in both.items() if map is not None}
 
 
-def _bakes(material: Material, room: int) -> dict[str, Any]:
+def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
     """What takes a page long to bake, where it fits in so many bytes."""
     found: dict[str, Any] = {}
     if material.height is not None and room > material.height.width * material.height.height:
-        baked = textures.baked(material, "wrap", _LONG_BAKE)
+        baked = textures.baked(material, "wrap", _LONG_BAKE, engine)
         assert baked is not None
         made = packed(baked.levels[0])
         if len(made["content"]) <= room:
-            found[_LONG_BAKE] = made
+            found[_LONG_BAKE.name] = made
     return found
 
 

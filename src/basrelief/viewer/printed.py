@@ -35,7 +35,7 @@ from basrelief.shading.surfaces.surface import SurfaceSettings
 from basrelief.shading.variant import RULES, Choices, bindings_of
 from basrelief.techniques import TECHNIQUES, Technique, cone_bake
 from basrelief.techniques.technique import Settings
-from basrelief.viewer.bakes import BAKES, is_asked
+from basrelief.viewer.bakes import PROGRAMS, is_asked
 
 MENUS: dict[str, tuple[str, ...]] = {
     "shape": SHAPES,
@@ -66,7 +66,7 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "casts": (False,),
 }
 """What the programs of a page differ in, beside the technique: the fields of `Choices`."""
-ENTRIES: tuple[Shader[..., Any], ...] = (pixel.pixel, missed_hit, *BAKES)
+ENTRIES: tuple[Shader[..., Any], ...] = (pixel.pixel, missed_hit, *PROGRAMS)
 Techniques = Mapping[str, Technique[..., Any]]
 
 

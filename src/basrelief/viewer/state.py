@@ -154,7 +154,7 @@ def _technique(made: Technique[..., Any]) -> dict[str, Any]:
         "level": made.level,
         "projection": made.projection,
         "mostReads": made.most_reads,
-        "bake": made.bake,
+        "bake": made.bake and made.bake.name,
         "boxes": made.boxes,
         "heights": made.takes_heights,
         "settings": settings_of(made.settings),

@@ -1,0 +1,109 @@
+"""Declared bakes: a function runs each, by the passes it names, and all who list bakes agree."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from basrelief.baking import passes
+from basrelief.baking.files import OPTIONS
+from basrelief.baking.horizon import ambient_occlusion, horizon_map
+from basrelief.baking.normal import normal_map
+from basrelief.baking.tables import FUNCTIONS, table
+from basrelief.engine import choose_engine
+from basrelief.errors import InputError
+from basrelief.material import Material
+from basrelief.scene import Object
+from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Bake, Technique, exact, technique
+from helpers.engines import RecordingEngine
+from helpers.made_up import map_of
+
+HEIGHTS = np.random.default_rng(5).random((37, 53)).astype(np.float32)
+CPU = choose_engine("cpu")
+
+
+def test_every_declared_bake_has_a_function() -> None:
+    assert set(FUNCTIONS) == set(BAKES.values())
+    assert all(bake.name == name for name, bake in BAKES.items())
+
+
+@pytest.mark.parametrize("name", BAKES)
+def test_a_declaration_names_the_passes_that_run(name: str) -> None:
+    engine = RecordingEngine()
+    table(BAKES[name], HEIGHTS, "wrap", engine)
+    assert set(engine.entries) == set(BAKES[name].programs)
+
+
+@pytest.mark.parametrize("name", BAKES)
+def test_tables_are_what_the_functions_give(name: str) -> None:
+    made = table(BAKES[name], HEIGHTS, "clamp", CPU)
+    np.testing.assert_array_equal(made, FUNCTIONS[BAKES[name]](HEIGHTS, "clamp"))
+    if BAKES[name].all_levels:
+        whole = table(BAKES[name], HEIGHTS, "clamp", CPU, all_levels=True)
+        np.testing.assert_array_equal(whole[: len(made)], made)
+        assert len(whole) > len(made)
+
+
+@pytest.mark.parametrize("name", BAKES)
+def test_the_command_line_says_of_it_what_its_declaration_says(name: str) -> None:
+    """Its option is listed apart, for a quick start."""
+    assert OPTIONS[name.removesuffix("_map")].help == BAKES[name].about
+
+
+def test_a_technique_reads_lower_levels_where_its_bake_covers_them() -> None:
+    def with_bake(bake: Bake | None, **more: Any) -> Technique[..., Any]:
+        return technique(bake=bake, **more)(exact.function)
+
+    assert with_bake(BOUNDS).takes_heights == ("sharp", "mip")
+    assert with_bake(CONE_MAP).takes_heights == ("sharp",)
+    assert with_bake(BOUNDS, boxes=True).takes_heights == ("sharp",)
+    assert with_bake(None).takes_heights == ("sharp", "smooth", "mip")
+
+
+# --- what nothing runs ----------------------------------------------------------------------------
+
+
+def test_a_bake_by_its_name_is_refused_where_it_is_written() -> None:
+    with pytest.raises(TypeError, match=r"bake is 'cone_map'.*CONE_MAP of basrelief\.techniques"):
+        technique(bake="cone_map")  # type: ignore[arg-type]
+
+
+def test_a_bake_that_no_function_runs_is_refused_before_anything_is_drawn() -> None:
+    """By the declaration itself: another of the same name is another bake."""
+    material = Material("bumps", height=map_of(HEIGHTS))
+    mine = technique(bake=Bake("cone_map", "Mine.", CONE_MAP.programs))(exact.function)
+    with pytest.raises(InputError, match=r"exact: .* the bake cone_map .*import BOUNDS, CONE_MAP"):
+        Object(material, technique=mine)
+
+
+# --- bands ----------------------------------------------------------------------------------------
+
+BANDED = {
+    **{name: lambda engine, bake=bake: table(bake, HEIGHTS, "clamp", engine)
+       for name, bake in BAKES.items()},
+    "normals": lambda engine: normal_map(HEIGHTS, "clamp", 0.1, engine),
+    "horizons": lambda engine: horizon_map(HEIGHTS, "clamp", 0.1, 4, engine),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BANDED)
+def test_a_gpu_is_given_few_texels_at_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drivers stop programs that run for seconds. Bands change nothing, and a CPU has none."""
+    monkeypatch.setattr(passes, "AT_ONCE", 400)
+    gpu, other = RecordingEngine("gpu"), RecordingEngine("cpu")
+    made, whole = BANDED[name](gpu), BANDED[name](other)
+    np.testing.assert_array_equal(made, whole)
+    assert max(gpu.texels) <= 400
+    assert len(other.texels) < len(gpu.texels)
+    assert sum(gpu.texels) == sum(other.texels)
+
+
+def test_the_more_directions_the_fewer_texels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of occlusion, which goes all ways from each texel."""
+    monkeypatch.setattr(passes, "AT_ONCE", 1600)
+    gpu = RecordingEngine("gpu")
+    made = ambient_occlusion(HEIGHTS, "wrap", 0.1, 16, gpu)
+    np.testing.assert_array_equal(made, ambient_occlusion(HEIGHTS, "wrap", 0.1, 16))
+    assert max(gpu.texels) <= 100

@@ -1,0 +1,43 @@
+"""An engine that records what runs on it, to see where something is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from basrelief.engine import Planes
+from basrelief.engine.cpu import CpuEngine
+from basrelief.lang import Shader
+from basrelief.lang.program import Program
+
+
+class RecordingEngine:
+    """A CPU engine under another name that lists the entries it runs, and the texels of each run.
+
+    It is an instance of its own: what goes to `choose_engine("cpu")` instead is not in its list.
+    """
+
+    device = "a recording engine"
+
+    def __init__(self, name: str = "recording", rounding: str = "recording") -> None:
+        self.name, self.rounding = name, rounding
+        self.entries: list[Shader[..., Any]] = []
+        self.texels: list[int] = []
+        self._cpu = CpuEngine()
+
+    def compile(self, program: Program) -> None:
+        """Make the program ready."""
+        self._cpu.compile(program)
+
+    def run(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        size: tuple[int, int],
+        rows: tuple[int, int] | None = None,
+    ) -> Planes:
+        """Record the program, and run it."""
+        first, last = rows or (0, size[1])
+        self.entries.append(program.entry)
+        self.texels.append(size[0] * (last - first))
+        return self._cpu.run(program, values, size, rows)
