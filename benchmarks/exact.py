@@ -252,14 +252,21 @@ class Watch:
     """An engine that adds up how long the GPU works on what it is given."""
 
     def __init__(self, engine: Any) -> None:
-        self.engine, self.seconds = engine, 0.0
+        self.engine, self.name, self.seconds = engine, engine.name, 0.0
 
-    def run(self, program: Program, values: dict[str, Any], size: tuple[int, int]) -> Any:
-        if self.engine.name == "gpu":
-            rows = self.engine.rows_at_once(len(program.planes), size[0], size[1])
-            with self.engine.prepare(program, values, (size[0], rows)) as job:
-                self.seconds += self.engine.seconds(job, rows) * size[1] / rows
-        return self.engine.run(program, values, size)
+    def run(
+        self,
+        program: Program,
+        values: dict[str, Any],
+        size: tuple[int, int],
+        rows: tuple[int, int] | None = None,
+    ) -> Any:
+        if self.name == "gpu":
+            first, last = rows or (0, size[1])
+            at_once = self.engine.rows_at_once(len(program.planes), size[0], last - first)
+            with self.engine.prepare(program, values, (size[0], at_once)) as job:
+                self.seconds += self.engine.seconds(job, at_once) * (last - first) / at_once
+        return self.engine.run(program, values, size, rows)
 
 
 def filtered(
