@@ -15,7 +15,7 @@ import basrelief
 from basrelief._version import __version__
 from helpers.repository import REPOSITORY
 
-HEAVY = ("numpy", "llvmlite", "wgpu", "OpenImageIO", "rich")
+HEAVY = ("numpy", "llvmlite", "wgpu", "OpenImageIO", "rich", "platformdirs", "tomli_w", "jinja2")
 
 
 def test_version() -> None:

@@ -10,7 +10,6 @@ import contextlib
 import hashlib
 import json
 import os
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -19,16 +18,24 @@ _DIGEST = 32
 
 
 def cache_folder() -> Path:
-    """Where compiled programs are kept; the variable BASRELIEF_CACHE overrides the place."""
-    if os.environ.get("BASRELIEF_CACHE"):
-        return Path(os.environ["BASRELIEF_CACHE"])
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return base / "basrelief"
+    """The folder of cached files, as an absolute path; it need not exist.
+
+    The environment variable BASRELIEF_CACHE names it, a relative path starting at the working
+    directory. Where the variable is unset or empty, it is `basrelief` in the user's cache folder.
+    """
+    named = os.environ.get("BASRELIEF_CACHE")
+    return Path(named).absolute() if named else _user_folder()
+
+
+def _user_folder() -> Path:
+    from platformdirs import PlatformDirs
+
+    folder = PlatformDirs("basrelief", appauthor=False, opinion=False).user_cache_path
+    if folder.is_absolute():
+        return folder
+    # a relative XDG_CACHE_HOME counts as unset (XDG Base Directory Specification 0.8), which not
+    # every version of platformdirs respects
+    return Path.home() / ".cache" / "basrelief"
 
 
 def read(key: str) -> tuple[dict[str, Any], bytes] | None:
