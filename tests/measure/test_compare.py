@@ -17,8 +17,8 @@ from basrelief.measure.advice import Advice, advice
 from basrelief.measure.compare import Comparison, compare
 from basrelief.measure.debug import debug_picture
 from basrelief.measure.errors import errors, flip, missed, overshoot
-from basrelief.measure.page import error_picture
 from basrelief.measure.plot import Point, front, plot
+from basrelief.measure.report import error_picture
 from basrelief.measure.truth import truth
 from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
