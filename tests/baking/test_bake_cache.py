@@ -116,7 +116,7 @@ def test_the_longest_unused_go_first(folder: Path, monkeypatch) -> None:
     (folder / "cpu-program").write_bytes(b"stays")
     size = files(folder)[0].stat().st_size
     cache.kept(made, HEIGHTS, "wrap", scale=0.1)  # used again
-    monkeypatch.setattr(cache, "LIMIT", 3 * size + 20)
+    monkeypatch.setattr(folder_of_programs, "LIMIT", 3 * size + 20)
     cache.kept(made, HEIGHTS, "wrap", scale=0.4)
     assert (made.count, len(files(folder))) == (4, 3)
     cache.kept(made, HEIGHTS, "wrap", scale=0.1)
@@ -127,7 +127,7 @@ def test_the_longest_unused_go_first(folder: Path, monkeypatch) -> None:
 
 
 def test_more_than_the_limit_is_not_kept(folder: Path, monkeypatch) -> None:
-    monkeypatch.setattr(cache, "LIMIT", 10)
+    monkeypatch.setattr(folder_of_programs, "LIMIT", 10)
     cache.kept(Baking(), HEIGHTS, "wrap")
     assert files(folder) == []
 

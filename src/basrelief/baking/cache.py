@@ -1,4 +1,4 @@
-"""Bakes kept on disk, found by content, beside the compiled programs.
+"""Keys and array headers of bakes in the cache, which they share with compiled programs.
 
 A bake is found again by the heights' own numbers, the edge, its name and parameters, and the source
 of all that may have a say in it, so that a changed method never finds what an older one made. What
@@ -7,10 +7,8 @@ is damaged is made anew; where nothing can be kept, nothing is.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,11 +21,8 @@ from basrelief._version import __version__
 from basrelief.engine import cache
 from basrelief.lang.resources import Edge
 
-LIMIT = 2 * 1024**3
-"""Bytes that kept bakes may take together; those not used for longest go first."""
 WORTH = 128 * 128
 """Texels of a height map from which on it pays to keep what is baked from it."""
-_PREFIX = "bake-"
 _SAYING = ("lang", "techniques", "engine", "baking")
 """The parts of the package whose source says what comes out of a bake."""
 
@@ -59,9 +54,8 @@ def _key(
     parameters: dict[str, Any],
 ) -> str:
     said = (make.__module__, make.__qualname__, edge, sorted(parameters.items()), heights.shape)
-    digest = hashlib.sha256(repr((*said, str(heights.dtype), _source())).encode())
-    digest.update(np.ascontiguousarray(heights).data)
-    return _PREFIX + digest.hexdigest()
+    values = np.ascontiguousarray(heights).data
+    return cache.key_of("bake", repr((*said, str(heights.dtype), _source())), values)
 
 
 @functools.cache
@@ -81,33 +75,11 @@ def _read(key: str) -> NDArray[Any] | None:
         return None
     header, content = stored
     try:
-        found = np.frombuffer(content, header["dtype"]).reshape(header["shape"])
+        return np.frombuffer(content, header["dtype"]).reshape(header["shape"])
     except (KeyError, TypeError, ValueError):
         return None
-    with contextlib.suppress(OSError):
-        os.utime(cache.cache_folder() / key)
-    return found
 
 
 def _write(key: str, made: NDArray[Any]) -> None:
-    if made.nbytes > LIMIT:
-        return
     header = {"dtype": made.dtype.str, "shape": made.shape}
-    cache.write(key, header, made.tobytes())
-    with contextlib.suppress(OSError):
-        _drop_oldest()
-
-
-def _drop_oldest() -> None:
-    """Remove what was not used for longest, until the rest is within the limit."""
-    files = []
-    for path in cache.cache_folder().glob(_PREFIX + "*"):
-        with contextlib.suppress(OSError):
-            known = path.stat()
-            files.append((known.st_mtime_ns, known.st_size, path))
-    room = LIMIT
-    for _, size, path in sorted(files, reverse=True):
-        room -= size
-        if room < 0:
-            with contextlib.suppress(OSError):
-                path.unlink()
+    cache.write(key, header, np.ascontiguousarray(made).data)

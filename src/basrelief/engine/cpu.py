@@ -116,7 +116,7 @@ class CpuEngine:
             _FORMAT, program.key, _printer_digest(), self.lanes, *_host(), llvmlite.__version__,
             platform.machine(), platform.system(),
         )  # fmt: skip
-        return "cpu-" + hashlib.sha256(repr(parts).encode()).hexdigest()
+        return cache.key_of("cpu", repr(parts))
 
 
 # --- compiling -----------------------------------------------------------------------------------
