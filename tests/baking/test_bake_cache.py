@@ -67,13 +67,6 @@ def test_another_of_anything_is_another_bake(folder: Path, monkeypatch) -> None:
     assert made.count == len(files(folder)) == 7
 
 
-def test_the_source_of_bakes_is_in_the_key() -> None:
-    """A digest of what may change a bake: each of these parts has files."""
-    home = Path(baking.__file__).parent.parent
-    assert all(list((home / part).rglob("*.py")) for part in cache._SAYING)
-    assert len(cache._source()) == 64
-
-
 @pytest.mark.parametrize("damage", [b"", b"short", b"x" * 4000])
 def test_a_damaged_file_is_made_anew(folder: Path, damage: bytes) -> None:
     made = Baking()

@@ -7,24 +7,21 @@ is damaged is made anew; where nothing can be kept, nothing is.
 
 from __future__ import annotations
 
-import functools
-import hashlib
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief import engine
-from basrelief._version import __version__
+import basrelief.baking
+import basrelief.engine
+import basrelief.lang
+import basrelief.techniques
 from basrelief.engine import cache
 from basrelief.lang.resources import Edge
 
 WORTH = 128 * 128
 """Texels of a height map from which on it pays to keep what is baked from it."""
-_SAYING = ("lang", "techniques", "engine", "baking")
-"""The parts of the package whose source says what comes out of a bake."""
 
 
 def kept(
@@ -58,15 +55,11 @@ def _key(
     return cache.key_of("bake", repr((*said, str(heights.dtype), _source())), values)
 
 
-@functools.cache
 def _source() -> str:
-    """A digest of the source that bakes are made by."""
-    home = Path(engine.__file__).parent.parent
-    digest = hashlib.sha256(__version__.encode())
-    for part in _SAYING:
-        for file in sorted((home / part).rglob("*.py")):
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
+    """A digest of all source that decides what a bake is."""
+    return cache.source_digest(
+        basrelief.lang, basrelief.techniques, basrelief.engine, basrelief.baking
+    )
 
 
 def _read(key: str) -> NDArray[Any] | None:

@@ -8,6 +8,7 @@ the folder cannot be read or written, nothing is kept and everything is made ane
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import json
 import os
@@ -18,8 +19,13 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
+
+from basrelief.errors import EngineError
 
 LIMIT = 2 * 1024**3
 """Bytes that all entries may take together."""
@@ -65,6 +71,46 @@ def key_of(kind: str, *parts: str | Bytes) -> str:
         digest.update(content.nbytes.to_bytes(8, "little"))
         digest.update(content)
     return f"{kind}-{digest.hexdigest()}"
+
+
+@functools.cache
+def source_digest(*modules: ModuleType) -> str:
+    """A digest of the source of modules and packages, those within packages included.
+
+    What is kept depends on the code that made it. Raises EngineError for a package without source
+    files: its digest would not change with its code.
+    """
+    digest = hashlib.sha256()
+    for module in modules:
+        sources = list(_sources(module))
+        if not sources:
+            raise EngineError(
+                f"{module.__name__} has no source files, by which results are found in the cache; "
+                "install it with its .py files"
+            )
+        for name, source in sources:
+            digest.update(f"{name} {len(source)}\n".encode())
+            digest.update(source)
+    return digest.hexdigest()
+
+
+def _sources(module: ModuleType) -> Iterator[tuple[str, bytes]]:
+    """Name and content of each source file, in a fixed order."""
+    # a zip archive has files, but no folders on disk
+    if hasattr(module, "__path__"):
+        yield from _sources_within(files(module), module.__name__)
+    else:
+        file = files(module.__package__ or "") / f"{module.__name__.rpartition('.')[2]}.py"
+        if file.is_file():
+            yield module.__name__, file.read_bytes()
+
+
+def _sources_within(folder: Traversable, name: str) -> Iterator[tuple[str, bytes]]:
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if entry.is_dir():
+            yield from _sources_within(entry, f"{name}.{entry.name}")
+        elif entry.name.endswith(".py"):
+            yield f"{name}.{entry.name}", entry.read_bytes()
 
 
 # --- entries --------------------------------------------------------------------------------------
@@ -199,8 +245,8 @@ def _trim(folder: Path, newest: str) -> int:
 
 def _entries(folder: Path) -> Iterator[_Entry]:
     """All entries; unfinished files that a process left behind are removed on the way."""
-    with os.scandir(folder) as files:
-        for file in files:
+    with os.scandir(folder) as listed:
+        for file in listed:
             # another process may have removed it by now
             with contextlib.suppress(OSError):
                 known = file.stat(follow_symlinks=False)
