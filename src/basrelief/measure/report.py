@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
@@ -18,7 +19,7 @@ from basrelief.measure.colors import heat
 from basrelief.measure.errors import Spread
 from basrelief.measure.plot import Point, plot
 from basrelief.measure.results import Result, Results, settings_of
-from basrelief.pages import check_ours, document, write_page
+from basrelief.pages import check_ours, fill, write_page
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
@@ -26,51 +27,6 @@ PICTURES = "pictures"
 LEAST, MOST = 0.1, 100.0
 """Texels at the dark and the pale end of error pictures; between them by their logarithm."""
 _QUALITY = 92
-
-_STYLE = """
-.two { display: grid; gap: 0 3rem;
-  grid-template-columns: minmax(0, max-content) minmax(24rem, 1fr); }
-@media (max-width: 70rem) { .two { grid-template-columns: minmax(0, 1fr); } }
-summary { font-size: 1.15rem; font-weight: 600; margin: 1.6rem 0 .8rem; cursor: pointer; }
-summary span { font-size: .92rem; font-weight: normal; color: var(--quiet); margin-left: .6rem; }
-.advice { font-size: 1.12rem; max-width: 52rem; border-left: .3rem solid var(--link);
-  padding: .1rem 0 .1rem 1rem; margin: 1.2rem 0; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .6rem 0; }
-th, td { padding: .35rem .7rem; text-align: right; border-bottom: 1px solid var(--line);
-  white-space: nowrap; font-weight: normal; }
-th { color: var(--quiet); font-size: .86rem; vertical-align: bottom; }
-th:first-child, td:first-child { text-align: left; }
-td:first-child { color: var(--ink); font-size: 1rem; }
-.fine-cell { background: color-mix(in oklab, #2f9e64 26%, transparent); }
-.near-cell { background: color-mix(in oklab, #d9a21b 24%, transparent); }
-.ship td:first-child::after, h3.ship::after { content: "ship this"; margin-left: .6rem;
-  font-size: .74rem; font-weight: 600; background: var(--link); color: var(--card);
-  border-radius: 1rem; padding: .12rem .55rem; white-space: nowrap; vertical-align: .1em; }
-.row { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr) 19rem; gap: .9rem;
-  margin: 0 0 1rem; align-items: start; }
-.row img { border-radius: .35rem; }
-.row h3 { margin: 0 0 .1rem; font-size: 1.05rem; }
-.row dl { gap: .1rem .8rem; margin: .4rem 0 0; grid-template-columns: 1fr max-content;
-  font-variant-numeric: tabular-nums; font-size: .92rem; }
-.row dd { text-align: right; }
-.legend { display: flex; align-items: center; gap: .6rem; font-size: .86rem; color: var(--quiet);
-  flex-wrap: wrap; margin: .5rem 0 1rem; }
-.ramp { width: 18rem; max-width: 60vw; }
-.ramp i { display: block; height: .8rem; border-radius: .2rem; }
-.ramp b { display: flex; justify-content: space-between; font-weight: normal; }
-.plot { width: 100%; max-width: 54rem; height: auto; font: 13px system-ui, sans-serif; }
-.plot text { fill: var(--ink); paint-order: stroke; stroke: var(--paper); stroke-width: 4px; }
-.plot text { stroke-linejoin: round; }
-.plot .tick, .plot .axis, .plot text.off { fill: var(--quiet); }
-.grid-line { stroke: var(--line); fill: none; } .front { stroke: var(--link); fill: none;
-  stroke-width: 1.5; stroke-dasharray: 5 4; }
-.fine { fill: #2f9e64; opacity: .14; }
-.plot circle { fill: var(--link); } .plot text.chosen { font-weight: 700; }
-.plot circle.off { fill: var(--paper); stroke: var(--quiet); stroke-width: 1.5; }
-@media (max-width: 60rem) { .row { grid-template-columns: 1fr 1fr; }
-  .row > div { grid-column: 1 / -1; } }
-"""
 
 
 def write(folder: Path, comparison: Results, json: str) -> Path:
@@ -111,129 +67,118 @@ def _names(each: Result) -> tuple[str, str]:
 # --- the page ------------------------------------------------------------------------------------
 
 
+class Cell(NamedTuple):
+    """One technique at one angle in the table: its error, and the class of its colour."""
+
+    text: str
+    kind: str
+
+
+class Row(NamedTuple):
+    """One technique in the table."""
+
+    technique: str
+    time: str
+    cells: list[Cell]
+    ship: bool
+
+
+class Shown(NamedTuple):
+    """One technique at one angle: its pictures, each a file and what it shows, and its numbers."""
+
+    title: str
+    settings: str
+    files: list[tuple[str, str]]
+    facts: list[tuple[str, str]]
+    ship: bool
+
+
+class Angle(NamedTuple):
+    """All techniques at one angle; `alike` where none of them is off."""
+
+    degrees: str
+    title: str
+    alike: bool
+    pictures: list[Shown]
+
+
 def page_html(comparison: Results) -> str:
     """The whole page."""
-    said = advice(comparison)
-    title = f"{comparison.material}: which technique?"
-    sections = "\n".join(_section(comparison, angle, said) for angle in comparison.angles)
-    body = f"""<main>
-<h1>{escape(title)}</h1>
-<p class="advice">{_advice(comparison, said)}</p>
-<p>{_what_to_look_at()}</p>
-<div class="two">
-<div><h2>At a glance</h2>
-{_table(comparison, said)}</div>
-<div><h2>What it costs to be right</h2>
-{_plot(comparison, said)}</div>
-</div>
-<h2>Picture by picture</h2>
-{sections}
-<footer><p>{_how(comparison)}</p></footer>
-</main>"""
-    return document(title, body, GENERATOR, _STYLE)
-
-
-def _advice(comparison: Results, said: Advice) -> str:
-    """The advice, what to do in bold."""
-    first, colon, rest = said.sentence(max(comparison.angles)).partition(":")
-    return f"<strong>{escape(first)}</strong>{colon}{escape(rest)}"
-
-
-def _what_to_look_at() -> str:
-    return (
-        "Parallax mapping makes a flat wall look deep: for each pixel it looks up in a height map "
-        "where the eye’s ray would really meet the surface. Each technique below guesses that "
-        "place in its own way, and cheap ones guess badly when one looks along the surface (angles "
-        "are counted from straight on, 0°). Compare each picture with that by <em>exact</em>, "
-        "which finds the true place: look for edges that swim, double or turn to steps. The dark "
-        "picture beside it shows how far off each pixel is: black is right, pale is far off."
+    best = advice(comparison)
+    what_to_do, _, why = best.sentence(max(comparison.angles)).partition(":")
+    return fill(
+        "measure/templates/report.html.jinja",
+        generator=GENERATOR,
+        title=f"{comparison.material}: which technique?",
+        comparison=comparison,
+        advice=(what_to_do, why),
+        has_flip=_has_flip(comparison),
+        rows=[_row(comparison, name, best) for name in mean_seconds(comparison)],
+        plot=_plot(comparison, best),
+        angles=[_angle(comparison, angle, best) for angle in comparison.angles],
+        ramp=_ramp(),
     )
 
 
-def _table(comparison: Results, said: Advice) -> str:
-    has_flip = comparison.results[0].flip is not None
-    heads = "".join(f"<th>{angle:g}°</th>" for angle in comparison.angles)
-    rows = []
-    for name, seconds in mean_seconds(comparison).items():
-        cells = "".join(_cell(each) for each in comparison.of(name))
-        ship = ' class="ship"' if name == said.technique else ""
-        rows.append(f"<tr{ship}><td>{escape(name)}</td><td>{_time(seconds)}</td>{cells}</tr>")
-    measure = (
-        "visible error (FLIP, 0 to 1; the picture by exact is 0)" if has_flip else "missed hits"
-    )
-    key = "green: passes for the true picture; yellow: seen by those who look for it"
-    return f"""<div class="scroll"><table>
-<thead><tr><th>technique, the cheapest first</th><th>time</th>{heads}</tr></thead>
-<tbody>
-{chr(10).join(rows)}
-</tbody></table></div>
-<p class="legend">From straight on to grazing: {measure}. {key.capitalize()}.</p>"""
+def _has_flip(comparison: Results) -> bool:
+    return comparison.results[0].flip is not None
 
 
-def _cell(each: Result) -> str:
-    shown = _share(each.errors.missed) if each.flip is None else f"{each.flip:.3f}"
-    near = each.flip is not None and each.flip <= 2.0 * VISIBLE
-    kind = "fine-cell" if passes(each) else "near-cell" if near else ""
-    return f'<td class="{kind}">{shown}</td>' if kind else f"<td>{shown}</td>"
+def _row(comparison: Results, name: str, best: Advice) -> Row:
+    seconds = mean_seconds(comparison)[name]
+    cells = [_cell(result) for result in comparison.of(name)]
+    return Row(name, _time(seconds), cells, name == best.technique)
 
 
-def _plot(comparison: Results, said: Advice) -> str:
-    has_flip = comparison.results[0].flip is not None
+def _cell(result: Result) -> Cell:
+    text = _share(result.errors.missed) if result.flip is None else f"{result.flip:.3f}"
+    near = result.flip is not None and result.flip <= 2.0 * VISIBLE
+    return Cell(text, "fine-cell" if passes(result) else "near-cell" if near else "")
+
+
+def _plot(comparison: Results, best: Advice) -> Markup:
+    """The plot as SVG, in which names are escaped."""
     points = []
     for name, seconds in mean_seconds(comparison).items():
-        found = comparison.of(name)
-        wrong = [each.errors.missed if each.flip is None else each.flip for each in found]
-        points.append(Point(name, seconds, float(np.mean(wrong)), name == said.technique))
-    label = "mean visible error (FLIP)" if has_flip else "missed hits"
-    note = (
-        "Each dot is a technique, its error the mean over all angles. The dashed line joins those "
-        "that nothing beats in both: anything above it is slower or worse than need be."
+        wrong = [
+            result.errors.missed if result.flip is None else result.flip
+            for result in comparison.of(name)
+        ]
+        points.append(Point(name, seconds, float(np.mean(wrong)), name == best.technique))
+    if _has_flip(comparison):
+        return Markup(plot(points, "mean visible error (FLIP)", VISIBLE))
+    return Markup(plot(points, "missed hits"))
+
+
+def _angle(comparison: Results, angle: float, best: Advice) -> Angle:
+    results = sorted(comparison.at(angle), key=lambda result: result.technique != "exact")
+    title = "Straight on" if angle == 0.0 else f"{angle:g}° from straight on"
+    alike = all(result.errors.uv.worst <= LEAST for result in results)
+    return Angle(
+        f"{angle:g}", title, alike, [_shown(comparison, result, best) for result in results]
     )
-    drawn = plot(points, label, VISIBLE if has_flip else None)
-    return f'<div class="scroll">{drawn}</div>\n<p class="legend">{note}</p>'
 
 
-def _section(comparison: Results, angle: float, said: Advice) -> str:
-    found = sorted(comparison.at(angle), key=lambda each: each.technique != "exact")
-    rows = "\n".join(_row(comparison, each, said) for each in found)
-    seen = "Straight on" if angle == 0.0 else f"{angle:g}° from straight on"
-    same = all(each.errors.uv.worst <= LEAST for each in found)
-    note = " <span>all alike: what is deep is not yet displaced</span>" if same else ""
-    return f"""<details{"" if same else " open"}><summary>{seen}{note}</summary>
-{_legend()}
-{rows}
-</details>"""
-
-
-def _legend() -> str:
+def _ramp() -> dict[str, Any]:
+    """The colours of error pictures for CSS, and texels along them."""
     stops = srgb_encode(heat(np.linspace(0.0, 1.0, 17)).astype(np.float64)) * 255.0
     colors = ", ".join("rgb({:.0f} {:.0f} {:.0f})".format(*stop) for stop in stops)
-    texels = "".join(f"<span>{n:g}</span>" for n in (LEAST, 1.0, 10.0, MOST))
-    return (
-        '<div class="legend"><span>off by, in texels of the height map:</span>'
-        f'<span class="ramp"><i style="background:linear-gradient(90deg,{colors})"></i>'
-        f"<b>{texels}</b></span>"
-        "<span>Three numbers in a row: the median, what 99 % stay within, the worst.</span></div>"
+    return {"colors": colors, "texels": [f"{n:g}" for n in (LEAST, 1.0, 10.0, MOST)]}
+
+
+def _shown(comparison: Results, result: Result, best: Advice) -> Shown:
+    drawn, wrong = _names(result)
+    name = result.technique
+    return Shown(
+        title=f"{name}, the true picture" if name == "exact" else name,
+        settings=_settings(comparison, name),
+        files=[
+            (drawn, f"{name} at {result.angle:g} degrees"),
+            (wrong, f"how far off each pixel of {name} is"),
+        ],
+        facts=list(_facts(result)),
+        ship=name == best.technique,
     )
-
-
-def _row(comparison: Results, each: Result, said: Advice) -> str:
-    drawn, wrong = _names(each)
-    wide, tall = comparison.size
-    name = escape(each.technique)
-    title = f"{name}, the true picture" if each.technique == "exact" else name
-    image = f'width="{wide}" height="{tall}" loading="lazy"'
-    facts = "\n".join(f"<dt>{what}</dt><dd>{value}</dd>" for what, value in _facts(each))
-    ship = ' class="ship"' if each.technique == said.technique else ""
-    settings = escape(_settings(comparison, each.technique))
-    return f"""<div class="row">
-<a href="{drawn}"><img src="{drawn}" {image} alt="{name} at {each.angle:g} degrees"></a>
-<a href="{wrong}"><img src="{wrong}" {image} alt="how far off each pixel of {name} is"></a>
-<div><h3{ship}>{title}</h3><span class="settings">{settings}</span>
-<dl>
-{facts}
-</dl></div>
-</div>"""
 
 
 def _facts(each: Result) -> Iterator[tuple[str, str]]:
@@ -258,23 +203,6 @@ def _settings(comparison: Results, name: str) -> str:
     if thing.relief_level != 1.0:
         said.append(f"level {thing.relief_level:g}")
     return " · ".join(said)
-
-
-def _how(comparison: Results) -> str:
-    wide, tall = comparison.size
-    timed = " × ".join(map(str, comparison.timing.size))
-    texels = " × ".join(map(str, comparison.texels))
-    by = "the GPU’s timestamps" if comparison.timing.by == "timestamps" else "the clock"
-    return (
-        f"Heights of {texels} texels, {comparison.scale:.3g} of a tile deep; pictures of "
-        f"{wide} × {tall} pixels, {comparison.samples} samples each. A hit is missed where a pixel "
-        "shows a place more than a texel from where its ray first meets the surface: the ray "
-        "passed through a feature and went on, or it stopped short of the surface. The truth is "
-        "worked out for every pixel in 64 bits by code that shares nothing with the techniques. "
-        "Times are those of the drawing program alone, one sample a pixel, "
-        f"{timed} pixels, by {by}, the median of {comparison.runs} runs in turn, on "
-        f"{escape(comparison.engine)}."
-    )
 
 
 def _share(share: float) -> str:
