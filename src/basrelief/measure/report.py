@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from markupsafe import Markup
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
@@ -17,7 +16,8 @@ from basrelief.images import srgb_encode, write_picture
 from basrelief.measure.advice import VISIBLE, Advice, advice, mean_seconds, passes
 from basrelief.measure.colors import heat
 from basrelief.measure.errors import Spread
-from basrelief.measure.plot import Point, plot
+from basrelief.measure.figures import has_matplotlib
+from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.pages import check_ours, fill, write_page
 
@@ -27,6 +27,8 @@ PICTURES = "pictures"
 LEAST, MOST = 0.1, 100.0
 """Texels at the dark and the pale end of error pictures; between them by their logarithm."""
 _QUALITY = 92
+_PLOTS = {f"{PICTURES}/time.svg": LIGHT, f"{PICTURES}/time-dark.svg": DARK}
+"""The files of the plot and their colours."""
 
 
 def write(folder: Path, comparison: Results, json: str) -> Path:
@@ -47,7 +49,10 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
         write_picture(drawn, each.picture.astype(np.float32), quality=_QUALITY)
         write_picture(wrong, error_picture(each.off), quality=_QUALITY)
     write_page(folder / "compare.json", json)
-    write_page(index, page_html(comparison))
+    has_plots = has_matplotlib()
+    if has_plots:
+        _write_plots(folder, comparison)
+    write_page(index, page_html(comparison, has_plots))
     return index
 
 
@@ -102,8 +107,8 @@ class Angle(NamedTuple):
     pictures: list[Shown]
 
 
-def page_html(comparison: Results) -> str:
-    """The whole page."""
+def page_html(comparison: Results, has_plots: bool) -> str:
+    """The whole page, with or without the plot of error against time."""
     best = advice(comparison)
     what_to_do, _, why = best.sentence(max(comparison.angles)).partition(":")
     return fill(
@@ -114,7 +119,7 @@ def page_html(comparison: Results) -> str:
         advice=(what_to_do, why),
         has_flip=_has_flip(comparison),
         rows=[_row(comparison, name, best) for name in mean_seconds(comparison)],
-        plot=_plot(comparison, best),
+        plot=_plot(comparison) if has_plots else None,
         angles=[_angle(comparison, angle, best) for angle in comparison.angles],
         ramp=_ramp(),
     )
@@ -136,8 +141,19 @@ def _cell(result: Result) -> Cell:
     return Cell(text, "fine-cell" if passes(result) else "near-cell" if near else "")
 
 
-def _plot(comparison: Results, best: Advice) -> Markup:
-    """The plot as SVG, in which names are escaped."""
+def _plot(comparison: Results) -> dict[str, Any]:
+    """The files of the plot, its size, and what it shows."""
+    light, dark = _PLOTS
+    return {"light": light, "dark": dark, "size": SIZE, "error": _error_name(comparison)}
+
+
+def _error_name(comparison: Results) -> str:
+    return "mean visible error (FLIP)" if _has_flip(comparison) else "missed hits"
+
+
+def _write_plots(folder: Path, comparison: Results) -> None:
+    """Error against time, each error the mean over all angles."""
+    best = advice(comparison)
     points = []
     for name, seconds in mean_seconds(comparison).items():
         wrong = [
@@ -145,9 +161,9 @@ def _plot(comparison: Results, best: Advice) -> Markup:
             for result in comparison.of(name)
         ]
         points.append(Point(name, seconds, float(np.mean(wrong)), name == best.technique))
-    if _has_flip(comparison):
-        return Markup(plot(points, "mean visible error (FLIP)", VISIBLE))
-    return Markup(plot(points, "missed hits"))
+    limit = VISIBLE if _has_flip(comparison) else None
+    for file, palette in _PLOTS.items():
+        write_plot(folder / file, points, _error_name(comparison), limit, palette)
 
 
 def _angle(comparison: Results, angle: float, best: Advice) -> Angle:
