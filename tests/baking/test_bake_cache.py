@@ -92,13 +92,6 @@ def test_a_gpu_is_told_apart_by_its_driver_too() -> None:
     assert gpu.rounding != CPU.rounding
 
 
-def test_the_source_of_bakes_is_in_the_key() -> None:
-    """A digest of what may change a bake: each of these parts has files."""
-    home = Path(baking.__file__).parent.parent
-    assert all(list((home / part).rglob("*.py")) for part in cache._SAYING)
-    assert len(cache._source()) == 64
-
-
 @pytest.mark.parametrize("damage", [b"", b"short", b"x" * 4000])
 def test_a_damaged_file_is_made_anew(folder: Path, damage: bytes) -> None:
     made = Baking()
@@ -141,7 +134,7 @@ def test_the_longest_unused_go_first(folder: Path, monkeypatch) -> None:
     (folder / "cpu-program").write_bytes(b"stays")
     size = files(folder)[0].stat().st_size
     cache.kept(made, HEIGHTS, "wrap", CPU, scale=0.1)  # used again
-    monkeypatch.setattr(cache, "LIMIT", 3 * size + 20)
+    monkeypatch.setattr(folder_of_programs, "LIMIT", 3 * size + 20)
     cache.kept(made, HEIGHTS, "wrap", CPU, scale=0.4)
     assert (made.count, len(files(folder))) == (4, 3)
     cache.kept(made, HEIGHTS, "wrap", CPU, scale=0.1)
@@ -152,7 +145,7 @@ def test_the_longest_unused_go_first(folder: Path, monkeypatch) -> None:
 
 
 def test_more_than_the_limit_is_not_kept(folder: Path, monkeypatch) -> None:
-    monkeypatch.setattr(cache, "LIMIT", 10)
+    monkeypatch.setattr(folder_of_programs, "LIMIT", 10)
     cache.kept(Baking(), HEIGHTS, "wrap", CPU)
     assert files(folder) == []
 

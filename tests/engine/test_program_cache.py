@@ -80,6 +80,25 @@ def test_a_program_is_compiled_once(module, place, compilations):
     assert len(compilations) == 2
 
 
+def test_programs_age_out(module, place, compilations, monkeypatch):
+    """Those of an older version, which no key finds any more, go like any that is not used."""
+    run(module, lanes=8)
+    (used,) = place.iterdir()
+    older = place / cache.key_of("cpu", "an older version")
+    size = used.stat().st_size
+    older.write_bytes(bytes(10 * size))
+    os.utime(used, (1000, 1000))
+    os.utime(older, (2000, 2000))
+    monkeypatch.setattr(cache, "LIMIT", 11 * size)
+    run(module, lanes=8)  # found, so used last
+    run(module, lanes=4)
+    run(module, lanes=16)
+    assert not older.exists()
+    assert used.exists()
+    run(module, lanes=8)
+    assert len(compilations) == 3
+
+
 def flip_a_bit(raw: bytes) -> bytes:
     middle = len(raw) // 2
     return raw[:middle] + bytes([raw[middle] ^ 16]) + raw[middle + 1 :]

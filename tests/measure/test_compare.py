@@ -17,8 +17,8 @@ from basrelief.measure.advice import Advice, advice
 from basrelief.measure.compare import Comparison, compare
 from basrelief.measure.debug import debug_picture
 from basrelief.measure.errors import errors, flip, missed, overshoot
-from basrelief.measure.page import error_picture
-from basrelief.measure.plot import Point, front, plot
+from basrelief.measure.plot import Point, front
+from basrelief.measure.report import error_picture
 from basrelief.measure.truth import truth
 from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
@@ -175,7 +175,9 @@ def test_the_page_stands_alone(found, tmp_path) -> None:
     assert "<script" not in text
     assert "waves &amp; &lt;sea&gt;" in text
     pictures = set(re.findall(r'src="([^"]+)"', text))
-    assert len(pictures) == 2 * len(found.results)
+    pictures |= set(re.findall(r'srcset="([^"]+)"', text))
+    # those of the plot, light and dark, beside those of the results
+    assert len(pictures) == 2 * len(found.results) + 2
     assert all((page.parent / each).is_file() for each in pictures)
     for name in found.objects:
         shown = re.findall(rf"<h3[^>]*>{name}(?:, the true picture)?</h3>", text)
@@ -195,6 +197,17 @@ def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) 
     assert advice(made).technique == "exact"
 
 
+def test_without_matplotlib_the_page_says_what_draws_the_plot(found, tmp_path, monkeypatch) -> None:
+    assert "needs matplotlib" not in found.save(tmp_path / "with").read_text("utf-8")
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    page = found.save(tmp_path / "out")
+    text = page.read_text("utf-8")
+    line = "The plot of error against time needs matplotlib: pip install &#39;basrelief[plots]&#39;"
+    assert text.replace("'", "&#39;").count(line) == 1
+    assert "time.svg" not in text
+    assert len(list((page.parent / "pictures").iterdir())) == 2 * len(found.results)
+
+
 def test_error_pictures_are_dark_where_all_is_right() -> None:
     low, middle, high, beyond, nothing = error_picture(
         np.array([[0.01, 3.0, 100.0, 1e4, np.nan]], np.float16)
@@ -210,11 +223,6 @@ def test_the_front_is_what_nothing_beats() -> None:
         Point("middling", 4.0, 0.5), Point("as slow and worse", 9.0, 0.2),
     ]  # fmt: skip
     assert [p.name for p in front(points)] == ["fast", "middling", "slow and good"]
-    drawn = plot(points, "error", 0.2)
-    assert drawn.count("<circle") == 5
-    assert drawn.count('<circle class="on"') == 3
-    # one dot alone, at no error, is drawn too
-    assert "<circle" in plot([Point("only", 1.0, 0.0)], "error")
 
 
 # --- the advice ----------------------------------------------------------------------------------

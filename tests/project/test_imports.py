@@ -42,6 +42,11 @@ def test_contracts_hold(copy: Path) -> None:
         ("material/planted.py", "import wgpu", "Only engine.gpu imports wgpu"),
         ("lang/planted.py", "import wgpu.utils", "Only engine.gpu imports wgpu"),
         ("material/planted.py", "import av.filter", "Only rendering.film imports av"),
+        (
+            "measure/planted.py",
+            "import matplotlib.ticker",
+            "Only measure.figures imports matplotlib",
+        ),
         ("lang/planted.py", "import llvmlite", "Only engine.cpu imports llvmlite"),
         ("planted.py", "", "Imports point one way"),
         (

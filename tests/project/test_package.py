@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import os
 import subprocess
 import sys
 import zipfile
@@ -15,7 +16,7 @@ import basrelief
 from basrelief._version import __version__
 from helpers.repository import REPOSITORY
 
-HEAVY = ("numpy", "llvmlite", "wgpu", "OpenImageIO", "rich")
+HEAVY = ("numpy", "llvmlite", "wgpu", "OpenImageIO", "rich", "platformdirs", "tomli_w", "jinja2")
 
 
 def test_version() -> None:
@@ -80,10 +81,23 @@ def test_wheel(tmp_path: Path) -> None:
     data = {path.relative_to(source).as_posix() for path in source.rglob("*.toml")}
     assert len(data) == len(basrelief.PRESETS)
     assert data <= names
-    web = source / "basrelief" / "viewer" / "web"
-    code = {path.relative_to(source).as_posix() for path in web.glob("*.js")}
-    assert code
-    assert {name for name in names if name.endswith((".js", ".ts", ".json"))} == code
+    kinds = ("*.html.jinja", "*.css", "*.js")
+    web = {path.relative_to(source).as_posix() for kind in kinds for path in source.rglob(kind)}
+    assert {name.rpartition(".")[2] for name in web} == {"jinja", "css", "js"}
+    assert web <= names
+    assert not [name for name in names if name.endswith((".ts", ".json"))]
     assert "basrelief/py.typed" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.split("/")[0].split("-")[0] for name in names} == {"basrelief"}
+    # templates are found in the wheel itself, not only in a folder
+    code = """
+from basrelief.pages import fill
+template = "gallery/templates/index.html.jinja"
+print(fill.__code__.co_filename, fill(template, generator="", title="A", sections={}))
+"""
+    environment = {**os.environ, "PYTHONPATH": str(wheel)}
+    result = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert result.stdout.startswith(str(wheel))
+    assert "<title>A · basrelief</title>" in result.stdout

@@ -1,4 +1,4 @@
-"""Bakes kept on disk, found by content, beside the compiled programs.
+"""Keys and array headers of bakes in the cache, which they share with compiled programs.
 
 A bake is found again by the heights' own numbers, the edge, its name and parameters, how the engine
 rounds, and the source of all that may have a say in it, so that a changed method never finds what
@@ -8,29 +8,21 @@ be kept, nothing is.
 
 from __future__ import annotations
 
-import contextlib
-import functools
-import hashlib
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief import engine
-from basrelief._version import __version__
+import basrelief.baking
+import basrelief.engine
+import basrelief.lang
+import basrelief.techniques
 from basrelief.engine import Engine, cache
 from basrelief.lang.resources import Edge
 
-LIMIT = 2 * 1024**3
-"""Bytes that kept bakes may take together; those not used for longest go first."""
 WORTH = 128 * 128
 """Texels of a height map from which on it pays to keep what is baked from it."""
-_PREFIX = "bake-"
-_SAYING = ("lang", "techniques", "engine", "baking")
-"""The parts of the package whose source says what comes out of a bake."""
 
 
 def kept(
@@ -61,20 +53,15 @@ def _key(
     parameters: dict[str, Any],
 ) -> str:
     said = (make.__module__, make.__qualname__, edge, sorted(parameters.items()), heights.shape)
-    digest = hashlib.sha256(repr((*said, str(heights.dtype), _source())).encode())
-    digest.update(np.ascontiguousarray(heights).data)
-    return _PREFIX + digest.hexdigest()
+    values = np.ascontiguousarray(heights).data
+    return cache.key_of("bake", repr((*said, str(heights.dtype), _source())), values)
 
 
-@functools.cache
 def _source() -> str:
-    """A digest of the source that bakes are made by."""
-    home = Path(engine.__file__).parent.parent
-    digest = hashlib.sha256(__version__.encode())
-    for part in _SAYING:
-        for file in sorted((home / part).rglob("*.py")):
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
+    """A digest of all source that decides what a bake is."""
+    return cache.source_digest(
+        basrelief.lang, basrelief.techniques, basrelief.engine, basrelief.baking
+    )
 
 
 def _read(key: str) -> NDArray[Any] | None:
@@ -83,33 +70,11 @@ def _read(key: str) -> NDArray[Any] | None:
         return None
     header, content = stored
     try:
-        found = np.frombuffer(content, header["dtype"]).reshape(header["shape"])
+        return np.frombuffer(content, header["dtype"]).reshape(header["shape"])
     except (KeyError, TypeError, ValueError):
         return None
-    with contextlib.suppress(OSError):
-        os.utime(cache.cache_folder() / key)
-    return found
 
 
 def _write(key: str, made: NDArray[Any]) -> None:
-    if made.nbytes > LIMIT:
-        return
     header = {"dtype": made.dtype.str, "shape": made.shape}
-    cache.write(key, header, made.tobytes())
-    with contextlib.suppress(OSError):
-        _drop_oldest()
-
-
-def _drop_oldest() -> None:
-    """Remove what was not used for longest, until the rest is within the limit."""
-    files = []
-    for path in cache.cache_folder().glob(_PREFIX + "*"):
-        with contextlib.suppress(OSError):
-            known = path.stat()
-            files.append((known.st_mtime_ns, known.st_size, path))
-    room = LIMIT
-    for _, size, path in sorted(files, reverse=True):
-        room -= size
-        if room < 0:
-            with contextlib.suppress(OSError):
-                path.unlink()
+    cache.write(key, header, np.ascontiguousarray(made).data)

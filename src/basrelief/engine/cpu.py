@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
 import os
 import platform
 import threading
@@ -17,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import basrelief.engine
+import basrelief.lang
 from basrelief.engine import cache
 from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.program import Program
@@ -24,9 +25,6 @@ from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
 _ROWS = 8
 """Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
-
-_FORMAT = 4
-"""Raised whenever printer or layouts change in a way that the program's own key cannot see."""
 
 
 class CpuEngine:
@@ -114,11 +112,13 @@ class CpuEngine:
     def _cache_key(self, program: Program) -> str:
         import llvmlite
 
+        # front end, printer and layouts: what a program's own key does not see
+        source = cache.source_digest(basrelief.lang, basrelief.engine)
         parts = (
-            _FORMAT, program.key, _printer_digest(), self.lanes, *_host(), llvmlite.__version__,
-            platform.machine(), platform.system(),
+            program.key, source, self.lanes, *_host(), llvmlite.__version__, platform.machine(),
+            platform.system(),
         )  # fmt: skip
-        return "cpu-" + hashlib.sha256(repr(parts).encode()).hexdigest()
+        return cache.key_of("cpu", repr(parts))
 
 
 # --- compiling -----------------------------------------------------------------------------------
@@ -149,19 +149,6 @@ def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-@functools.cache
-def _printer_digest() -> str:
-    """A digest of the front end and printer, so that a changed compiler finds no old code."""
-    from pathlib import Path
-
-    import basrelief.lang
-
-    digest = hashlib.sha256()
-    for file in sorted(Path(basrelief.lang.__file__).parent.glob("*.py")):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
 
 
 def _target_machine() -> Any:

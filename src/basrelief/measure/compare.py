@@ -2,7 +2,7 @@
 
     basrelief.compare("FOLDER").save("OUT")
 
-writes a page for people (`measure.page`) and `compare.json` for programs.
+writes a page for people (`measure.report`) and `compare.json` for programs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from basrelief.errors import InputError
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import Spread, errors, flip, has_flip, uv_error
-from basrelief.measure.page import write
+from basrelief.measure.report import write
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth

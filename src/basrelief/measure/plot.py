@@ -1,26 +1,54 @@
-"""Error against time as SVG, with the Pareto front: what nothing else is both faster and better."""
+"""Error against time, with the Pareto front: the techniques that no other beats in both."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
+from pathlib import Path
+from typing import Any, NamedTuple
 
-_WIDTH, _HEIGHT = 760, 380
-_LEFT, _RIGHT, _TOP, _BOTTOM = 64, 170, 26, 52
-_LINE, _LABEL = 15, 170
-"""Pixels between the lines of labels, and the most that one is long."""
+import numpy as np
+
+from basrelief.measure.figures import write_figure
+from basrelief.measure.labels import Box, place_labels
+
+SIZE = (760, 380)
+"""Width and height of the plot, in the units of its lines and letters: points, 1 ÷ 72 inch."""
+_LEFT, _RIGHT, _TOP, _BOTTOM = 64, 40, 26, 52
+"""Margins around the axes."""
+_LETTERS = 13.0
+_RADIUS, _CHOSEN_RADIUS = 5.0, 8.0
+_FAR = 13.0
+"""From this distance on a line leads from a label to the edge of its dot."""
+_MOST_TICKS = 7
 
 
 @dataclass(frozen=True)
 class Point:
-    """One dot: its name, time in seconds, and an error from 0 up."""
+    """One technique: its name, time in seconds, and an error from 0 up."""
 
     name: str
     seconds: float
     error: float
     chosen: bool = False
+
+
+class Palette(NamedTuple):
+    """Colours of the style sheet of pages, by their names there."""
+
+    paper: str
+    ink: str
+    quiet: str
+    line: str
+    link: str
+
+
+LIGHT = Palette("#fbfaf8", "#23262b", "#5d636c", "#dddad4", "#9a3d1c")
+DARK = Palette("#16181b", "#e6e4df", "#a0a5ad", "#32363c", "#f0a27f")
+_FINE, _FINE_OPACITY = "#2f9e64", 0.14
+"""The band of errors that are not visible."""
 
 
 def front(points: Sequence[Point]) -> list[Point]:
@@ -32,94 +60,158 @@ def front(points: Sequence[Point]) -> list[Point]:
     return found
 
 
-def plot(points: Sequence[Point], error: str, limit: float | None = None) -> str:
-    """The plot; `error` says what is measured, `limit` where it stops being visible.
+def write_plot(
+    path: Path, points: Sequence[Point], error: str, limit: float | None, palette: Palette
+) -> None:
+    """Write the plot by matplotlib; `error` names the axis, `limit` ends the band of fine errors.
 
-    Times on a logarithmic axis, errors on one by square roots, so that small ones are told apart.
+    Times have a logarithmic axis. Errors have one by square roots, on which small ones are told
+    apart.
     """
-    times = [p.seconds * 1e3 for p in points]
-    low, high = min(times) / 1.15, max(times) * 1.15
-    most = max(max(p.error for p in points), limit or 0.0, 1e-6) * 1.08
-    wide, tall = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
-
-    def x(milliseconds: float) -> float:
-        return _LEFT + wide * math.log(milliseconds / low) / math.log(high / low)
-
-    def y(value: float) -> float:
-        return _TOP + tall * (1.0 - math.sqrt(value / most))
-
-    parts = [
-        f'<svg class="plot" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" '
-        f'aria-label="{escape(error)} against time">'
-    ]
-    for tick in _ticks(low, high):
-        parts.append(_vertical(x(tick), f"{tick:g}"))
-    for tick in (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0):
-        if tick <= most:
-            parts.append(_horizontal(y(tick), f"{tick:g}"))
-    if limit is not None:
-        parts.append(
-            f'<rect class="fine" x="{_LEFT}" y="{y(limit):.1f}" width="{wide}" '
-            f'height="{_TOP + tall - y(limit):.1f}"/>'
-        )
-    best = front(points)
-    steps = [f"M{x(best[0].seconds * 1e3):.1f} {_TOP}"]
-    for point in best:
-        steps.append(f"H{x(point.seconds * 1e3):.1f}V{y(point.error):.1f}")
-    steps.append(f"H{_LEFT + wide}")
-    parts.append(f'<path class="front" d="{"".join(steps)}"/>')
-    parts += [
-        f'<circle class="{_kind(point, best)}" cx="{x(point.seconds * 1e3):.1f}" '
-        f'cy="{y(point.error):.1f}" r="{8 if point.chosen else 5}"/>'
-        for point in points
-    ]
-    # labels from the lowest up, each no nearer to the one below than a line
-    room: list[tuple[float, float]] = []
-    for point in sorted(points, key=lambda p: p.error):
-        px, line = x(point.seconds * 1e3) + 8.0, y(point.error) - 6.0
-        while any(abs(line - other) < _LINE and abs(px - at) < _LABEL for at, other in room):
-            line -= 1.0
-        room.append((px, line))
-        parts.append(
-            f'<text class="{_kind(point, best)}" x="{px:.1f}" y="{line:.1f}">'
-            f"{escape(point.name)}</text>"
-        )
-    middle = _LEFT + wide / 2
-    parts.append(
-        f'<text class="axis" x="{middle:.0f}" y="{_HEIGHT - 8}" text-anchor="middle">'
-        "milliseconds a picture, the faster the further left</text>"
-        f'<text class="axis" transform="translate(14 {_TOP + tall / 2:.0f}) rotate(-90)" '
-        f'text-anchor="middle">{escape(error)}</text></svg>'
+    inches = (SIZE[0] / 72.0, SIZE[1] / 72.0)
+    settings = {
+        "figure.dpi": 72.0, "font.size": _LETTERS, "figure.facecolor": palette.paper,
+        "axes.facecolor": "none", "text.color": palette.ink, "axes.labelcolor": palette.quiet,
+        "xtick.labelcolor": palette.quiet, "ytick.labelcolor": palette.quiet,
+        "grid.color": palette.line, "grid.linewidth": 1.0, "axes.grid": True,
+        "axes.axisbelow": True, "xtick.major.size": 0.0, "ytick.major.size": 0.0,
+        # a dot on an axis leaves the numbers free
+        "xtick.major.pad": _CHOSEN_RADIUS + 3.0, "ytick.major.pad": _CHOSEN_RADIUS + 3.0,
+    }  # fmt: skip
+    for side in ("left", "right", "top", "bottom"):
+        settings[f"axes.spines.{side}"] = False
+    write_figure(
+        path, inches, lambda figure: _Plot(figure, points, palette).draw(error, limit), settings
     )
-    return "\n".join(parts)
 
 
-def _kind(point: Point, best: Sequence[Point]) -> str:
-    """How a dot is drawn: chosen, on the front, or off it."""
-    return "chosen" if point.chosen else "on" if point in best else "off"
+class _Plot:
+    """The drawing: axes, the band, the front, and points with their names."""
+
+    def __init__(self, figure: Any, points: Sequence[Point], palette: Palette) -> None:
+        (width, height), sides = SIZE, (_LEFT + _RIGHT, _BOTTOM + _TOP)
+        self.axes = figure.add_axes(
+            (_LEFT / width, _BOTTOM / height, 1 - sides[0] / width, 1 - sides[1] / height)
+        )
+        self.points, self.palette, self.best = points, palette, front(points)
+
+    def draw(self, error: str, limit: float | None) -> None:
+        self.scales(limit)
+        if limit is not None:
+            self.axes.axhspan(0.0, limit, color=_FINE, alpha=_FINE_OPACITY, linewidth=0, zorder=1)
+        self.axes.set_xlabel("milliseconds a picture, the faster the further left", labelpad=8)
+        self.axes.set_ylabel(error, labelpad=8)
+        steps = self.steps()
+        self.axes.plot(
+            *zip(*steps, strict=True), color=self.palette.link, linewidth=1.5, dashes=(3.5, 2.5),
+            clip_on=False, zorder=2,
+        )  # fmt: skip
+        for point in self.points:
+            self.dot(point)
+        self.names(steps)
+
+    def scales(self, limit: float | None) -> None:
+        """Axes from 0 errors up, with round numbers."""
+        times = [point.seconds * 1e3 for point in self.points]
+        low, high = min(times) / 1.15, max(times) * 1.15
+        most = max(max(point.error for point in self.points), limit or 0.0, 1e-6) * 1.08
+        axes = self.axes
+        axes.set_xscale("log")
+        axes.set_yscale("function", functions=(_signed_root, _signed_square))
+        axes.set_xlim(low, high)
+        axes.set_ylim(0.0, most)
+        axes.set_xticks(_ticks(low, high), [f"{tick:g}" for tick in _ticks(low, high)])
+        errors = [tick for tick in (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0) if tick <= most]
+        axes.set_yticks(errors, [f"{tick:g}" for tick in errors])
+        axes.minorticks_off()
+
+    def steps(self) -> list[tuple[float, float]]:
+        """The corners of the front, from the upper edge to the right one."""
+        (_, right), (_, top) = self.axes.get_xlim(), self.axes.get_ylim()
+        corners = [(self.best[0].seconds * 1e3, top)]
+        for point in self.best:
+            corners.append((point.seconds * 1e3, corners[-1][1]))
+            corners.append((point.seconds * 1e3, point.error))
+        return [*corners, (right, corners[-1][1])]
+
+    def dot(self, point: Point) -> None:
+        on = point in self.best or point.chosen
+        self.axes.plot(
+            [point.seconds * 1e3], [point.error], marker="o", ms=2.0 * _radius(point),
+            mfc=self.palette.link if on else self.palette.paper,
+            mec=self.palette.link if on else self.palette.quiet,
+            mew=0.0 if on else 1.5, clip_on=False, zorder=4,
+        )  # fmt: skip
+
+    def names(self, steps: Sequence[tuple[float, float]]) -> None:
+        """Names clear of one another, of points and of the front."""
+        # those of the front first: the others may stand further off
+        points = sorted(self.points, key=lambda point: (point not in self.best, point.error))
+        texts = [self.name(point) for point in points]
+        extents = [text.get_window_extent() for text in texts]
+        sizes = [(extent.width, extent.height) for extent in extents]
+        at = [self.place(point.seconds * 1e3, point.error) for point in points]
+        dots = [
+            Box(x, y, x, y).grown(_radius(point)) for (x, y), point in zip(at, points, strict=True)
+        ]
+        corners = [self.place(*corner) for corner in steps]
+        edges = [_edge(*ends) for ends in itertools.pairwise(corners)]
+        area = Box(_LEFT, _BOTTOM, SIZE[0], SIZE[1])
+        boxes = place_labels(at, sizes, [*dots, *edges], area)
+        for text, box, place, point in zip(texts, boxes, at, points, strict=True):
+            text.set_position((box.left, box.bottom))
+            self.leader(place, box, _radius(point))
+
+    def name(self, point: Point) -> Any:
+        return self.axes.text(
+            0.0, 0.0, point.name, transform=None, va="bottom", zorder=5,
+            color=self.palette.ink if point in self.best or point.chosen else self.palette.quiet,
+            fontweight="bold" if point.chosen else "normal",
+        )  # fmt: skip
+
+    def leader(self, place: tuple[float, float], box: Box, radius: float) -> None:
+        """A line from a far label to its point."""
+        near = (min(max(place[0], box.left), box.right), min(max(place[1], box.bottom), box.top))
+        way = np.subtract(near, place)
+        length = float(np.hypot(*way))
+        if length > radius + _FAR:
+            start = place + way * (radius / length)
+            self.axes.plot(
+                [start[0], near[0]], [start[1], near[1]], color=self.palette.quiet,
+                linewidth=0.8, transform=None, clip_on=False, zorder=3,
+            )  # fmt: skip
+
+    def place(self, milliseconds: float, error: float) -> tuple[float, float]:
+        """A place on the axes in points from the lower left corner of the figure."""
+        x, y = self.axes.transData.transform((milliseconds, error))
+        return float(x), float(y)
+
+
+def _signed_root(value: Any) -> Any:
+    # matplotlib asks beyond the axis too, where there is no root
+    return np.sign(value) * np.sqrt(np.abs(value))
+
+
+def _signed_square(value: Any) -> Any:
+    return np.sign(value) * np.square(value)
+
+
+def _radius(point: Point) -> float:
+    return _CHOSEN_RADIUS if point.chosen else _RADIUS
+
+
+def _edge(start: tuple[float, float], end: tuple[float, float]) -> Box:
+    """The box of a line along an axis."""
+    (x, y), (u, v) = start, end
+    return Box(min(x, u), min(y, v), max(x, u), max(y, v)).grown(1.0)
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers between two, three at least where they can be had."""
+    """Round numbers between two, three at least where possible, and not too many."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     found: list[float] = []
     for steps in ((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 7), [1 + k / 10 for k in range(90)]):
         found = [m * 10.0**p for p in powers for m in steps if low <= m * 10.0**p <= high]
         if len(found) >= 3:
             break
-    return found
-
-
-def _vertical(x: float, text: str) -> str:
-    bottom = _HEIGHT - _BOTTOM
-    return (
-        f'<path class="grid-line" d="M{x:.1f} {_TOP}V{bottom}"/>'
-        f'<text class="tick" x="{x:.1f}" y="{bottom + 17}" text-anchor="middle">{text}</text>'
-    )
-
-
-def _horizontal(y: float, text: str) -> str:
-    return (
-        f'<path class="grid-line" d="M{_LEFT} {y:.1f}H{_WIDTH - _RIGHT}"/>'
-        f'<text class="tick" x="{_LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{text}</text>'
-    )
+    return found[:: math.ceil(len(found) / _MOST_TICKS) or 1]

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.images import write_whole
+from basrelief.measure.figures import check_figure, has_matplotlib, legend_mark, write_figure
 from basrelief.measure.traced import Sample, TracedRay
 
-_SUFFIXES = (".svg", ".png", ".pdf")
 _INK, _QUIET, _PAPER = "#23262b", "#777d86", "#fbfaf8"
 _GROUND, _EDGE = "#e4d9c6", "#8a7355"
 _ABOVE, _BELOW, _TRUE = "#2f6f9f", "#c2491d", "#1f7a4d"
@@ -24,44 +23,26 @@ _MOST_LINES = 80
 
 def write_section(explained: TracedRay, path: Path) -> Path:
     """Draw and write, whole or not at all; see `Explanation.save`."""
-    if path.suffix.lower() not in _SUFFIXES:
-        raise InputError(f"{path}: a cross-section is written as {', '.join(_SUFFIXES)}")
-    matplotlib = _matplotlib()
-    # no date and no chance, so that the same ray makes the same file
-    more: Any = {".png": {"dpi": 150}, ".svg": {"metadata": {"Date": None}}}.get(
-        path.suffix.lower(), {}
-    )
-    with matplotlib.rc_context(_STYLE):
-        figure = _figure(explained)
-        write_whole(path, lambda partial: figure.savefig(partial, **more))
+    check_figure(path, "a cross-section")
+    if not has_matplotlib():
+        raise InputError(
+            "a cross-section is drawn by matplotlib; pip install 'basrelief[plots]', "
+            "or print it as a table"
+        )
+    write_figure(path, _INCHES, lambda figure: _draw(explained, figure), _SETTINGS)
     return path
 
 
-_STYLE = {
-    "font.size": 10.0, "svg.hashsalt": "basrelief", "svg.fonttype": "none",
-    "font.family": "sans-serif", "axes.edgecolor": _QUIET, "text.color": _INK,
+_INCHES = (10.0, 5.6)
+_SETTINGS = {
+    "font.size": 10.0, "figure.facecolor": _PAPER, "axes.edgecolor": _QUIET, "text.color": _INK,
     "xtick.color": _QUIET, "ytick.color": _QUIET, "axes.labelcolor": _INK,
 }  # fmt: skip
 
 
-def _matplotlib() -> Any:
-    try:
-        import matplotlib
-    except ImportError:
-        raise InputError(
-            "a cross-section is drawn by matplotlib; pip install 'basrelief[plots]', "
-            "or print it as a table"
-        ) from None
-    return matplotlib
-
-
-def _figure(explained: TracedRay) -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 5.6), facecolor=_PAPER)
+def _draw(explained: TracedRay, figure: Any) -> None:
     _Section(explained, figure.add_axes((0.07, 0.21, 0.9, 0.66), facecolor="white")).draw()
     _words(explained, figure)
-    return figure
 
 
 class _Section:
@@ -216,10 +197,8 @@ def _words(explained: TracedRay, figure: Any) -> None:
         marks.append(("D", "white", _ABOVE, "a baked record read"))
     marks.append(("o", "none", _BELOW, f"where {explained.technique} ends"))
     marks.append(("X", _TRUE, "white", "the true first hit"))
-    from matplotlib.lines import Line2D
-
     handles = [
-        Line2D([], [], ls="", marker=m, mfc=face, mec=edge, ms=9 if m == "X" else 7, label=text)
+        legend_mark(ls="", marker=m, mfc=face, mec=edge, ms=9 if m == "X" else 7, label=text)
         for m, face, edge, text in marks
     ]
     figure.legend(

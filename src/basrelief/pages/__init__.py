@@ -1,5 +1,6 @@
-"""What all HTML pages share: the document, its style, and how a page is written."""
+"""The shared parts of all HTML pages: templates, style, policy, and how a page is written."""
 
-from basrelief.pages.page import check_ours, document, is_ours, write_page
+from basrelief.pages.page import check_ours, is_ours, write_page
+from basrelief.pages.template import fill
 
-__all__ = ["check_ours", "document", "is_ours", "write_page"]
+__all__ = ["check_ours", "fill", "is_ours", "write_page"]

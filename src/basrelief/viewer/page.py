@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,7 @@ from basrelief.baking.levels import halved
 from basrelief.engine import Engine, choose_engine
 from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
-from basrelief.pages import check_ours, write_page
+from basrelief.pages import check_ours, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
@@ -226,33 +224,22 @@ def _html(
     name: str, data: dict[str, Any], maps: dict[str, Any], stills: list[tuple[str, str]]
 ) -> str:
     web = files("basrelief.viewer") / "web"
-    blobs = "\n".join(
-        f'<script type="application/octet-stream" id="map-{key}">{each.pop("content")}</script>'
-        for key, each in maps.items()
-    )
+    # base64 has no character that escaping would change: it is as large as before
+    contents = {key: each.pop("content") for key, each in maps.items()}
     told = json.dumps({**data, "maps": maps}, separators=(",", ":"))
-    parts = {
-        "TITLE": escape(name),
-        "GENERATOR": GENERATOR,
-        "VERSION": __version__,
-        "STYLE": (web / "style.css").read_text("utf-8"),
-        "STILLS": "\n".join(_figure(*still) for still in stills),
-        "DATA": base64.b64encode(zlib.compress(told.encode(), 9)).decode(),
-        "BLOBS": blobs,
-        "IMPORTS": json.dumps({"imports": {f"view/{m}.js": _module(web, m) for m in _MODULES}}),
-    }
-    text = (web / "page.html").read_text("utf-8")
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], text)
+    return fill(
+        "viewer/templates/page.html.jinja",
+        generator=GENERATOR,
+        title=name,
+        version=__version__,
+        modules={f"view/{module}.js": _module(web, module) for module in _MODULES},
+        stills=stills,
+        data=base64.b64encode(zlib.compress(told.encode(), 9)).decode(),
+        maps=contents,
+    )
 
 
 def _module(web: Any, name: str) -> str:
     """A module's source as an address that holds it whole."""
     source = (web / f"{name}.js").read_bytes()
     return f"data:text/javascript;base64,{base64.b64encode(source).decode()}"
-
-
-def _figure(technique: str, png: str) -> str:
-    return (
-        f'<figure><img alt="drawn with {escape(technique)}" src="data:image/png;base64,{png}">'
-        f"<figcaption>{escape(technique)}</figcaption></figure>"
-    )

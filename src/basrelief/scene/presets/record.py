@@ -18,7 +18,6 @@ from basrelief.material.load import Reading
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
 from basrelief.scene.checks import one_of
 from basrelief.scene.presets import checks
-from basrelief.scene.presets.toml import written
 from basrelief.techniques import flat, relief
 
 _TABLES = ("maps", "object", "scene", "motion")
@@ -99,9 +98,11 @@ class Preset:
 
     def to_toml(self) -> str:
         """The preset as the text of a TOML file, which `preset` reads back."""
+        import tomli_w
+
         texts = {key: getattr(self, key) for key in ("name", "about", "source")}
         said = {key: text for key, text in texts.items() if text}
-        return written({**said, **self.values})
+        return tomli_w.dumps({**said, **self.values})
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the preset as a TOML file, whole or not at all; returns the path.

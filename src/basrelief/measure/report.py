@@ -1,0 +1,243 @@
+"""A comparison as a folder: one page for people, its pictures, and compare.json for programs."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.errors import InputError
+from basrelief.images import srgb_encode, write_picture
+from basrelief.measure.advice import VISIBLE, Advice, advice, mean_seconds, passes
+from basrelief.measure.colors import heat
+from basrelief.measure.errors import Spread
+from basrelief.measure.figures import has_matplotlib
+from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
+from basrelief.measure.results import Result, Results, settings_of
+from basrelief.pages import check_ours, fill, write_page
+
+GENERATOR = "basrelief compare"
+PICTURES = "pictures"
+"""The folder of a comparison's pictures."""
+LEAST, MOST = 0.1, 100.0
+"""Texels at the dark and the pale end of error pictures; between them by their logarithm."""
+_QUALITY = 92
+_PLOTS = {f"{PICTURES}/time.svg": LIGHT, f"{PICTURES}/time-dark.svg": DARK}
+"""The files of the plot and their colours."""
+
+
+def write(folder: Path, comparison: Results, json: str) -> Path:
+    """Write the page, its pictures and compare.json, whose text is `json`; returns the page's path.
+
+    Raises InputError for a folder that cannot be written to, or with another's index.html.
+    """
+    index = folder / "index.html"
+    check_ours(index, GENERATOR, "a comparison's page")
+    pictures = folder / PICTURES
+    try:
+        pictures.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
+    for each in comparison.results:
+        drawn, wrong = (folder / name for name in _names(each))
+        write_picture(drawn, each.picture.astype(np.float32), quality=_QUALITY)
+        write_picture(wrong, error_picture(each.off), quality=_QUALITY)
+    write_page(folder / "compare.json", json)
+    has_plots = has_matplotlib()
+    if has_plots:
+        _write_plots(folder, comparison)
+    write_page(index, page_html(comparison, has_plots))
+    return index
+
+
+def error_picture(off: NDArray[np.float16]) -> NDArray[np.float32]:
+    """Texels of uv error as linear colours, (H, W, 3), by their logarithm; none are dark."""
+    texels = np.maximum(np.nan_to_num(off.astype(np.float64), nan=0.0, posinf=MOST), LEAST)
+    return heat(np.log(texels / LEAST) / math.log(MOST / LEAST))
+
+
+def _names(each: Result) -> tuple[str, str]:
+    """The files of a result's picture and of its error."""
+    name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", each.technique)
+    start = f"{PICTURES}/{each.angle:g}-{name}"
+    return f"{start}.webp", f"{start}-error.webp"
+
+
+# --- the page ------------------------------------------------------------------------------------
+
+
+class Cell(NamedTuple):
+    """One technique at one angle in the table: its error, and the class of its colour."""
+
+    text: str
+    kind: str
+
+
+class Row(NamedTuple):
+    """One technique in the table."""
+
+    technique: str
+    time: str
+    cells: list[Cell]
+    ship: bool
+
+
+class Shown(NamedTuple):
+    """One technique at one angle: its pictures, each a file and what it shows, and its numbers."""
+
+    title: str
+    settings: str
+    files: list[tuple[str, str]]
+    facts: list[tuple[str, str]]
+    ship: bool
+
+
+class Angle(NamedTuple):
+    """All techniques at one angle; `alike` where none of them is off."""
+
+    degrees: str
+    title: str
+    alike: bool
+    pictures: list[Shown]
+
+
+def page_html(comparison: Results, has_plots: bool) -> str:
+    """The whole page, with or without the plot of error against time."""
+    best = advice(comparison)
+    what_to_do, _, why = best.sentence(max(comparison.angles)).partition(":")
+    return fill(
+        "measure/templates/report.html.jinja",
+        generator=GENERATOR,
+        title=f"{comparison.material}: which technique?",
+        comparison=comparison,
+        advice=(what_to_do, why),
+        has_flip=_has_flip(comparison),
+        rows=[_row(comparison, name, best) for name in mean_seconds(comparison)],
+        plot=_plot(comparison) if has_plots else None,
+        angles=[_angle(comparison, angle, best) for angle in comparison.angles],
+        ramp=_ramp(),
+    )
+
+
+def _has_flip(comparison: Results) -> bool:
+    return comparison.results[0].flip is not None
+
+
+def _row(comparison: Results, name: str, best: Advice) -> Row:
+    seconds = mean_seconds(comparison)[name]
+    cells = [_cell(result) for result in comparison.of(name)]
+    return Row(name, _time(seconds), cells, name == best.technique)
+
+
+def _cell(result: Result) -> Cell:
+    text = _share(result.errors.missed) if result.flip is None else f"{result.flip:.3f}"
+    near = result.flip is not None and result.flip <= 2.0 * VISIBLE
+    return Cell(text, "fine-cell" if passes(result) else "near-cell" if near else "")
+
+
+def _plot(comparison: Results) -> dict[str, Any]:
+    """The files of the plot, its size, and what it shows."""
+    light, dark = _PLOTS
+    return {"light": light, "dark": dark, "size": SIZE, "error": _error_name(comparison)}
+
+
+def _error_name(comparison: Results) -> str:
+    return "mean visible error (FLIP)" if _has_flip(comparison) else "missed hits"
+
+
+def _write_plots(folder: Path, comparison: Results) -> None:
+    """Error against time, each error the mean over all angles."""
+    best = advice(comparison)
+    points = []
+    for name, seconds in mean_seconds(comparison).items():
+        wrong = [
+            result.errors.missed if result.flip is None else result.flip
+            for result in comparison.of(name)
+        ]
+        points.append(Point(name, seconds, float(np.mean(wrong)), name == best.technique))
+    limit = VISIBLE if _has_flip(comparison) else None
+    for file, palette in _PLOTS.items():
+        write_plot(folder / file, points, _error_name(comparison), limit, palette)
+
+
+def _angle(comparison: Results, angle: float, best: Advice) -> Angle:
+    results = sorted(comparison.at(angle), key=lambda result: result.technique != "exact")
+    title = "Straight on" if angle == 0.0 else f"{angle:g}° from straight on"
+    alike = all(result.errors.uv.worst <= LEAST for result in results)
+    return Angle(
+        f"{angle:g}", title, alike, [_shown(comparison, result, best) for result in results]
+    )
+
+
+def _ramp() -> dict[str, Any]:
+    """The colours of error pictures for CSS, and texels along them."""
+    stops = srgb_encode(heat(np.linspace(0.0, 1.0, 17)).astype(np.float64)) * 255.0
+    colors = ", ".join("rgb({:.0f} {:.0f} {:.0f})".format(*stop) for stop in stops)
+    return {"colors": colors, "texels": [f"{n:g}" for n in (LEAST, 1.0, 10.0, MOST)]}
+
+
+def _shown(comparison: Results, result: Result, best: Advice) -> Shown:
+    drawn, wrong = _names(result)
+    name = result.technique
+    return Shown(
+        title=f"{name}, the true picture" if name == "exact" else name,
+        settings=_settings(comparison, name),
+        files=[
+            (drawn, f"{name} at {result.angle:g} degrees"),
+            (wrong, f"how far off each pixel of {name} is"),
+        ],
+        facts=list(_facts(result)),
+        ship=name == best.technique,
+    )
+
+
+def _facts(each: Result) -> Iterator[tuple[str, str]]:
+    found = each.errors
+    if each.flip is not None:
+        yield "visible error (FLIP)", f"{each.flip:.3f}"
+    yield "missed hits", _share(found.missed)
+    if found.missed > 0.0:
+        yield "… passed through", _share(found.passed)
+        yield "… stopped short", _share(found.short)
+    yield "texels off", _spread(found.uv, 1.0)
+    yield "depth off, % of a tile", _spread(found.depth, 100.0)
+    yield "heights read a pixel", f"{found.reads:.1f}"
+    yield "time", _time(each.seconds)
+
+
+def _settings(comparison: Results, name: str) -> str:
+    thing = comparison.objects[name]
+    said = [f"{key} {value:g}" for key, value in settings_of(thing).items()]
+    if thing.relief_projection != "full":
+        said.append(f"projection {thing.relief_projection}")
+    if thing.relief_level != 1.0:
+        said.append(f"level {thing.relief_level:g}")
+    return " · ".join(said)
+
+
+def _share(share: float) -> str:
+    percent = 100.0 * share
+    if percent == 0.0:
+        return "none"
+    return "under 0.01 %" if percent < 0.01 else f"{percent:.2g} %" if percent < 10 else (
+        f"{percent:.0f} %"
+    )  # fmt: skip
+
+
+def _spread(spread: Spread, times: float) -> str:
+    numbers = (spread.median, spread.percentile_99, spread.worst)
+    return " · ".join(_short(number * times) for number in numbers)
+
+
+def _short(number: float) -> str:
+    return f"{number:.2f}" if number < 10.0 else f"{number:.0f}"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms"
