@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -46,7 +47,9 @@ def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
         pytest.skip("no Chromium on the path; on Debian: apt-get install chromium")
     # root, as in a container, may not use the browser's sandbox
     root = ("--no-sandbox",) if hasattr(os, "getuid") and os.getuid() == 0 else ()
-    with api.sync_playwright() as driver:
+    with api.sync_playwright() as driver, pytest.MonkeyPatch.context() as patch:
+        for kind in (api.Page, api.Frame):
+            patch.setattr(kind, "wait_for_function", wait_for_function)
         try:
             browser = driver.chromium.launch(executable_path=found, args=[*flags, *root])
         except api.Error as error:
@@ -55,6 +58,30 @@ def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
             yield browser
         finally:
             browser.close()
+
+
+def wait_for_function(
+    page: Any, condition: str, *, arg: Any = None, timeout: float = PATIENCE
+) -> None:
+    """Wait until a condition holds in a page or a frame; with `arg` it is a function of that.
+
+    Playwright's own asks by `eval` in the page, which the content policy of our pages refuses once
+    the first answer was no; `evaluate` may.
+    """
+    from playwright.sync_api import Error
+
+    # a promise, such as one that a page is ready, is not waited for
+    holds = f"() => Boolean({condition})" if arg is None else f"x => Boolean(({condition})(x))"
+    end = time.monotonic() + timeout / 1000.0
+    why = "it does not hold"
+    while time.monotonic() < end:
+        try:
+            if page.evaluate(holds, arg):
+                return
+        except Error as error:
+            why = error.message
+        page.wait_for_timeout(20)
+    raise AssertionError(f"waited {timeout / 1000.0:g} s for {condition}: {why}")
 
 
 def planes(words: list[int], size: tuple[int, int], background: Sequence[float]) -> Frame:

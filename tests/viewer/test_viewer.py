@@ -167,6 +167,29 @@ def test_it_loads_without_a_word_and_without_the_network(browser: Any, page_file
     seen.page.close()
 
 
+@pytest.mark.parametrize(
+    ("attempt", "directive"),
+    [
+        ("fetch(elsewhere).catch(() => {})", "connect-src"),
+        ("document.body.append(Object.assign(new Image(), { src: elsewhere }))", "img-src"),
+        ("import(elsewhere).catch(() => {})", "script-src-elem"),
+    ],
+)
+def test_its_policy_refuses_the_network(seen: Seen, attempt: str, directive: str) -> None:
+    refused = seen.page.evaluate(
+        """(attempt) => new Promise((refused) => {
+          const hear = (event) => refused([event.violatedDirective, event.blockedURI]);
+          addEventListener("securitypolicyviolation", hear, { once: true });
+          setTimeout(() => refused("nothing was refused"), 5000);
+          const script = document.createElement("script");
+          script.textContent = `{ const elsewhere = "http://127.0.0.1:9/a"; ${attempt} }`;
+          document.body.append(script);
+        })""",
+        attempt,
+    )
+    assert refused == [directive, "http://127.0.0.1:9/a"]
+
+
 @pytest.mark.parametrize("technique", TECHNIQUES)
 def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, technique: str) -> None:
     made = TECHNIQUES[technique]
