@@ -188,6 +188,11 @@ def test_what_is_no_light_is_refused() -> None:
     assert line == "lights are a tuple, as (directional(),)"
 
 
+def test_objects_and_lights_may_come_one_by_one() -> None:
+    made = Scene((Object(BRICKS) for _ in range(2)), lights=(directional() for _ in range(3)))  # type: ignore[arg-type]
+    assert (len(made.objects), len(made.lights)) == (2, 3)
+
+
 def test_a_page_takes_lights_of_all_kinds_and_no_others() -> None:
     for kind in values_of(LightKind):
         assert light_kind(light_of(said_light({"kind": kind}))) == kind

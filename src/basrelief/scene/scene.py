@@ -71,7 +71,7 @@ class Scene:
     background: tuple[float, float, float] | None = BACKGROUND
 
     def __post_init__(self) -> None:
-        objects = self.objects if np.iterable(self.objects) else (self.objects,)
+        objects = tuple(self.objects) if np.iterable(self.objects) else (self.objects,)
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
         for name, kinds in (
@@ -98,12 +98,12 @@ class Scene:
                 f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: "
                 "give a fog_end no nearer than fog_start"
             )
-        object.__setattr__(self, "objects", tuple(objects))
-        object.__setattr__(self, "lights", tuple(self.lights))
+        object.__setattr__(self, "objects", objects)
 
     def _check_lights(self) -> None:
         if not np.iterable(self.lights):
             raise InputError("lights are a tuple, as (directional(),)")
+        object.__setattr__(self, "lights", tuple(self.lights))
         for light in self.lights:
             if not isinstance(light, Light):
                 raise InputError(
