@@ -361,7 +361,7 @@ def test_a_write_that_fails_leaves_the_old_file(
         path.write_bytes(b"half")
         raise trouble
 
-    monkeypatch.setattr(images, "_write", half)
+    monkeypatch.setattr("basrelief.images.write._write", half)
     expected = InputError if isinstance(trouble, OSError) else KeyboardInterrupt
     with pytest.raises(expected):
         write_picture(file, ramp())

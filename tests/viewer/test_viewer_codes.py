@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from test_viewer import Seen
 
+from basrelief.engine.cpu import CpuEngine
 from basrelief.images import read_picture, srgb_decode, srgb_encode, write_data
 from basrelief.material import Map, Material
 from basrelief.measure.colors import COUNT, heat
@@ -207,7 +208,7 @@ def test_the_maps_of_a_page_are_the_librarys(seen: Seen, material: Material) -> 
     assert glow is not None
     wanted = {
         "base_color": textures.base_color(material, "wrap"),
-        "normal": textures.normal(material, "wrap", 0.08),
+        "normal": textures.normal(material, "wrap", 0.08, CpuEngine()),
         "response": textures.response(material, "wrap"),
         "emission": glow[0],
     }
@@ -366,9 +367,10 @@ PRESENT = """async ([width, height, sums, words, view, folder]) => {
     size: [width, height], canvas: [width, height], texels: [64, 64], background: [0, 0, 0, 1],
     divider: width + 1, show: "color", samples: 1, ...view,
   };
-  drawing.frames.colors.present([{ planes, sum }, { planes }], [{ planes, sum }, { planes }], all);
+  const missed = gpu.planes(2, width, height);
+  drawing.frames.colors.present({ planes, sum, missed }, { planes, sum, missed }, all);
   const url = canvas.toDataURL("image/png");
-  for (const each of [sum, planes]) each.destroy();
+  for (const each of [sum, planes, missed]) each.destroy();
   return url;
 }"""
 
@@ -466,7 +468,8 @@ def test_figures_are_those_of_all_rows(seen: Seen) -> None:
         size: [width, height], canvas: [width, height], texels: [64, 64], background: [0, 0, 0, 1],
         divider: width + 1, show: "color", samples: 1,
       };
-      return drawing.frames.colors.figures({ planes }, { planes }, view);
+      const missed = gpu.planes(2, width, height);
+      return drawing.frames.colors.figures({ planes, missed }, view);
     }"""
     found = seen.page.evaluate(script, [width, height, planes.ravel().tolist()])
     assert found["hits"] == hit.sum()
