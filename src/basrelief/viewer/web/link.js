@@ -1,5 +1,10 @@
 // Programs put together from their pieces, as `lang.library.linked` does it.
 
+// Two texts under the number of a static condition, no other such texts within them.
+const STATIC = /\ue000(\d+)\ue001([^\ue000-\ue003]*)\ue002([^\ue000-\ue003]*)\ue003/g;
+// A name that is used: not a field, nor the name of a parameter.
+const NAME = /(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)/g;
+
 // What a decision tree says: a name, or a question and what follows from each answer.
 export function answered(tree, choices) {
   while (Array.isArray(tree)) {
@@ -9,25 +14,50 @@ export function answered(tree, choices) {
   return tree;
 }
 
+// Whether a static condition is true of choices.
+export function holds([word, a, b], choices) {
+  if (word === "not") return !holds(a, choices);
+  if (word === "and") return holds(a, choices) && holds(b, choices);
+  if (word === "or") return holds(a, choices) || holds(b, choices);
+  if (!Object.hasOwn(choices, word)) throw new Error(`the page chooses no ${word}`);
+  return a.includes(choices[word]);
+}
+
+// A text with what static conditions leave of it, the innermost decided first.
+function decided(text, conditions, choices) {
+  const chosen = text.replace(STATIC, (_, k, then, otherwise) =>
+    holds(conditions[k], choices) ? then : otherwise,
+  );
+  return chosen === text ? text : decided(chosen, conditions, choices);
+}
+
+const names = new Map();
+
+// The names in a text, its comments left out, each once; found once, since few texts change.
+function namesIn(text) {
+  if (!names.has(text)) names.set(text, new Set(text.replace(/\/\/.*/g, "").match(NAME)));
+  return names.get(text);
+}
+
 // An entry with its slots bound as choices say: its WGSL, what it binds, and a key that programs
 // of the same text share.
 export function linked(programs, entry, choices) {
-  const { entries, bindings, trees, edge } = programs;
-  const [first, uses] = entries[entry];
-  const texts = new Map([["", first]]);
+  const { entries, bindings, trees, edge, conditions } = programs;
   // the sampler goes by the edge too, which no piece tells
   const bound = new Map([[edge, answered(trees[edge], choices)]]);
-  const left = [...uses];
-  while (left.length) {
-    const name = left.pop();
-    if (texts.has(name)) continue;
-    const [text, more] = pieceOf(programs, name, bound, choices);
-    texts.set(name, text);
-    left.push(...more);
+  const texts = new Map([["", decided(entries[entry], conditions, choices)]]);
+  // those that are added while this goes on are gone through too
+  for (const text of texts.values()) {
+    for (const name of namesIn(text)) {
+      const piece = texts.has(name) ? undefined : pieceOf(programs, name, bound, choices);
+      if (piece !== undefined) texts.set(name, decided(piece, conditions, choices));
+    }
   }
+  const code = [...texts.values()].join("\n");
   return {
-    key: [entry, ...[...bound].map((each) => each.join(" ")).sort()].join("|"),
-    code: [...texts.values()].join("\n"),
+    key: [entry, bound.get(edge), code].join("\n"),
+    entry,
+    code,
     bindings: bindings[entry].map((each) => ({ ...each, type: bound.get(each.type) ?? each.type })),
     edge: bound.get(edge),
   };
@@ -35,7 +65,7 @@ export function linked(programs, entry, choices) {
 
 // A piece by its name, which may be any: those of a user's own shaders too.
 function pieceOf({ pieces, slots, trees }, name, bound, choices) {
-  if (!Object.hasOwn(slots, name)) return pieces[name];
+  if (!Object.hasOwn(slots, name)) return Object.hasOwn(pieces, name) ? pieces[name] : undefined;
   const wanted = bound.get(name) ?? answered(trees[name], choices);
   bound.set(name, wanted);
   if (!Object.hasOwn(slots[name], wanted)) throw new Error(`the page has no ${name} as ${wanted}`);
