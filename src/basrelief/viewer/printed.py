@@ -80,14 +80,11 @@ class Printed:
     def told(self) -> dict[str, Any]:
         """Both as JSON has them."""
         made = self.library
-        slots = {
-            name: {bound: [piece.text, piece.uses] for bound, piece in each.items()}
-            for name, each in made.slots.items()
-        }
         return {
-            "pieces": {name: [piece.text, piece.uses] for name, piece in made.pieces.items()},
-            "slots": slots,
-            "entries": {name: [piece.text, piece.uses] for name, piece in made.entries.items()},
+            "pieces": made.pieces,
+            "slots": made.slots,
+            "entries": made.entries,
+            "conditions": made.conditions,
             "bindings": {
                 name: [
                     {
