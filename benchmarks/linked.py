@@ -56,7 +56,8 @@ def jobs(engine: GpuEngine, made: Printed, scene: basrelief.Scene) -> tuple[dict
     began = time.perf_counter()
     whole = engine.prepare(program, values, SIZE)
     between = time.perf_counter()
-    text = linked(library, "pixel", made.bound(choices_of(thing, scene)))
+    choices = choices_of(thing, scene)
+    text = linked(library, "pixel", made.bound(choices), choices)
     both = {
         "whole": whole,
         "linked": engine.prepare_text(text, program, {**nothing, **values}, SIZE, needed),

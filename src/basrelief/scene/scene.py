@@ -18,6 +18,7 @@ from basrelief.shading.camera import Camera
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
+from basrelief.shading.variant import MENUS, FogMode, ShadingModel, Variant
 
 BACKGROUND = (0.05, 0.055, 0.065)
 """What is behind the objects unless a scene says otherwise: a dark grey, linear."""
@@ -51,13 +52,13 @@ class Scene:
     camera: Orbit | LookAt = field(default_factory=Orbit)
     lights: tuple[Light, ...] = field(default_factory=_default_lights)
     shading: Any = field(default_factory=dict)
-    shading_model: Literal["ggx", "phong"] = "ggx"
+    shading_model: ShadingModel = Variant.shading_model
     shadows: Literal["none", "hard", "soft"] = "none"
     shadows_on: Literal["relief", "polygon"] = "relief"
     shadow_map: int = 1024
     shadowing: Any = field(default_factory=dict)
     occlusion_kind: Literal["ambient", "directional"] = "ambient"
-    fog: Literal["none", "linear", "exponential", "exponential_squared"] = "none"
+    fog: FogMode = Variant.fog
     air: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = BACKGROUND
 
@@ -65,11 +66,11 @@ class Scene:
         objects = self.objects if np.iterable(self.objects) else (self.objects,)
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
-        one_of("shading_model", self.shading_model, ("ggx", "phong"))
+        one_of("shading_model", self.shading_model, MENUS["shading_model"])
         one_of("shadows", self.shadows, ("none", "hard", "soft"))
         one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
         one_of("occlusion_kind", self.occlusion_kind, ("ambient", "directional"))
-        one_of("fog", self.fog, ("none", "linear", "exponential", "exponential_squared"))
+        one_of("fog", self.fog, MENUS["fog"])
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (
             ("shading", Shading, "the shading"),

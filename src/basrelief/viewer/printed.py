@@ -17,9 +17,10 @@ from basrelief.lang.resources import Edge, buffer_record
 from basrelief.rendering.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shading import pixel
+from basrelief.shading.choices import RULES, Choices, bindings_of
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.surfaces.surface import SurfaceSettings
-from basrelief.shading.variant import RULES, Choices, bindings_of
+from basrelief.shading.variant import MENUS as VARIANT_MENUS
 from basrelief.techniques import TECHNIQUES, Technique, cone_bake
 from basrelief.techniques.technique import Settings
 from basrelief.viewer.bakes import BAKES, is_asked
@@ -33,9 +34,9 @@ MENUS: dict[str, tuple[str, ...]] = {
     "alpha": ("blend", "mask", "opaque"),
     "surface": tuple(SURFACES),
     "shadows": ("none", "hard", "soft"),
-    "shading_model": ("ggx", "phong"),
+    "shading_model": VARIANT_MENUS["shading_model"],
     "occlusion_kind": ("ambient", "directional"),
-    "fog": ("none", "linear", "exponential", "exponential_squared"),
+    "fog": VARIANT_MENUS["fog"],
 }
 """What a page chooses by name, as `Object` and `Scene` have it."""
 _EITHER = (True, False)
