@@ -28,8 +28,8 @@ from basrelief.lang.library import EDGE, library_of, linked
 from basrelief.lang.values import IVec2
 from basrelief.rendering.programs import choices_of, program_of, values_of
 from basrelief.scene.objects import technique_named
+from basrelief.shading.choices import RULES, Choices
 from basrelief.shading.shadow_map import CastView
-from basrelief.shading.variant import RULES, Choices
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Ask, answers, printed, tree_of
 
@@ -174,7 +174,7 @@ def test_every_option_of_every_slot_compiles() -> None:
         bound = made.bound(choices)
         new = left & set(bound.items())
         for entry in ("pixel", "missed_hit") if new else ():
-            text = linked(made.library, entry, bound)
+            text = linked(made.library, entry, bound, choices)
             gpu.create_shader_module(code=text)
             left -= {(name, each) for name, each in new if f" {name}" in text}
     # programs of boxes never ask for the surface between texels
@@ -207,7 +207,7 @@ def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -
     own = technique_named(f"{tmp_path / 'own.py'}:{name}")
     made = printed({"own": own})
     (choices,) = _some_choices(1, 4)
-    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)))
+    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)), choices)
     _gpu().create_shader_module(code=text)
 
 
@@ -231,7 +231,8 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     engine, size = GpuEngine(), (64, 48)
     program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
     made = printed()
-    text = linked(made.library, "pixel", made.bound(choices_of(thing, scene)))
+    choices = choices_of(thing, scene)
+    text = linked(made.library, "pixel", made.bound(choices), choices)
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]
     texel = np.zeros((1, 1, 4), np.uint16)

@@ -14,9 +14,9 @@ from basrelief.rendering import textures
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shading import pixel, relief, shapes, view_ray
+from basrelief.shading.choices import SHAPES, Choices, bindings_of
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import Light
-from basrelief.shading.variant import SHAPES, Choices, bindings_of
 from basrelief.techniques import Nothing, flat, projection
 
 MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_normal")
@@ -47,7 +47,7 @@ def _layer_scale(over: Material) -> float:
 def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
     choices = choices_of(thing, scene or Scene((thing,)))
-    return Program(pixel.pixel, bindings_of(choices), choices.edge)
+    return Program(pixel.pixel, bindings_of(choices), choices.edge, choices)
 
 
 def choices_of(thing: Object, scene: Scene) -> Choices:

@@ -35,6 +35,7 @@ from basrelief.shading.surfaces.surface import (
     surface_at,
 )
 from basrelief.shading.tangent_frame import from_tangent
+from basrelief.shading.variant import Variant
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.technique import Settings
 
@@ -78,6 +79,7 @@ def pixel(
     lights: Buffer[Light],
     distances: HeightField,
     views: Buffer[CastView],
+    variant: Variant,
 ) -> Pixel:
     """Find the object, displace the texture, read its maps there, and light it."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
@@ -102,7 +104,7 @@ def pixel(
         # every light falls on the displaced point, read from the displaced maps
         incoming = arriving(lights[k], point.position)
         towards = placement.to_object @ incoming.direction
-        light = reflectance(point, shading, incoming)
+        light = reflectance(point, shading, incoming, variant)
         # what gives no light throws no shadow either
         if max(max(light.x, light.y), light.z) > 0.0:
             reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
@@ -110,7 +112,8 @@ def pixel(
             share = share * openness(point, moved.height, incoming.direction, shading)
             color = color + light * share
             reads = reads + reaching.reads
-    color = fogged(color, distance, fog)
+    if variant.fog != "none":
+        color = fogged(color, distance, fog, variant)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
 
