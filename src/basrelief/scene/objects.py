@@ -20,6 +20,7 @@ from basrelief.shading.relief import Depth
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import Finish
 from basrelief.shading.surfaces.surface import MapPlaces
+from basrelief.shading.variant import MENUS, AlphaMode, Variant
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import technique_from_file
@@ -119,7 +120,7 @@ class Object:
     shift: tuple[float, float] = (0.0, 0.0)
     tilings: Mapping[str, Tiling] = field(default_factory=dict)
     mapping: Literal["planar", "triplanar"] = "planar"
-    alpha: Literal["blend", "mask", "opaque"] = "blend"
+    alpha: AlphaMode = Variant.alpha
     casts: Literal["shape", "opaque", "none"] = "shape"
     surface: Literal["standard", "landscape"] = "standard"
     finish: Any = field(default_factory=dict)
@@ -134,7 +135,7 @@ class Object:
         one_of("heights", self.heights, ("sharp", "smooth", "mip"))
         one_of("edge", self.edge, ("wrap", "clamp", "clip"))
         one_of("mapping", self.mapping, ("planar", "triplanar"))
-        one_of("alpha", self.alpha, ("blend", "mask", "opaque"))
+        one_of("alpha", self.alpha, MENUS["alpha"])
         one_of("casts", self.casts, ("shape", "opaque", "none"))
         one_of("surface", self.surface, tuple(SURFACES))
         within("scale", self.relief_scale, 0.0, 10.0)

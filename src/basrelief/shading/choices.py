@@ -33,7 +33,6 @@ class Choices(Variant):
     fades: bool
     mapping: str
     apart: bool
-    alpha: str
     surface: str
     layer: bool
     base_color: bool
@@ -124,11 +123,6 @@ _LEVELS: Mapping[str, AnyShader] = {
     "smooth": relief.as_the_pixel_sees,
     "mip": relief.nearest_level,
 }
-_ALPHA: Mapping[str, AnyShader] = {
-    "blend": standard.blended,
-    "mask": standard.masked,
-    "opaque": standard.opaque,
-}
 
 
 def _of_the_edge(slot: AnyShader) -> Rule:
@@ -159,7 +153,6 @@ RULES: dict[AnyShader, Rule] = {
     ),
     surface.spot_of: lambda c: surface.apart if c.apart else surface.together,
     surface.turned: lambda c: surface.mirrored_with if c.apart else surface.as_it_is,
-    standard.opacity_of: lambda c: _ALPHA[c.alpha],
     standard.layered: lambda c: standard.with_details if c.layer else standard.bare,
     landscape.high_ground: lambda c: landscape.of_the_layer if c.layer else landscape.as_below,
     standard.base_color_of: _base_color_of,

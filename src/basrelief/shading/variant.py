@@ -6,6 +6,7 @@ from typing import Literal
 
 from basrelief.lang import static, static_fields
 
+AlphaMode = Literal["blend", "mask", "opaque"]
 ShadingModel = Literal["ggx", "phong"]
 FogMode = Literal["none", "linear", "exponential", "exponential_squared"]
 
@@ -17,6 +18,7 @@ class Variant:
     Everything else is a number or a map, and turns no program into another.
     """
 
+    alpha: AlphaMode = "blend"
     shading_model: ShadingModel = "ggx"
     fog: FogMode = "none"
 

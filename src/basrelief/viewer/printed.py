@@ -31,7 +31,7 @@ MENUS: dict[str, tuple[str, ...]] = {
     "heights": ("sharp", "smooth", "mip"),
     "edge": ("wrap", "clamp", "clip"),
     "mapping": ("planar", "triplanar"),
-    "alpha": ("blend", "mask", "opaque"),
+    "alpha": VARIANT_MENUS["alpha"],
     "surface": tuple(SURFACES),
     "shadows": ("none", "hard", "soft"),
     "shading_model": VARIANT_MENUS["shading_model"],
