@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import random
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +31,7 @@ from basrelief.shading.choices import RULES, Choices
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Ask, answers, printed, tree_of
+from helpers.variants import random_choices
 
 
 @struct
@@ -125,12 +125,7 @@ def _gpu() -> Any:
 
 
 def _some_choices(count: int, seed: int) -> list[Choices]:
-    every = answers(TECHNIQUES)
-    rng = random.Random(seed)
-    return [
-        Choices(**{name: rng.choice([*each.values()]) for name, each in every.items()})
-        for _ in range(count)
-    ]
+    return [choices for _, choices in random_choices(count, seed)]
 
 
 def test_a_tree_says_what_its_rule_says() -> None:

@@ -105,7 +105,6 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
         (choices.SHAPES, kinds.ShapeKind),
         (choices.PROJECTIONS, kinds.Projection),
         (choices.LEVELS, kinds.HeightsKind),
-        (choices.ALPHA, kinds.AlphaKind),
         (choices.SURFACES, kinds.SurfaceKind),
         (choices.RECEIVERS, kinds.ShadowsOnKind),
         (SHAPES, kinds.ShapeKind),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import random
 from collections.abc import Iterator
 from importlib.resources import files
 from typing import Any
@@ -11,10 +10,9 @@ from typing import Any
 import pytest
 
 from basrelief.lang.library import linked
-from basrelief.shading.choices import Choices
-from basrelief.techniques import TECHNIQUES
-from basrelief.viewer.printed import Printed, answers, printed
+from basrelief.viewer.printed import Printed, printed
 from helpers.browser import SOFTWARE, chromium
+from helpers.variants import random_choices
 
 LINK = """async ([address, programs, entry, choices]) => {
   const { linked } = await import(address);
@@ -44,23 +42,8 @@ def by_page(browser: Any, made: Printed, entry: str, choices: list[dict[str, Any
         page.close()
 
 
-def random_choices(count: int) -> list[tuple[dict[str, Any], Choices]]:
-    """Choices as a page has them, and as the library does."""
-    every = answers(TECHNIQUES)
-    rng = random.Random(6)
-    found = []
-    for _ in range(count):
-        picked = {name: rng.choice([*each.items()]) for name, each in every.items()}
-        told = {
-            name: value if isinstance(value, bool) else text
-            for name, (text, value) in picked.items()
-        }
-        found.append((told, Choices(**{name: value for name, (_, value) in picked.items()})))
-    return found
-
-
 def test_the_page_makes_the_text_that_the_library_makes(browser: Any, made: Printed) -> None:
-    picked = random_choices(60)
+    picked = random_choices(60, 6)
     texts = by_page(browser, made, "pixel", [told for told, _ in picked])
     for (_, choices), text in zip(picked, texts, strict=True):
         assert text == linked(made.library, "pixel", made.bound(choices), choices)
@@ -68,7 +51,7 @@ def test_the_page_makes_the_text_that_the_library_makes(browser: Any, made: Prin
 
 
 def test_a_bake_needs_no_variant(browser: Any, made: Printed) -> None:
-    (_, choices), *_ = random_choices(1)
+    (_, choices), *_ = random_choices(1, 6)
     for in_sector, name in ((False, "everywhere"), (True, "in_sector")):
         told = {"edge": choices.edge, "in_sector": in_sector}
         (text,) = by_page(browser, made, "steepest", [told])
@@ -77,7 +60,7 @@ def test_a_bake_needs_no_variant(browser: Any, made: Printed) -> None:
 
 
 def test_a_choice_that_a_page_lacks_is_an_error(browser: Any, made: Printed) -> None:
-    (told, _), *_ = random_choices(1)
+    (told, _), *_ = random_choices(1, 6)
     del told["fog"]
     with pytest.raises(Exception, match="the page chooses no fog"):
         by_page(browser, made, "pixel", [told])

@@ -77,13 +77,14 @@ def choices_of(thing: Object, scene: Scene) -> Choices:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    choices = choices_of(thing, Scene((thing,)))
     # a relief that fades does so with the distance from the camera, not from a light
-    alpha = "opaque" if thing.casts == "opaque" else thing.alpha
-    bindings = bindings_of(replace(choices, fades=False, alpha=alpha))
+    choices = replace(choices_of(thing, Scene((thing,))), fades=False)
+    if thing.casts == "opaque":
+        choices = replace(choices, alpha="opaque")
+    bindings = bindings_of(choices)
     # heights say nothing of how far a ray goes where nothing is displaced
     bindings[relief.flat_height] = relief.unread
-    return Program(pixel.reach, bindings, choices.edge)
+    return Program(pixel.reach, bindings, choices.edge, choices)
 
 
 def rays_of(thing: Object) -> Program:

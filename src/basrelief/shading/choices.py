@@ -10,7 +10,6 @@ from basrelief.lang import Shader
 from basrelief.lang.resources import Edge
 from basrelief.shading import pixel, relief, self_shadow, shadow_map, shapes
 from basrelief.shading.kinds import (
-    AlphaKind,
     HeightsKind,
     MappingKind,
     OcclusionKind,
@@ -44,7 +43,6 @@ class Choices(Variant):
     fades: bool
     mapping: MappingKind
     apart: bool
-    alpha: AlphaKind
     surface: SurfaceKind
     layer: bool
     base_color: bool
@@ -168,11 +166,6 @@ LEVELS: Mapping[HeightsKind, AnyShader] = {
     "smooth": relief.as_the_pixel_sees,
     "mip": relief.nearest_level,
 }
-ALPHA: Mapping[AlphaKind, AnyShader] = {
-    "blend": standard.blended,
-    "mask": standard.masked,
-    "opaque": standard.opaque,
-}
 SURFACES: Mapping[SurfaceKind, AnyShader] = {
     "standard": standard.standard_surface,
     "landscape": landscape.landscape_surface,
@@ -215,7 +208,6 @@ RULES: dict[AnyShader, Rule] = {
     surface.surface_at: lambda c: SURFACES[c.surface],
     surface.spot_of: lambda c: surface.apart if c.apart else surface.together,
     surface.turned: lambda c: surface.mirrored_with if c.apart else surface.as_it_is,
-    standard.opacity_of: lambda c: ALPHA[c.alpha],
     standard.layered: lambda c: standard.with_details if c.layer else standard.bare,
     landscape.high_ground: lambda c: landscape.of_the_layer if c.layer else landscape.as_below,
     standard.base_color_of: _base_color_of,

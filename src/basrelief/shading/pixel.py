@@ -92,8 +92,9 @@ def pixel(
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     spot = spot_on(field, met, moved, depth)
     surface = surface_at(
-        spot, finish, places, base_color, normal, response, emission, layer_color, layer_normal
-    )
+        spot, finish, places, base_color, normal, response, emission,
+        layer_color, layer_normal, variant,
+    )  # fmt: skip
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     point = shading_point(ray, placement, met, surface, spot.slope, distance)
@@ -146,6 +147,7 @@ def reach(
     emission: Texture,
     layer_color: Texture,
     layer_normal: Texture,
+    variant: Variant,
 ) -> Reach:
     """The pixel of a depth map: the same object, relief and opacity, and no light."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
@@ -158,7 +160,7 @@ def reach(
         return Reach(0.0, False)
     surface = surface_at(
         spot_on(field, met, moved, depth), finish, places, base_color, normal, response, emission,
-        layer_color, layer_normal,
+        layer_color, layer_normal, variant,
     )  # fmt: skip
     return Reach(distance, surface.opacity >= SOLID)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from basrelief.lang import static
-from basrelief.shading.kinds import FogKind, ShadingModel
+from basrelief.shading.kinds import AlphaKind, FogKind, ShadingModel
 
 
 @static
@@ -13,5 +13,6 @@ class Variant:
     Everything else is a number or a map, and turns no program into another.
     """
 
+    alpha: AlphaKind = "blend"
     shading_model: ShadingModel = "ggx"
     fog: FogKind = "none"
