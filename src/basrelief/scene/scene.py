@@ -18,7 +18,7 @@ from basrelief.shading.camera import Camera
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
-from basrelief.shading.variant import MENUS, FogMode, ShadingModel, Variant
+from basrelief.shading.variant import MENUS, FogMode, OcclusionKind, ShadingModel, Variant
 
 BACKGROUND = (0.05, 0.055, 0.065)
 """What is behind the objects unless a scene says otherwise: a dark grey, linear."""
@@ -57,7 +57,7 @@ class Scene:
     shadows_on: Literal["relief", "polygon"] = "relief"
     shadow_map: int = 1024
     shadowing: Any = field(default_factory=dict)
-    occlusion_kind: Literal["ambient", "directional"] = "ambient"
+    occlusion_kind: OcclusionKind = Variant.occlusion_kind
     fog: FogMode = Variant.fog
     air: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = BACKGROUND
@@ -69,7 +69,7 @@ class Scene:
         one_of("shading_model", self.shading_model, MENUS["shading_model"])
         one_of("shadows", self.shadows, ("none", "hard", "soft"))
         one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
-        one_of("occlusion_kind", self.occlusion_kind, ("ambient", "directional"))
+        one_of("occlusion_kind", self.occlusion_kind, MENUS["occlusion_kind"])
         one_of("fog", self.fog, MENUS["fog"])
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (

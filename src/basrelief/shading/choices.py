@@ -44,7 +44,6 @@ class Choices(Variant):
     shadows: str
     shadows_on: str
     casts: bool
-    occlusion_kind: str
 
     @property
     def displaced(self) -> bool:
@@ -60,11 +59,6 @@ class Choices(Variant):
     def triplanar(self) -> bool:
         """Whether colours are laid on from three sides, as the relief lies."""
         return self.mapping == "triplanar" and self.displaced and self.base_color
-
-    @property
-    def directional(self) -> bool:
-        """Whether occlusion has a direction."""
-        return self.occlusion_kind == "directional"
 
 
 Rule = Callable[[Choices], AnyShader]
@@ -94,7 +88,7 @@ def _slope_of(c: Choices) -> AnyShader:
 
 def _flat_height(c: Choices) -> AnyShader:
     """The height where nothing is displaced, for what asks for one."""
-    if c.surface == "landscape" or c.directional:
+    if c.surface == "landscape" or c.occlusion_kind == "directional":
         return columns.top_at if c.boxed else relief.as_stored
     return relief.unread
 
@@ -181,6 +175,5 @@ RULES: dict[AnyShader, Rule] = {
     pixel.receiver: lambda c: (
         pixel.on_the_polygon if c.shadows_on == "polygon" else pixel.on_the_relief
     ),
-    pixel.openness: lambda c: pixel.open_from_above if c.directional else pixel.open_to_all,
 }
 """What each slot of `pixel` is bound to."""

@@ -8,6 +8,7 @@ from basrelief.lang import static, static_fields
 
 AlphaMode = Literal["blend", "mask", "opaque"]
 ShadingModel = Literal["ggx", "phong"]
+OcclusionKind = Literal["ambient", "directional"]
 FogMode = Literal["none", "linear", "exponential", "exponential_squared"]
 
 
@@ -20,6 +21,7 @@ class Variant:
 
     alpha: AlphaMode = "blend"
     shading_model: ShadingModel = "ggx"
+    occlusion_kind: OcclusionKind = "ambient"
     fog: FogMode = "none"
 
 

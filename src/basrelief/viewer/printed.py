@@ -35,7 +35,7 @@ MENUS: dict[str, tuple[str, ...]] = {
     "surface": tuple(SURFACES),
     "shadows": ("none", "hard", "soft"),
     "shading_model": VARIANT_MENUS["shading_model"],
-    "occlusion_kind": ("ambient", "directional"),
+    "occlusion_kind": VARIANT_MENUS["occlusion_kind"],
     "fog": VARIANT_MENUS["fog"],
 }
 """What a page chooses by name, as `Object` and `Scene` have it."""
