@@ -54,7 +54,6 @@ class Choices(Variant):
     shadows: ShadowsKind
     shadows_on: ShadowsOnKind
     casts: bool
-    occlusion_kind: OcclusionKind
 
     @property
     def displaced(self) -> bool:
@@ -70,11 +69,6 @@ class Choices(Variant):
     def triplanar(self) -> bool:
         """Whether colours are laid on from three sides, as the relief lies."""
         return _FROM_THREE_SIDES[self.mapping] and self.displaced and self.base_color
-
-    @property
-    def directional(self) -> bool:
-        """Whether occlusion has a direction."""
-        return _HAS_DIRECTION[self.occlusion_kind]
 
 
 Rule = Callable[[Choices], AnyShader]
@@ -110,7 +104,7 @@ def _slope_of(c: Choices) -> AnyShader:
 
 def _flat_height(c: Choices) -> AnyShader:
     """The height where nothing is displaced, for what asks for one."""
-    if _GOES_BY_HEIGHT[c.surface] or c.directional:
+    if _GOES_BY_HEIGHT[c.surface] or _HAS_DIRECTION[c.occlusion_kind]:
         return columns.top_at if c.boxed else relief.as_stored
     return relief.unread
 
@@ -232,6 +226,5 @@ RULES: dict[AnyShader, Rule] = {
         shadow_map.past_others if c.casts else shadow_map.nothing_else
     ),
     pixel.receiver: lambda c: RECEIVERS[c.shadows_on],
-    pixel.openness: lambda c: pixel.open_from_above if c.directional else pixel.open_to_all,
 }
 """What each slot of `pixel` is bound to."""

@@ -110,7 +110,9 @@ def pixel(
         if max(max(light.x, light.y), light.z) > 0.0:
             reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
             share = reaching.share * reaching_past_others(distances, views, k, receiving)
-            share = share * openness(point, moved.height, incoming.direction, shading)
+            if variant.occlusion_kind == "directional":
+                open = open_from_above(point, moved.height, incoming.direction, shading)
+                share = share * open
             color = color + light * share
             reads = reads + reaching.reads
     if variant.fog != "none":
@@ -275,20 +277,10 @@ def on_the_polygon(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
 # --- occlusion with a direction ------------------------------------------------------------------
 
 
-@slot
-def openness(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """How much of a light's direction the surroundings leave open."""
-
-
-@shader
-def open_to_all(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """All of it: occlusion acts on ambient light alone."""
-    return 1.0
-
-
 @shader
 def open_from_above(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """The occlusion map mixed with depth and N · L, a cheap likeness of soft shadows.
+    """How much of a light's direction the surroundings leave open: the occlusion map mixed with
+    depth and N · L, a cheap likeness of soft shadows.
 
     Light along the normal reaches everything; the flatter it comes, the less reaches what is
     occluded and what is deep. After S. Halliwell, Parallax Offset, 2014, who gives no formula.

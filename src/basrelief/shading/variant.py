@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from basrelief.lang import static
-from basrelief.shading.kinds import AlphaKind, FogKind, ShadingModel
+from basrelief.shading.kinds import AlphaKind, FogKind, OcclusionKind, ShadingModel
 
 
 @static
@@ -15,4 +15,5 @@ class Variant:
 
     alpha: AlphaKind = "blend"
     shading_model: ShadingModel = "ggx"
+    occlusion_kind: OcclusionKind = "ambient"
     fog: FogKind = "none"
