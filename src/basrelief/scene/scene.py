@@ -18,7 +18,14 @@ from basrelief.shading.camera import Camera
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
-from basrelief.shading.variant import MENUS, FogMode, OcclusionKind, ShadingModel, Variant
+from basrelief.shading.variant import (
+    MENUS,
+    FogMode,
+    OcclusionKind,
+    ShadingModel,
+    ShadowKind,
+    Variant,
+)
 
 BACKGROUND = (0.05, 0.055, 0.065)
 """What is behind the objects unless a scene says otherwise: a dark grey, linear."""
@@ -53,7 +60,7 @@ class Scene:
     lights: tuple[Light, ...] = field(default_factory=_default_lights)
     shading: Any = field(default_factory=dict)
     shading_model: ShadingModel = Variant.shading_model
-    shadows: Literal["none", "hard", "soft"] = "none"
+    shadows: ShadowKind = Variant.shadows
     shadows_on: Literal["relief", "polygon"] = "relief"
     shadow_map: int = 1024
     shadowing: Any = field(default_factory=dict)
@@ -67,7 +74,7 @@ class Scene:
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
         one_of("shading_model", self.shading_model, MENUS["shading_model"])
-        one_of("shadows", self.shadows, ("none", "hard", "soft"))
+        one_of("shadows", self.shadows, MENUS["shadows"])
         one_of("shadows_on", self.shadows_on, ("relief", "polygon"))
         one_of("occlusion_kind", self.occlusion_kind, MENUS["occlusion_kind"])
         one_of("fog", self.fog, MENUS["fog"])

@@ -8,10 +8,10 @@ from typing import Any, Literal
 
 from basrelief.lang import Shader
 from basrelief.lang.resources import Edge
-from basrelief.shading import pixel, relief, self_shadow, shadow_map, shapes
+from basrelief.shading import pixel, relief, shadow_map, shapes
 from basrelief.shading.surfaces import landscape, standard, surface
 from basrelief.shading.variant import Variant
-from basrelief.techniques import Technique, columns, displace, edge, flat, height, projection
+from basrelief.techniques import Technique, columns, displace, edge, height, projection
 
 AnyShader = Shader[..., Any]
 
@@ -41,19 +41,8 @@ class Choices(Variant):
     emission: bool
     layer_color: bool
     layer_normal: bool
-    shadows: str
     shadows_on: str
     casts: bool
-
-    @property
-    def displaced(self) -> bool:
-        """Whether there is a relief."""
-        return self.technique is not flat
-
-    @property
-    def boxed(self) -> bool:
-        """Whether each texel is a box."""
-        return self.technique.boxes
 
     @property
     def triplanar(self) -> bool:
@@ -95,13 +84,6 @@ def _flat_height(c: Choices) -> AnyShader:
 
 def _surface_height(c: Choices) -> AnyShader:
     return columns.top_at if c.boxed else height.heights_of(c.heights)[height.surface_height]
-
-
-def _shadow(c: Choices) -> AnyShader:
-    """What the relief hides of a light."""
-    if c.boxed:
-        return self_shadow.soft_of_boxes if c.shadows == "soft" else self_shadow.hard_of_boxes
-    return self_shadow.soft if c.shadows == "soft" else self_shadow.hard
 
 
 def _base_color_of(c: Choices) -> AnyShader:
@@ -164,11 +146,6 @@ RULES: dict[AnyShader, Rule] = {
         standard.mapped_layer_normal if c.layer_normal else standard.plain_layer_normal
     ),
     # --- the light
-    relief.unhidden: lambda c: (
-        relief.self_shadowed if c.shadows != "none" and c.displaced else relief.everything
-    ),
-    relief.lit_from: lambda c: relief.on_the_box if c.boxed else relief.on_the_surface,
-    self_shadow.shadow: _shadow,
     shadow_map.reaching_past_others: lambda c: (
         shadow_map.past_others if c.casts else shadow_map.nothing_else
     ),

@@ -7,6 +7,7 @@ from typing import Literal
 from basrelief.lang import static, static_fields
 
 AlphaMode = Literal["blend", "mask", "opaque"]
+ShadowKind = Literal["none", "hard", "soft"]
 ShadingModel = Literal["ggx", "phong"]
 OcclusionKind = Literal["ambient", "directional"]
 FogMode = Literal["none", "linear", "exponential", "exponential_squared"]
@@ -16,10 +17,14 @@ FogMode = Literal["none", "linear", "exponential", "exponential_squared"]
 class Variant:
     """What decides which code runs for a pixel, as `Object` and `Scene` have it.
 
-    Everything else is a number or a map, and turns no program into another.
+    Everything else is a number or a map, and turns no program into another. `displaced` says
+    whether there is a relief, `boxed` whether each texel of it is a box.
     """
 
+    displaced: bool = False
+    boxed: bool = False
     alpha: AlphaMode = "blend"
+    shadows: ShadowKind = "none"
     shading_model: ShadingModel = "ggx"
     occlusion_kind: OcclusionKind = "ambient"
     fog: FogMode = "none"

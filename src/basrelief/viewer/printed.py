@@ -33,7 +33,7 @@ MENUS: dict[str, tuple[str, ...]] = {
     "mapping": ("planar", "triplanar"),
     "alpha": VARIANT_MENUS["alpha"],
     "surface": tuple(SURFACES),
-    "shadows": ("none", "hard", "soft"),
+    "shadows": VARIANT_MENUS["shadows"],
     "shading_model": VARIANT_MENUS["shading_model"],
     "occlusion_kind": VARIANT_MENUS["occlusion_kind"],
     "fog": VARIANT_MENUS["fog"],
@@ -42,6 +42,8 @@ MENUS: dict[str, tuple[str, ...]] = {
 _EITHER = (True, False)
 CHOICES: dict[str, tuple[Any, ...]] = {
     **MENUS,
+    "displaced": _EITHER,
+    "boxed": _EITHER,
     # a relief that is clipped wraps or clamps within
     "edge": get_args(Edge),
     "clipped": _EITHER,
