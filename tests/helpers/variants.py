@@ -6,7 +6,7 @@ import random
 from typing import Any
 
 from basrelief.shading.choices import Choices
-from basrelief.techniques import TECHNIQUES
+from basrelief.techniques import TECHNIQUES, flat
 from basrelief.viewer.printed import answers
 
 
@@ -17,6 +17,10 @@ def random_choices(count: int, seed: int) -> list[tuple[dict[str, Any], Choices]
     found = []
     for _ in range(count):
         picked = {name: rng.choice([*each.items()]) for name, each in every.items()}
+        # what a technique says of itself, it alone decides
+        technique = picked["technique"][1]
+        for name, value in (("displaced", technique is not flat), ("boxed", technique.boxes)):
+            picked[name] = (str(value).lower(), value)
         told = {
             name: value if isinstance(value, bool) else text
             for name, (text, value) in picked.items()

@@ -52,8 +52,11 @@ def program_of(thing: Object, scene: Scene | None = None) -> Program:
 
 def choices_of(thing: Object, scene: Scene) -> Choices:
     """What an object's program depends on."""
+    technique = thing.drawn_with if thing.has_relief else flat
     return Choices(
-        technique=thing.drawn_with if thing.has_relief else flat,
+        technique=technique,
+        displaced=thing.has_relief,
+        boxed=technique.boxes,
         shape=thing.shape,
         projection=thing.relief_projection,
         heights=thing.heights,

@@ -8,20 +8,19 @@ from typing import Any, assert_never
 
 from basrelief.lang import Shader
 from basrelief.lang.resources import Edge
-from basrelief.shading import pixel, relief, self_shadow, shadow_map, shapes
+from basrelief.shading import pixel, relief, shadow_map, shapes
 from basrelief.shading.kinds import (
     HeightsKind,
     MappingKind,
     OcclusionKind,
     Projection,
-    ShadowsKind,
     ShadowsOnKind,
     ShapeKind,
     SurfaceKind,
 )
 from basrelief.shading.surfaces import landscape, standard, surface
 from basrelief.shading.variant import Variant
-from basrelief.techniques import Technique, columns, displace, edge, flat, height, projection
+from basrelief.techniques import Technique, columns, displace, edge, height, projection
 
 AnyShader = Shader[..., Any]
 
@@ -51,19 +50,8 @@ class Choices(Variant):
     emission: bool
     layer_color: bool
     layer_normal: bool
-    shadows: ShadowsKind
     shadows_on: ShadowsOnKind
     casts: bool
-
-    @property
-    def displaced(self) -> bool:
-        """Whether there is a relief."""
-        return self.technique is not flat
-
-    @property
-    def boxed(self) -> bool:
-        """Whether each texel is a box."""
-        return self.technique.boxes
 
     @property
     def triplanar(self) -> bool:
@@ -111,27 +99,6 @@ def _flat_height(c: Choices) -> AnyShader:
 
 def _surface_height(c: Choices) -> AnyShader:
     return columns.top_at if c.boxed else height.heights_of(c.heights)[height.surface_height]
-
-
-def _shadow(c: Choices) -> AnyShader:
-    """What the relief hides of a light; read by no program that has no shadows."""
-    match c.shadows:
-        case "soft":
-            return self_shadow.soft_of_boxes if c.boxed else self_shadow.soft
-        case "hard" | "none":
-            return self_shadow.hard_of_boxes if c.boxed else self_shadow.hard
-        case _:
-            assert_never(c.shadows)
-
-
-def _unhidden(c: Choices) -> AnyShader:
-    match c.shadows:
-        case "none":
-            return relief.everything
-        case "hard" | "soft":
-            return relief.self_shadowed if c.displaced else relief.everything
-        case _:
-            assert_never(c.shadows)
 
 
 def _base_color_of(c: Choices) -> AnyShader:
@@ -219,9 +186,6 @@ RULES: dict[AnyShader, Rule] = {
         standard.mapped_layer_normal if c.layer_normal else standard.plain_layer_normal
     ),
     # --- the light
-    relief.unhidden: _unhidden,
-    relief.lit_from: lambda c: relief.on_the_box if c.boxed else relief.on_the_surface,
-    self_shadow.shadow: _shadow,
     shadow_map.reaching_past_others: lambda c: (
         shadow_map.past_others if c.casts else shadow_map.nothing_else
     ),

@@ -24,7 +24,7 @@ from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.fog import Fog, fogged
 from basrelief.shading.intersection import Meeting, Placement, View, meet
 from basrelief.shading.lights import Light, arriving
-from basrelief.shading.relief import Depth, Displaced, displaced, slope_of, unhidden
+from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, reaching_past_others
 from basrelief.shading.surfaces.surface import (
@@ -104,17 +104,21 @@ def pixel(
     for k in range(len(lights)):
         # every light falls on the displaced point, read from the displaced maps
         incoming = arriving(lights[k], point.position)
-        towards = placement.to_object @ incoming.direction
         light = reflectance(point, shading, incoming, variant)
         # what gives no light throws no shadow either
         if max(max(light.x, light.y), light.z) > 0.0:
-            reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
-            share = reaching.share * reaching_past_others(distances, views, k, receiving)
+            share = reaching_past_others(distances, views, k, receiving)
+            if variant.shadows != "none" and variant.displaced:
+                towards = placement.to_object @ incoming.direction
+                reaching = self_shadowed(
+                    field, met, moved, depth, smoothing, towards, shadowing, variant
+                )
+                share = share * reaching.share
+                reads = reads + reaching.reads
             if variant.occlusion_kind == "directional":
                 open = open_from_above(point, moved.height, incoming.direction, shading)
                 share = share * open
             color = color + light * share
-            reads = reads + reaching.reads
     if variant.fog != "none":
         color = fogged(color, distance, fog, variant)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)

@@ -54,6 +54,8 @@ MENUS: dict[str, tuple[str, ...]] = {
 _EITHER = (True, False)
 CHOICES: dict[str, tuple[Any, ...]] = {
     **MENUS,
+    "displaced": _EITHER,
+    "boxed": _EITHER,
     # a relief that is clipped wraps or clamps within
     "edge": get_args(Edge),
     "clipped": _EITHER,
