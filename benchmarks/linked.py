@@ -60,7 +60,8 @@ def jobs(
     began = time.perf_counter()
     whole = engine.prepare(program, values, size)
     between = time.perf_counter()
-    text = linked(library, "pixel", made.bound(choices_of(thing, scene)))
+    choices = choices_of(thing, scene)
+    text = linked(library, "pixel", made.bound(choices), choices)
     both = {
         "whole": whole,
         "linked": engine.prepare_text(text, program, {**nothing, **values}, size, needed),

@@ -117,7 +117,7 @@ def test_python_computes_the_same_pixel_as_the_cpu(technique: str, shape: str) -
     unread = {**dict.fromkeys(maps, nothing), **others}
     for x, y in [(20, 12), (15, 9), (24, 14), (0, 0)]:
         with bound(program.bindings):
-            one = pixel(IVec2(x, y), **{**unread, **values})
+            one = pixel(IVec2(x, y), **{**unread, **values}, variant=program.variant)
         got = [planes[name][y, x] for name, _ in program.planes]
         assert got == [*leaf_values(one, Pixel)]
     assert planes["hit"][12, 20]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import random
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,10 +27,11 @@ from basrelief.lang.library import EDGE, library_of, linked
 from basrelief.lang.values import IVec2
 from basrelief.rendering.programs import choices_of, program_of, values_of
 from basrelief.scene.objects import technique_named
+from basrelief.shading.choices import RULES, Choices
 from basrelief.shading.shadow_map import CastView
-from basrelief.shading.variant import RULES, Choices
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Ask, answers, printed, tree_of
+from helpers.variants import random_choices
 
 
 @struct
@@ -125,12 +125,7 @@ def _gpu() -> Any:
 
 
 def _some_choices(count: int, seed: int) -> list[Choices]:
-    every = answers(TECHNIQUES)
-    rng = random.Random(seed)
-    return [
-        Choices(**{name: rng.choice([*each.values()]) for name, each in every.items()})
-        for _ in range(count)
-    ]
+    return [choices for _, choices in random_choices(count, seed)]
 
 
 def test_a_tree_says_what_its_rule_says() -> None:
@@ -174,7 +169,7 @@ def test_every_option_of_every_slot_compiles() -> None:
         bound = made.bound(choices)
         new = left & set(bound.items())
         for entry in ("pixel", "missed_hit") if new else ():
-            text = linked(made.library, entry, bound)
+            text = linked(made.library, entry, bound, choices)
             gpu.create_shader_module(code=text)
             left -= {(name, each) for name, each in new if f" {name}" in text}
     # programs of boxes never ask for the surface between texels
@@ -207,7 +202,7 @@ def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -
     own = technique_named(f"{tmp_path / 'own.py'}:{name}")
     made = printed({"own": own})
     (choices,) = _some_choices(1, 4)
-    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)))
+    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)), choices)
     _gpu().create_shader_module(code=text)
 
 
@@ -231,7 +226,8 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     engine, size = GpuEngine(), (64, 48)
     program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
     made = printed()
-    text = linked(made.library, "pixel", made.bound(choices_of(thing, scene)))
+    choices = choices_of(thing, scene)
+    text = linked(made.library, "pixel", made.bound(choices), choices)
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]
     texel = np.zeros((1, 1, 4), np.uint16)

@@ -577,7 +577,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
     frame = drawn(scene)
     for x, y in ((32, 18), (28, 20), (36, 16)):
         with bound(program.bindings):
-            one = pixel(IVec2(x, y), **{**unread, **values})
+            one = pixel(IVec2(x, y), **{**unread, **values}, variant=program.variant)
         assert one.hit == frame.hit[y, x]
         assert [*one.uv] == [*frame.uv[y, x]]
         assert one.depth == frame.depth[y, x]

@@ -159,11 +159,17 @@ def test_what_is_drawn_opaque_casts_no_holes() -> None:
 
 def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     material = replace(sample("tiles", 16), opacity=map_of(np.ones((16, 16))))
-    words = {"blend": "blended", "mask": "masked", "opaque": "fn opaque("}
-    for alpha in words:
+    readings = {
+        "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",
+        "mask": "opacity_of(opacity: f32, finish: Finish) -> f32 {\n"
+        "  return masked(opacity, finish);\n}",
+        "opaque": "opacity_of() -> f32 {\n  return 1.0;\n}",
+    }
+    for alpha in readings:
         thing = Object(material, alpha=alpha)
         text = print_wgsl(program_of(thing).module, "wrap")
-        assert [word in text for word in words.values()] == [each == alpha for each in words]
+        assert [each in text for each in readings.values()] == [each == alpha for each in readings]
+        assert ("masked" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
             program = reach_of(replace(thing, casts=casts))
             assert ("masked" in print_wgsl(program.module, "wrap")) == cut

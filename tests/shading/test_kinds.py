@@ -13,7 +13,7 @@ import pytest
 from basrelief import baking
 from basrelief.errors import InputError
 from basrelief.images import Picture
-from basrelief.lang import HeightField, Shader, Texture
+from basrelief.lang import HeightField, Shader, Texture, static_fields
 from basrelief.material import channels, sample
 from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.debug import SHOWN, debug_picture
@@ -25,8 +25,9 @@ from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.presets import Preset, preset
 from basrelief.scene.transforms import OUTLINES
-from basrelief.shading import kinds, variant
+from basrelief.shading import choices, kinds
 from basrelief.shading.kinds import LightKind, light_kind, values_of
+from basrelief.shading.variant import Variant
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import light_of, said_light
 from basrelief.viewer.state import plain_light
@@ -78,15 +79,17 @@ def told(name: str, value: str) -> str:
 
 @pytest.mark.parametrize(("name", "value"), EACH)
 def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
-    """All slots are bound, and another value of the same option binds some otherwise."""
+    """All slots are bound; another value of an option binds some otherwise, or is branched on."""
     # the options below bind slots that the value may change
     others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard"}
     bindings = {}
     for each in values_of(OPTIONS[name]):
         made = scene(**{**others, name: each})
         chosen = choices_of(made.objects[0], made)
-        bindings[each] = variant.bindings_of(chosen)
-        assert all(isinstance(shader, Shader) for shader in bindings[each].values())
+        bound = choices.bindings_of(chosen)
+        assert all(isinstance(shader, Shader) for shader in bound.values())
+        # shaders branch on a variant's fields
+        bindings[each] = bound, [getattr(chosen, field) for field in static_fields(Variant)]
         assert program_of(made.objects[0], made).key
     same = [each for each in bindings if bindings[each] == bindings[value]]
     # objects that cast nothing are drawn no otherwise themselves; within, clip repeats as wrap does
@@ -99,14 +102,11 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
 @pytest.mark.parametrize(
     ("table", "kind"),
     [
-        (variant.SHAPES, kinds.ShapeKind),
-        (variant.PROJECTIONS, kinds.Projection),
-        (variant.LEVELS, kinds.HeightsKind),
-        (variant.ALPHA, kinds.AlphaKind),
-        (variant.SURFACES, kinds.SurfaceKind),
-        (variant.RECEIVERS, kinds.ShadowsOnKind),
-        (variant.REFLECTANCES, kinds.ShadingModel),
-        (variant.FOGS, kinds.FogKind),
+        (choices.SHAPES, kinds.ShapeKind),
+        (choices.PROJECTIONS, kinds.Projection),
+        (choices.LEVELS, kinds.HeightsKind),
+        (choices.SURFACES, kinds.SurfaceKind),
+        (choices.RECEIVERS, kinds.ShadowsOnKind),
         (SHAPES, kinds.ShapeKind),
         (SURFACES, kinds.SurfaceKind),
         (OUTLINES, kinds.ShapeKind),

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basrelief.lang import Vec3, bound
+from basrelief.lang import Vec3
 from basrelief.lang.frontend import analyse
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, ggx, phong, reflectance
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Incoming, Light, arriving, cone
+from basrelief.shading.variant import Variant
 
 UP = (0, 0, 1)
 MODELS = [phong, ggx]
@@ -71,13 +72,17 @@ def light(kind, **changed):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_shaders_are_in_the_subset_and_fit_the_slot(model):
+def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(model):
     analyse(model)
-    assert analyse(reflectance, {reflectance: model}).entry.name == model.name
+    variant = Variant(shading_model=model.name)
+    module = analyse(reflectance, variant=variant)
+    others = {each.name for each in MODELS if each is not model}
+    names = {function.name for function in module.functions}
+    assert model.name in names
+    assert not others & names
     analyse(arriving)
     analyse(ambient_light)
-    with bound({reflectance: model}):
-        seen = reflectance(point_seen(), Shading(), coming(UP))
+    seen = reflectance(point_seen(), Shading(), coming(UP), variant)
     assert seen == model(point_seen(), Shading(), coming(UP))
 
 

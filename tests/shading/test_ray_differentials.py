@@ -169,7 +169,7 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
         program, values = program_of(thing), values_of(thing, scene, (32, 18), choose_engine("cpu"))
         spots.clear()
         with bound(program.bindings):
-            given = {**unread, **values}
+            given = {**unread, **values, "variant": program.variant}
             for place in [(16, 9), (12, 8), (19, 11)]:
                 pixels.pixel(IVec2(*place), **given)
         seen[technique] = list(spots)

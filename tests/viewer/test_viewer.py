@@ -1410,9 +1410,7 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
 def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) -> None:
     seen = Seen(browser, page_file)
     before = seen.frame().color
-    seen.page.evaluate(
-        """() => { viewer.data.programs.slots.displace.steep[0] += "fn broken( {"; }"""
-    )
+    seen.page.evaluate("""() => { viewer.data.programs.slots.displace.steep += "fn broken( {"; }""")
     seen.page.get_by_label("Technique", exact=True).select_option("steep")
     seen.page.wait_for_function("document.getElementById('messages').textContent !== ''")
     assert "steep:" in seen.text("#messages")

@@ -288,7 +288,7 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
         """() => {
           const { entries } = viewer.data.programs;
           window.far_record = entries.far_record;
-          entries.far_record = ["fn broken( {", []];
+          entries.far_record = "fn broken( {";
           for (const key of viewer.gpu.pipelines.keys()) {
             if (key.startsWith("far_record")) viewer.gpu.pipelines.delete(key);
           }

@@ -12,15 +12,27 @@ import inspect
 import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from basrelief.lang import elementary, tree
+from basrelief.lang import conditions, elementary, tree
 from basrelief.lang.intrinsics import BY_FUNCTION
 from basrelief.lang.resources import buffer_record, is_handle
 from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record, is_type_slot
+from basrelief.lang.specialize import specialized, unspecialized
+from basrelief.lang.types import (
+    SCALARS,
+    VECTORS,
+    ShaderError,
+    StaticField,
+    fields_of,
+    is_record,
+    is_static,
+    is_type_slot,
+    static_fields,
+)
 from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
 
@@ -39,32 +51,32 @@ _COMPARE = {
 LARGEST_FLOAT = 3.4028235e38
 
 
-def analyse(entry: Shader[..., Any], bindings: Bindings | None = None) -> tree.Module:
-    """The typed tree of a program: the entry, and all that it calls with the slots bound.
+def analyse(
+    entry: Shader[..., Any], bindings: Bindings | None = None, variant: Any = None
+) -> tree.Module:
+    """The typed tree of a program: the entry, and what it calls with the slots bound.
 
-    Raises ShaderError for anything outside the subset.
+    `variant` is the value of the static record on which its conditions are. Raises ShaderError for
+    anything outside the subset, in branches that are not taken too.
     """
-    return _Program(bindings or {}).module(entry)
+    bindings = bindings or {}
+    types = bound_types(bindings)
+    functions = _reached([entry], bindings)
+    return specialized(_resolved(entry, bindings), functions, bindings, types, variant)
 
 
 def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
     """Typed functions of several shaders and of what they call, each once."""
-    program = _Program({})
-    for shader in shaders:
-        program.function(shader)
-    return list(program.done.values())
+    return list(analyse_apart(shaders).values())
 
 
 def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
     """Typed functions of shaders, slots among them, and of all that they call; nothing is bound.
 
-    A slot is called by its own name and has no body; a type slot stays one; every parameter is
-    kept, whether or not anything reads it.
+    A slot is called by its own name and has no body; a type slot stays one; static conditions stay;
+    every parameter is kept, whether or not anything reads it.
     """
-    program = _Apart({})
-    for shader in shaders:
-        program.function(shader)
-    return program.done
+    return unspecialized(_reached(shaders, None))
 
 
 @functools.cache
@@ -74,88 +86,61 @@ def elementary_functions() -> dict[str, tree.Function]:
     return {function.name: function for function in analyse_all(shaders)}
 
 
-class _Program:
-    """Analyses shaders once each, callees before callers, under one set of bindings."""
+@dataclass(frozen=True)
+class _Typed:
+    """A shader's typed function, the shaders that it calls, and what the names in it stood for."""
 
-    def __init__(self, bindings: Bindings) -> None:
-        self.bindings = bindings
-        self.done: dict[Shader[..., Any], tree.Function] = {}
-        self.under_way: list[Shader[..., Any]] = []
-        self.names: set[str] = set()
-        self.types = bound_types(bindings)
+    function: tree.Function
+    calls: tuple[Shader[..., Any], ...]
+    names: Mapping[str, Any]
 
-    def module(self, entry: Shader[..., Any]) -> tree.Module:
-        function = self.function(entry)
-        return tree.Module(list(self.done.values()), function)
 
-    def resolve(self, shader: Shader[..., Any]) -> Shader[..., Any]:
-        """The shader itself, or what is bound to it where it is a slot."""
-        seen = shader
-        while seen.is_slot:
-            if seen not in self.bindings:
-                raise ShaderError(f"{seen.location}: the slot {seen.name} is not bound")
-            seen = self.bindings[seen]
-        return seen
+def _typed(shader: Shader[..., Any]) -> _Typed:
+    """A shader analysed for whatever program it will be in, anew where a name in it has changed."""
+    known: _Typed | None = shader.typed
+    if known is None or any(shader.find(name) is not value for name, value in known.names.items()):
+        known = shader.typed = _FunctionAnalysis(shader).run()
+    return known
 
-    def type_of(self, annotation: Any) -> Any:
-        """An annotation's type, with type slots filled in."""
-        if is_type_slot(annotation):
-            if annotation not in self.types:
-                raise ShaderError(f"the type slot {annotation.__name__} is not bound")
-            return self.types[annotation]
-        return annotation
 
-    def function(self, shader: Shader[..., Any]) -> tree.Function:
-        shader = self.resolve(shader)
-        if shader in self.done:
-            return self.done[shader]
-        if shader in self.under_way:
+def _reached(
+    shaders: Iterable[Shader[..., Any]], bindings: Bindings | None
+) -> dict[Shader[..., Any], tree.Function]:
+    """Typed functions of shaders and of all that they call, callees before callers.
+
+    Where there are bindings a slot is the shader bound to it. Raises ShaderError for recursion.
+    """
+    found: dict[Shader[..., Any], tree.Function] = {}
+    under_way: list[Shader[..., Any]] = []
+
+    def visit(shader: Shader[..., Any]) -> None:
+        if bindings is not None:
+            shader = _resolved(shader, bindings)
+        if shader in found:
+            return
+        if shader in under_way:
             raise ShaderError(
                 f"{shader.location}: {shader.name} calls itself; write a loop with a bound"
             )
-        self.under_way.append(shader)
-        entry = len(self.under_way) == 1
-        function = self.analysed(shader, entry)
-        self.under_way.pop()
-        number = 2
-        while function.name in self.names:
-            function.name = f"{shader.name}_{number}"
-            number += 1
-        self.names.add(function.name)
-        self.done[shader] = function
-        return function
+        under_way.append(shader)
+        typed = _typed(shader)
+        for callee in typed.calls:
+            visit(callee)
+        under_way.pop()
+        found[shader] = typed.function
 
-    def analysed(self, shader: Shader[..., Any], entry: bool) -> tree.Function:
-        """A shader's typed function, the name not yet cleared of others.
-
-        What a shader never reads is not passed to it: a program without a height map has no trace
-        of one; the pixel stays, since the engine's loop passes it.
-        """
-        analysis = _FunctionAnalysis(self, shader)
-        function = analysis.run()
-        function.parameters = {
-            name: t
-            for index, (name, t) in enumerate(analysis.parameters.items())
-            if name in analysis.used_parameters or (entry and index == 0)
-        }
-        return function
+    for shader in shaders:
+        visit(shader)
+    return found
 
 
-class _Apart(_Program):
-    """Analyses shaders for whatever their slots will be bound to."""
-
-    def resolve(self, shader: Shader[..., Any]) -> Shader[..., Any]:
-        return shader
-
-    def type_of(self, annotation: Any) -> Any:
-        return annotation
-
-    def analysed(self, shader: Shader[..., Any], entry: bool) -> tree.Function:
-        if not shader.is_slot:
-            return _FunctionAnalysis(self, shader).run()
-        parameters, result = shader.signature
-        doc = inspect.cleandoc(shader.__doc__ or "")
-        return tree.Function(shader.name, parameters, result, tree.Block(), doc, shader.location)
+def _resolved(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., Any]:
+    """The shader itself, or what is bound to it where it is a slot."""
+    while shader.is_slot:
+        if shader not in bindings:
+            raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
+        shader = bindings[shader]
+    return shader
 
 
 def bound_types(bindings: Bindings) -> dict[type, Any]:
@@ -187,39 +172,22 @@ def _signature_text(shader: Shader[..., Any]) -> str:
     return f"({inside}) -> {named(result)}"
 
 
-class _Scope:
-    """A block while it is analysed: its statements, and which block encloses it."""
-
-    def __init__(self, parent: _Scope | None) -> None:
-        self.parent = parent
-        self.block = tree.Block()
-
-    def chain(self) -> list[_Scope]:
-        """This scope and those around it, the innermost first."""
-        return [self, *(self.parent.chain() if self.parent else [])]
-
-
 class _FunctionAnalysis:
     """One shader's body, statement by statement."""
 
-    def __init__(self, program: _Program, shader: Shader[..., Any]) -> None:
-        self.program = program
+    def __init__(self, shader: Shader[..., Any]) -> None:
         self.shader = shader
         self.source = shader.source
-        annotated, result = shader.signature
-        self.parameters = {name: program.type_of(t) for name, t in annotated.items()}
-        self.result = program.type_of(result)
+        self.parameters, self.result = shader.signature
         self.check_form()
         for name, t in [*self.parameters.items(), ("return", self.result)]:
             self.check_type(t, name)
         self.locals: dict[str, Any] = {}
         self.loop_names: set[str] = set()
-        self.assignments: dict[str, list[tuple[_Scope, tree.Assign]]] = {}
-        self.uses: dict[str, list[_Scope]] = {}
         self.assigned: set[str] = set()
-        self.used_parameters: set[str] = set()
-        self.scope = _Scope(None)
-        self.loops = 0
+        self.calls: dict[Shader[..., Any], None] = {}
+        self.names: dict[str, Any] = {}
+        self.block = tree.Block()
 
     def check_form(self) -> None:
         code = self.shader.function.__code__
@@ -243,71 +211,58 @@ class _FunctionAnalysis:
         if is_record(record):
             for field, inner in fields_of(record).items():
                 self.check_name(field)
-                self.check_type(self.program.type_of(inner), "return")
+                self.check_type(inner, "return")
         value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
         handle = is_handle(t) and (record is t or is_record(record))
-        if not value and not (handle and name != "return"):
+        if not value and not ((handle or is_static(t)) and name != "return"):
             raise ShaderError(
                 f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
                 "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
             )
 
-    def run(self) -> tree.Function:
-        returns = self.block_into(self.scope, self.source.tree.body)
-        if not returns:
-            raise self.source.error(
-                self.source.tree.body[-1],
-                f"{self.shader.name} can end without a result; end every path with `return`",
-            )
-        self.place_declarations()
-        once = {name for name, found in self.assignments.items() if len(found) == 1}
-        declared = {n for n in once if self.assignments[n][0][1].declares}
-        return tree.Function(
+    def run(self) -> _Typed:
+        if not self.shader.is_slot:
+            leaves = self.block_into(self.block, self.source.tree.body)
+            if leaves is not True:
+                raise self.source.error(
+                    self.source.tree.body[-1],
+                    f"{self.shader.name} can end without a result; end every path with `return`",
+                )
+        function = tree.Function(
             name=self.shader.name,
-            parameters=self.parameters,
+            parameters={name: t for name, t in self.parameters.items() if not is_static(t)},
             result=self.result,
-            body=self.scope.block,
+            body=self.block,
             doc=inspect.cleandoc(self.shader.__doc__ or ""),
             location=self.shader.location,
             locals=self.locals,
-            constants=frozenset(declared),
         )
-
-    # --- where variables live --------------------------------------------------------------
-
-    def place_declarations(self) -> None:
-        """Give each variable the innermost block that holds all its uses as its home."""
-        for name, found in self.assignments.items():
-            scopes = [scope for scope, _ in found] + self.uses.get(name, [])
-            home = next(
-                candidate
-                for candidate in scopes[0].chain()
-                if all(candidate in scope.chain() for scope in scopes)
-            )
-            first_scope, first = found[0]
-            if first_scope is home:
-                first.declares = True
-            else:
-                home.block.hoisted[name] = self.locals[name]
+        return _Typed(function, tuple(self.calls), self.names)
 
     # --- statements -------------------------------------------------------------------------
 
-    def block_into(self, scope: _Scope, statements: list[ast.stmt]) -> bool:
-        """Analyse statements into a scope; whether every path through them leaves it."""
-        outer, self.scope = self.scope, scope
-        leaves = False
-        for node in statements:
-            if leaves:
+    def block_into(self, block: tree.Block, statements: list[ast.stmt]) -> conditions.Leaves:
+        """Analyse statements into a block; whether every path through them leaves it."""
+        outer, self.block = self.block, block
+        leaves: conditions.Leaves = False
+        for index, node in enumerate(statements):
+            if leaves is True:
                 raise self.source.error(node, "nothing gets here; remove it")
+            if leaves is not False:
+                # the rest is done where no static condition has left
+                rest = tree.Block()
+                self.emit(tree.If(tree.Static(bool, leaves), tree.Block(), rest))
+                leaves = conditions.either(leaves, self.block_into(rest, statements[index:]))
+                break
             before = self.source.comments_before(node.lineno)
             leaves = self.statement(node, before)
-        self.scope = outer
+        self.block = outer
         return leaves
 
     def emit(self, statement: tree.Statement) -> None:
-        self.scope.block.statements.append(statement)
+        self.block.statements.append(statement)
 
-    def statement(self, node: ast.stmt, comments: tuple[str, ...]) -> bool:
+    def statement(self, node: ast.stmt, comments: tuple[str, ...]) -> conditions.Leaves:
         match node:
             case ast.Expr(ast.Constant(str())):
                 return False
@@ -351,25 +306,25 @@ class _FunctionAnalysis:
             raise self.source.error(node, "a resource is passed on, not assigned")
         known = self.locals.setdefault(name, value.type)
         self.expect(node, value.type, known, f"{name}, which is a {named(known)},")
-        statement = tree.Assign(name, value, comments=comments)
-        self.assignments.setdefault(name, []).append((self.scope, statement))
         self.assigned.add(name)
-        self.emit(statement)
+        self.emit(tree.Assign(name, value, comments=comments))
 
-    def if_statement(self, node: ast.If, comments: tuple[str, ...]) -> bool:
+    def if_statement(self, node: ast.If, comments: tuple[str, ...]) -> conditions.Leaves:
         test = self.condition(node.test)
-        then, otherwise = _Scope(self.scope), _Scope(self.scope)
+        then, otherwise = tree.Block(), tree.Block()
         before = set(self.assigned)
         then_leaves = self.block_into(then, node.body)
         after_then, self.assigned = self.assigned, set(before)
-        else_leaves = bool(node.orelse) and self.block_into(otherwise, node.orelse)
+        else_leaves = self.block_into(otherwise, node.orelse)
         after_else = self.assigned
-        if then_leaves or else_leaves:
-            self.assigned = after_else if then_leaves else after_then
+        if then_leaves is True or else_leaves is True:
+            self.assigned = after_else if then_leaves is True else after_then
         else:
             self.assigned = after_then & after_else
-        self.emit(tree.If(test, then.block, otherwise.block, comments=comments))
-        return then_leaves and else_leaves
+        (made,) = conditions.split(test, then, otherwise, conditions.branch).statements
+        made.comments = comments
+        self.emit(made)
+        return conditions.split(test, then_leaves, else_leaves, conditions.left)
 
     def for_statement(self, node: ast.For, comments: tuple[str, ...]) -> None:
         assert isinstance(node.target, ast.Name)
@@ -391,7 +346,7 @@ class _FunctionAnalysis:
         self.loop_names.add(name)
         inner = self.loop_body(node, name)
         self.loop_names.discard(name)
-        self.emit(tree.For(name, start, stop, int(step.value), inner.block, comments=comments))
+        self.emit(tree.For(name, start, stop, int(step.value), inner, comments=comments))
 
     def while_statement(self, node: ast.While, comments: tuple[str, ...]) -> None:
         test = self.condition(node.test)
@@ -402,16 +357,14 @@ class _FunctionAnalysis:
                 "last in the body), or write `for k in range(n)` with a `break`",
             )
         inner = self.loop_body(node, None)
-        self.emit(tree.While(test, inner.block, comments=comments))
+        self.emit(tree.While(test, inner, comments=comments))
 
-    def loop_body(self, node: ast.For | ast.While, counter: str | None) -> _Scope:
-        inner = _Scope(self.scope)
+    def loop_body(self, node: ast.For | ast.While, counter: str | None) -> tree.Block:
+        inner = tree.Block()
         before = set(self.assigned)
         if counter:
             self.assigned.add(counter)
-        self.loops += 1
         self.block_into(inner, node.body)
-        self.loops -= 1
         self.assigned = before
         return inner
 
@@ -442,19 +395,22 @@ class _FunctionAnalysis:
             case ast.BoolOp(operator, values):
                 parts = [self.condition(value) for value in values]
                 word = "and" if isinstance(operator, ast.And) else "or"
-                whole = parts[0]
-                for part in parts[1:]:
-                    whole = tree.Logic(bool, word, whole, part)
-                return whole
+                return functools.reduce(functools.partial(conditions.logic, word), parts)
             case ast.Compare():
                 return self.comparison(node)
             case ast.IfExp(test, then, otherwise):
                 a, b = self.expression(then), self.expression(otherwise)
-                if is_handle(a.type):
-                    raise self.source.error(node, "a resource is not chosen; choose what is read")
+                chosen = self.condition(test)
+                if is_handle(a.type) and not isinstance(chosen, tree.Static):
+                    raise self.source.error(
+                        node, "a resource is not chosen but by a static condition; choose what is "
+                        "read"
+                    )  # fmt: skip
                 self.expect(otherwise, b.type, a.type, "the other choice")
-                return tree.Select(a.type, self.condition(test), a, b)
+                return conditions.split(chosen, a, b, conditions.choice)
             case ast.Attribute(operand, name):
+                if self.static_record(operand) is not None:
+                    return self.flag(node)
                 return self.attribute(node, self.expression(operand), name)
             case ast.Subscript(operand, index):
                 buffer = self.expression(operand)
@@ -474,12 +430,21 @@ class _FunctionAnalysis:
         if type(value) is float and LARGEST_FLOAT < abs(value) < math.inf:
             raise self.source.error(node, "a float has 32 bits, at most 3.4028235e38")
         if type(value) not in SCALARS:
-            raise self.source.error(node, "numbers and bools only; the subset has no text")
+            raise self.source.error(
+                node,
+                "numbers and bools only; the subset has no text but in static conditions, as in "
+                '`variant.fog == "linear"`',
+            )
         return tree.Literal(type(value), value)
 
     def name(self, node: ast.Name, name: str) -> tree.Expression:
+        if self.static_record(node) is not None:
+            raise self.source.error(
+                node,
+                f"{name} is a static record, no value; branch on its fields, or pass it on to a "
+                "shader",
+            )
         if name in self.parameters:
-            self.used_parameters.add(name)
             return tree.Local(self.parameters[name], name)
         if name in self.loop_names:
             return tree.Local(int, name)
@@ -488,7 +453,6 @@ class _FunctionAnalysis:
                 raise self.source.error(
                     node, f"{name} has no value on every path to here; set it before the branch"
                 )
-            self.uses.setdefault(name, []).append(self.scope)
             return tree.Local(self.locals[name], name)
         value = self.lookup(node, name)
         if type(value) in SCALARS:
@@ -505,17 +469,18 @@ class _FunctionAnalysis:
                 f"{name} is set in this shader and has no value here; use one name for one thing",
             )
         try:
-            return self.shader.lookup(name)
+            self.names[name] = self.shader.lookup(name)
         except KeyError:
             raise self.source.error(
                 node, f"{name} is not known here; define or import it"
             ) from None
+        return self.names[name]
 
     def unary(self, node: ast.UnaryOp) -> tree.Expression:
         operand = self.expression(node.operand)
         if isinstance(node.op, ast.Not):
             self.expect(node.operand, operand.type, bool, "what `not` turns")
-            return tree.Unary(bool, "not", operand)
+            return conditions.negated(operand)
         number = operand.type in (float, int) or operand.type in VECTORS
         if not isinstance(node.op, ast.USub) or not number:
             raise self.source.error(node, "write `-x` of a number or vector, or `not x` of a bool")
@@ -546,6 +511,8 @@ class _FunctionAnalysis:
         return tree.Binary(result, symbol, left, right)
 
     def comparison(self, node: ast.Compare) -> tree.Expression:
+        if any(self.static_field(n) for n in [node.left, *node.comparators]):
+            return self.static_comparison(node)
         operands = [self.expression(n) for n in [node.left, *node.comparators]]
         whole: tree.Expression | None = None
         for compared, a, b in zip(node.ops, operands, operands[1:], strict=False):
@@ -572,8 +539,75 @@ class _FunctionAnalysis:
         elif t is Mat3 and name in "xyz" and len(name) == 1:
             return tree.Swizzle(Vec3, operand, ("xyz".index(name),))
         elif is_record(t) and name in fields_of(t):
-            return tree.Member(self.program.type_of(fields_of(t)[name]), operand, name)
+            return tree.Member(fields_of(t)[name], operand, name)
         raise self.source.error(node, f"{named(t)} has no field {name}")
+
+    # --- static conditions ---------------------------------------------------------------------
+
+    def static_record(self, node: ast.AST) -> Any:
+        """The type of a parameter that is a static record; None for anything else."""
+        t = self.parameters.get(node.id) if isinstance(node, ast.Name) else None
+        return t if is_static(t) else None
+
+    def static_field(self, node: ast.AST) -> StaticField | None:
+        """The field of a static record that a node reads; None for anything else."""
+        record = self.static_record(node.value) if isinstance(node, ast.Attribute) else None
+        if record is None:
+            return None
+        assert isinstance(node, ast.Attribute)
+        if node.attr not in static_fields(record):
+            raise self.source.error(
+                node,
+                f"{named(record)} has no field or property {node.attr} that is str, bool or int",
+            )
+        return static_fields(record)[node.attr]
+
+    def flag(self, node: ast.Attribute) -> tree.Expression:
+        """A bool of a static record; text and ints are not values."""
+        field = self.static_field(node)
+        assert field is not None
+        if field.kind is not bool:
+            example = repr(field.menu[0]) if field.menu else "…"
+            raise self.source.error(
+                node,
+                f"{node.attr} is for static conditions; compare it, as in "
+                f"`{ast.unparse(node)} == {example}`",
+            )
+        return tree.Static(bool, (node.attr, (True,)))
+
+    def static_comparison(self, node: ast.Compare) -> tree.Expression:
+        """A static field against one literal, or several."""
+        field, values = self.static_field(node.left), self.literals(node)
+        if field is None or values is None:
+            raise self.source.error(
+                node,
+                "compare one static field with a literal, by `==`, `!=`, or with several, by "
+                "`in (…)`, `not in (…)`",
+            )
+        assert isinstance(node.left, ast.Attribute)
+        name = node.left.attr
+        for value in values:
+            if type(value) is not field.kind:
+                raise self.source.error(node, f"{name} is {named(field.kind)}, not {value!r}")
+            if field.menu and value not in field.menu:
+                choices = ", ".join(map(str, field.menu))
+                raise self.source.error(
+                    node, f"no such {name}: {value!r}; the choices are {choices}"
+                )
+        condition = tree.Static(bool, (name, values))
+        if isinstance(node.ops[0], ast.NotEq | ast.NotIn):
+            return conditions.negated(condition)
+        return condition
+
+    def literals(self, node: ast.Compare) -> tuple[Any, ...] | None:
+        """What the right side of a comparison lists."""
+        match node.ops, node.comparators:
+            case [ast.Eq() | ast.NotEq()], [ast.Constant(value)]:
+                return (value,)
+            case [ast.In() | ast.NotIn()], [ast.Tuple(items)]:
+                constants = [item.value for item in items if isinstance(item, ast.Constant)]
+                return tuple(constants) if len(constants) == len(items) > 0 else None
+        return None
 
     # --- calls --------------------------------------------------------------------------------
 
@@ -617,22 +651,24 @@ class _FunctionAnalysis:
         return given
 
     def shader_call(self, node: ast.Call, target: Shader[..., Any]) -> tree.Expression:
-        function = self.program.function(target)
-        parameters, _ = target.signature
+        parameters, result = target.signature
         given = self.arguments(node, list(parameters))
-        for name in parameters:
+        arguments: list[tree.Expression] = []
+        for name, t in parameters.items():
             if name not in given:
                 raise self.source.error(node, f"{target.name} also takes {name}")
-        resolved = self.program.resolve(target)
-        taken = taken_parameters(target, resolved) or ()
-        arguments: list[tree.Expression] = []
-        for name, inner in zip(taken, resolved.signature[0], strict=True):
-            if inner not in function.parameters:
-                continue  # the callee never reads it
+            if is_static(t):
+                # one in the whole program, so nothing is passed
+                if self.static_record(given[name]) is not t:
+                    raise self.source.error(
+                        given[name], f"{name} is {named(t)}; pass this shader's own on"
+                    )
+                continue
             argument = self.expression(given[name])
-            self.expect(given[name], argument.type, function.parameters[inner], name)
+            self.expect(given[name], argument.type, t, name)
             arguments.append(argument)
-        return tree.Call(function.result, function, tuple(arguments))
+        self.calls[target] = None
+        return tree.ShaderCall(result, target, tuple(arguments))
 
     def construct_vector(self, node: ast.Call, target: Any) -> tree.Expression:
         parts = self.positional(node)
@@ -658,7 +694,7 @@ class _FunctionAnalysis:
                 part = self.literal(node, getattr(target, name))
             else:
                 raise self.source.error(node, f"{named(target)} also takes {name}")
-            self.expect(node, part.type, self.program.type_of(t), f"{named(target)}.{name}")
+            self.expect(node, part.type, t, f"{named(target)}.{name}")
             parts.append(part)
         return tree.Construct(target, tuple(parts))
 

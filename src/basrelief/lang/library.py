@@ -2,12 +2,13 @@
 
 A printed program has its slots bound. A library has each shader once, whatever is bound: a slot is
 a function of its own name, which hands on to the shader bound to it, and a type slot is an alias.
-So few pieces make any number of programs: `linked` here, and a page's own few lines, follow what an
-entry uses.
+Lines under a static condition are marked, to be kept or not. So few pieces make any number of
+programs: `linked` here, and a page's own few lines, follow what an entry uses.
 """
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,8 +18,9 @@ from basrelief.lang.frontend import analyse_apart, bound_types
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import Edge
 from basrelief.lang.shader import Shader, taken_parameters
+from basrelief.lang.tree import Condition, holds
 from basrelief.lang.types import ShaderError
-from basrelief.lang.wgsl import HELPERS, Binding, ModulePrinter, bindings
+from basrelief.lang.wgsl import ELSE, END, HELPERS, IF, THEN, Binding, ModulePrinter, bindings
 
 EDGE = "edge_of_map"
 """The slot of what a map does at its edge; bound to an `Edge`."""
@@ -26,39 +28,48 @@ _NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
 """A name that is used: not a field, nor the name of a parameter."""
 
 
-@dataclass(frozen=True)
-class Piece:
-    """A piece of WGSL, and the names of the pieces and slots that it uses."""
-
-    text: str
-    uses: tuple[str, ...]
+_STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
+"""Two texts under a static condition, no other such texts within them."""
 
 
 @dataclass
 class Library:
-    """`pieces` by name; `slots` by name, then by the name of what is bound; `entries` by name."""
+    """Texts: `pieces` by name; `slots` by name, then by the name of what is bound; `entries` by
+    name. Their static conditions are numbered."""
 
-    pieces: dict[str, Piece] = field(default_factory=dict)
-    slots: dict[str, dict[str, Piece]] = field(default_factory=dict)
-    entries: dict[str, Piece] = field(default_factory=dict)
+    pieces: dict[str, str] = field(default_factory=dict)
+    slots: dict[str, dict[str, str]] = field(default_factory=dict)
+    entries: dict[str, str] = field(default_factory=dict)
+    conditions: list[Condition] = field(default_factory=list)
     bindings: dict[str, list[Binding]] = field(default_factory=dict)
     """What each entry binds, all of it whatever is bound to the slots."""
     names: dict[Any, str] = field(default_factory=dict)
     """Shaders, slots, records and type slots, and what they are called here."""
 
 
-def linked(library: Library, entry: str, bound: Mapping[str, str]) -> str:
-    """The WGSL of an entry: all that it uses, with slots bound by their names."""
-    first = library.entries[entry]
-    found = {"": first}
-    left = list(first.uses)
-    while left:
-        name = left.pop()
-        if name not in found:
+def linked(library: Library, entry: str, bound: Mapping[str, str], variant: Any = None) -> str:
+    """The WGSL of an entry: all that it uses, with slots bound by their names, of a variant."""
+
+    def decided(text: str) -> str:
+        count = 1
+        while count:
+            text, count = _STATIC.subn(lambda m: m[2] if truth(int(m[1])) else m[3], text)
+        return text
+
+    @functools.cache
+    def truth(number: int) -> bool:
+        return holds(library.conditions[number], lambda name: getattr(variant, name))
+
+    texts = [decided(library.entries[entry])]
+    found: set[str] = set()
+    for text in texts:  # and those that are added meanwhile
+        for name in _used(text):
             options = library.slots.get(name)
-            found[name] = library.pieces[name] if options is None else options[bound[name]]
-            left += found[name].uses
-    return "\n".join(piece.text for piece in found.values())
+            piece = library.pieces.get(name) if options is None else options[bound[name]]
+            if piece is not None and name not in found:
+                found.add(name)
+                texts.append(decided(piece))
+    return "\n".join(texts)
 
 
 def library_of(
@@ -144,18 +155,9 @@ class _Printing:
         for text in (*m.record_texts(), *m.function_texts(), *m.helper_texts()):
             if _declared(text) not in slots:
                 texts[_declared(text)] = text
-        known = {*texts, *slots}
-
-        def piece(text: str, own: str) -> Piece:
-            return Piece(text, tuple(sorted(_used(text, known) - {own})))
-
-        made.pieces = {name: piece(text, name) for name, text in texts.items()}
-        made.slots = {
-            name: {bound: piece(text, name) for bound, text in each.items()}
-            for name, each in slots.items()
-        }
+        made.pieces, made.slots, made.conditions = texts, slots, list(m.conditions)
         for entry, text in whole.items():
-            made.entries[entry.name] = piece(text, "")
+            made.entries[entry.name] = text
             made.bindings[entry.name] = bindings(self.done[entry])
 
     def slot_texts(self) -> dict[str, dict[str, str]]:
@@ -183,6 +185,6 @@ def _declared(text: str) -> str:
     return found[1]
 
 
-def _used(text: str, known: set[str]) -> set[str]:
-    """The names of known things in a text, its comments left out."""
-    return known & set(_NAME.findall(re.sub(r"//[^\n]*", "", text)))
+def _used(text: str) -> list[str]:
+    """The names in a text, its comments left out, each once."""
+    return list(dict.fromkeys(_NAME.findall(re.sub(r"//[^\n]*", "", text))))

@@ -17,7 +17,16 @@ from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
 from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.shader import Shader
-from basrelief.lang.types import SCALARS, ShaderError, fields_of, is_record, is_type_slot, leaves
+from basrelief.lang.types import (
+    SCALARS,
+    ShaderError,
+    fields_of,
+    is_record,
+    is_static,
+    is_type_slot,
+    leaves,
+    static_fields,
+)
 from basrelief.lang.values import IVec2
 
 
@@ -28,6 +37,8 @@ class Program:
     entry: Shader[..., Any]
     bindings: Mapping[Shader[..., Any], Shader[..., Any]] = field(default_factory=dict)
     edge: Edge = "wrap"
+    variant: Any = None
+    """The value of the static record that the entry takes."""
 
     def __post_init__(self) -> None:
         given, result = self.entry.signature
@@ -37,6 +48,12 @@ class Program:
                 "and returns a record"
             )
         self._check_parameters()
+        for name, t in given.items():
+            if is_static(t) and not isinstance(self.variant, t):
+                raise ShaderError(
+                    f"{self.entry.location}: the entry {self.entry.name} takes {name}: "
+                    f"{t.__name__}; give the program one as `variant`"
+                )
 
     def _check_parameters(self) -> None:
         """Refuse what an engine could not tell apart: two lists of one record."""
@@ -53,14 +70,15 @@ class Program:
     @functools.cached_property
     def module(self) -> tree.Module:
         """The typed tree; raises ShaderError where the source is outside the subset."""
-        return analyse(self.entry, self.bindings)
+        return analyse(self.entry, self.bindings, self.variant)
 
     @functools.cached_property
     def parameters(self) -> dict[str, Any]:
-        """The entry's parameters after the pixel, with type slots filled in."""
+        """The entry's parameters after the pixel that an engine is given values for, with type
+        slots filled in."""
         types = bound_types(self.bindings)
         given = list(self.entry.signature[0].items())[1:]
-        return {name: types.get(t, t) for name, t in given}
+        return {name: types.get(t, t) for name, t in given if not is_static(t)}
 
     @property
     def planes(self) -> list[tuple[str, type]]:
@@ -69,7 +87,8 @@ class Program:
 
     @functools.cached_property
     def key(self) -> str:
-        """A digest of all that the program is made of: code, numbers, types, bindings."""
+        """A digest of all that the program is made of: code, numbers, types, bindings, and of the
+        variant what its shaders read."""
         digest = hashlib.sha256()
         for part in _Contents(self).parts():
             digest.update(len(part).to_bytes(8, "little"))
@@ -121,6 +140,11 @@ class _Contents:
             self.visit(bound)
             return
         code = shader.function.__code__
+        for t in filter(is_static, parameters.values()):
+            for name in static_fields(t):
+                # the field of another record may have the same name, and change the key in vain
+                if name in code.co_names:
+                    self.found.append(f"{name} = {getattr(self.program.variant, name)!r}".encode())
         self.found.append(_code_text(code).encode())
         for name in (*code.co_names, *code.co_freevars):
             try:

@@ -35,6 +35,8 @@ class Shader(Generic[P, R]):
         self.function = function
         self.name: str = function.__name__
         self.is_slot = is_slot
+        self.typed: Any = None
+        """What the front end found, kept for the next program."""
         functools.update_wrapper(self, function)
 
     def __repr__(self) -> str:
@@ -79,6 +81,13 @@ class Shader(Generic[P, R]):
         if name in self.function.__globals__:
             return self.function.__globals__[name]
         return vars(__import__("builtins"))[name]
+
+    def find(self, name: str) -> Any:
+        """What a name stands for, None where it is unknown."""
+        try:
+            return self.lookup(name)
+        except KeyError:
+            return None
 
     @property
     def _plain(self) -> Callable[..., Any]:

@@ -6,8 +6,26 @@ printer can keep them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
+
+Condition = tuple[Any, ...]
+"""A condition on the static record of a program, as data: `(field, values)` where the field has one
+of the values, `("not", condition)`, `("and", a, b)` or `("or", a, b)`."""
+
+
+def holds(condition: Condition, value_of: Callable[[str], Any]) -> bool:
+    """Whether a condition is true of a static record, read field by field."""
+    match condition:
+        case ("not", a):
+            return not holds(a, value_of)
+        case ("and", a, b):
+            return holds(a, value_of) and holds(b, value_of)
+        case ("or", a, b):
+            return holds(a, value_of) or holds(b, value_of)
+    name, values = condition
+    return value_of(name) in values
 
 
 @dataclass(frozen=True)
@@ -27,6 +45,13 @@ class Local(Expression):
     """A parameter or a local variable."""
 
     name: str
+
+
+@dataclass(frozen=True)
+class Static(Expression):
+    """A bool that is known when a program is made; a program's own tree has none."""
+
+    condition: Condition
 
 
 @dataclass(frozen=True)
@@ -104,9 +129,17 @@ class IntrinsicCall(Expression):
 
 @dataclass(frozen=True)
 class Call(Expression):
-    """A call of another shader of the program, by its unique name."""
+    """A call of another function of the program."""
 
     function: Function
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True)
+class ShaderCall(Expression):
+    """A call of a shader or slot, before a program says which function that is."""
+
+    shader: Any
     arguments: tuple[Expression, ...]
 
 
@@ -116,6 +149,28 @@ class Item(Expression):
 
     buffer: Expression
     index: Expression
+
+
+def changed(node: Expression, change: Callable[[Expression], Expression]) -> Expression:
+    """An expression with each of its parts changed."""
+    match node:
+        case Unary(t, operator, a):
+            return Unary(t, operator, change(a))
+        case Binary(t, operator, a, b) | Compare(t, operator, a, b) | Logic(t, operator, a, b):
+            return type(node)(t, operator, change(a), change(b))
+        case Select(t, a, b, c):
+            return Select(t, change(a), change(b), change(c))
+        case Swizzle(t, a, indices):
+            return Swizzle(t, change(a), indices)
+        case Member(t, a, name):
+            return Member(t, change(a), name)
+        case Construct(t, parts):
+            return Construct(t, tuple(map(change, parts)))
+        case IntrinsicCall(t, name, parts):
+            return IntrinsicCall(t, name, tuple(map(change, parts)))
+        case Item(t, a, b):
+            return Item(t, change(a), change(b))
+    return node
 
 
 @dataclass

@@ -1,15 +1,17 @@
 """The types of the shader subset, and records.
 
 A type *is* its Python class: `float`, `int`, `bool`, `Vec2` … `Mat3`, a record made by `@struct`,
-or a resource handle. This module answers what they are made of.
+or a resource handle. This module answers what they are made of. A `@static` record is no value: it
+is known when a program is made, and only conditions read it.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import sys
+import typing
 from collections.abc import Iterator
-from typing import Any, TypeVar, dataclass_transform
+from typing import Any, Literal, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -24,6 +26,7 @@ VECTORS: dict[type, tuple[type, int]] = {
 }
 SCALARS: tuple[type, ...] = (float, int, bool)
 _FIELDS = "__shader_fields__"
+_STATIC_FIELDS = "__static_fields__"
 _T = TypeVar("_T")
 
 
@@ -57,6 +60,56 @@ def struct(cls: type[_T]) -> type[_T]:
         fields[field.name] = eval(written, module) if isinstance(written, str) else written
     setattr(made, _FIELDS, fields)
     return made
+
+
+class StaticField(NamedTuple):
+    """A field or property of a static record: str, bool or int, and its values, () for any."""
+
+    kind: type
+    menu: tuple[str | int, ...]
+
+
+@dataclass_transform(frozen_default=True)
+def static(cls: type[_T]) -> type[_T]:
+    """Make a static record of a class: frozen, its fields str, bool, int or a Literal of these.
+
+    A shader that takes one as a parameter branches on its fields and properties; a program is given
+    its value and contains the branches that are taken. Raises ShaderError for a field of another
+    type.
+    """
+    made: Any = dataclasses.dataclass(frozen=True)(cls)
+    fields = {name: _static_field(t) for name, t in typing.get_type_hints(made).items()}
+    for name, field in fields.items():
+        if field is None:
+            raise ShaderError(
+                f"{cls.__module__}: {cls.__name__}.{name}: a field of a static record is a str, "
+                "bool, int or Literal"
+            )
+    for name in dir(made):
+        got = getattr(made, name)
+        if isinstance(got, property):
+            fields[name] = _static_field(typing.get_type_hints(got.fget).get("return"))
+    setattr(made, _STATIC_FIELDS, {name: field for name, field in fields.items() if field})
+    return made
+
+
+def _static_field(t: Any) -> StaticField | None:
+    """The field of an annotation; None where conditions cannot be on it."""
+    if typing.get_origin(t) is Literal:
+        menu = typing.get_args(t)
+        kinds = {type(value) for value in menu}
+        return StaticField(kinds.pop(), menu) if len(kinds) == 1 else None
+    return StaticField(t, ()) if t in (str, bool, int) else None
+
+
+def is_static(t: Any) -> bool:
+    """Whether t was made by `@static`."""
+    return isinstance(t, type) and _STATIC_FIELDS in vars(t)
+
+
+def static_fields(t: type) -> dict[str, StaticField]:
+    """What conditions on a static record can read: its fields, and properties of the same types."""
+    return vars(t)[_STATIC_FIELDS]
 
 
 class TypeSlot:

@@ -92,6 +92,8 @@ class ModulePrinter:
         self.helpers: set[str] = set()
         self.elementary: set[str] = set()
         """Names of our own functions that stand in for less exact ones."""
+        self.conditions: dict[tree.Condition, int] = {}
+        """Static conditions that a library leaves open, numbered."""
         self.chosen: dict[Any, None] = {}
         """Matrices and records between which a conditional expression chooses."""
         self.records: dict[Any, None] = {}
@@ -142,6 +144,11 @@ class ModulePrinter:
 
     def type(self, t: Any) -> str:
         return _TYPES[t] if t in _TYPES else self.scope[t]
+
+    def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
+        """Two texts, of which a library's linker takes one."""
+        number = self.conditions.setdefault(condition, len(self.conditions))
+        return f"{IF}{number}{THEN}{then}{ELSE}{otherwise}{END}"
 
     def functions_text(self) -> str:
         """The functions, and the records and helpers that they need."""
@@ -286,10 +293,10 @@ class _FunctionPrinter:
         self.block(f.body)
         doc = [f"// {line}".rstrip() for line in f.doc.splitlines()]
         head = f"fn {m.scope[f]}({', '.join(parameters)}) -> {m.type(f.result)} {{"
-        return "\n".join([*doc, head, *self.lines, "}", ""])
+        return "\n".join([*doc, head, "".join(self.lines) + "}\n"])
 
     def emit(self, line: str) -> None:
-        self.lines.append("  " * self.indent + line)
+        self.lines.append("  " * self.indent + line + "\n")
 
     # --- statements -----------------------------------------------------------------------------
 
@@ -306,11 +313,21 @@ class _FunctionPrinter:
         self.block(block)
         self.indent -= 1
 
+    def lines_of(self, block: tree.Block) -> str:
+        """The lines of a block that is in no braces."""
+        outer, self.lines = self.lines, []
+        self.block(block)
+        made, self.lines = "".join(self.lines), outer
+        return made
+
     def statement(self, statement: tree.Statement) -> None:
         match statement:
             case tree.Assign(name, value, declares):
                 word = "let " if name in self.function.constants else "var "
                 self.emit(f"{word if declares else ''}{self.names[name]} = {self.value(value)};")
+            case tree.If(tree.Static(_, condition), body, otherwise):
+                then, other = self.lines_of(body), self.lines_of(otherwise)
+                self.lines.append(self.module.static(condition, then, other))
             case tree.If():
                 self.if_statement(statement, "")
             case tree.For():
@@ -333,7 +350,7 @@ class _FunctionPrinter:
         self.inner(node.body)
         rest = node.otherwise.statements
         alone = len(rest) == 1 and not rest[0].comments and not node.otherwise.hoisted
-        if alone and isinstance(rest[0], tree.If):
+        if alone and isinstance(rest[0], tree.If) and not isinstance(rest[0].test, tree.Static):
             self.if_statement(rest[0], "} else ")
             return
         if rest:
@@ -389,6 +406,10 @@ class _FunctionPrinter:
                 return self.infix(operator, left, right)
             case tree.Logic(_, operator, left, right):
                 return self.infix("&&" if operator == "and" else "||", left, right)
+            case tree.Static(_, condition):
+                return self.module.static(condition, "true", "false")
+            case tree.Select(_, tree.Static(_, condition), then, otherwise):
+                return self.module.static(condition, self.argument(then), self.argument(otherwise))
             case tree.Select(_, test, then, otherwise):
                 word = "select"
                 if node.type is Mat3 or is_record(node.type):
@@ -488,6 +509,10 @@ class _FunctionPrinter:
         return f"{_CALLED.get(name, name)}({', '.join(given)})"
 
 
+IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
+"""Around a static condition's number and the two texts in a library; Unicode's for private use."""
+
+
 def _is_finest(level: tree.Expression) -> bool:
     return isinstance(level, tree.Literal) and level.value == 0
 
@@ -514,6 +539,8 @@ def _binding_strength(node: tree.Expression, text: str) -> int:
             return _STRENGTH["&&" if operator == "and" else "||"]
         case tree.Unary():
             return 7
+        case tree.Select(test=tree.Static()):
+            return -1
     return 7 if text.startswith("-") else 9
 
 

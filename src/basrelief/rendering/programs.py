@@ -14,9 +14,9 @@ from basrelief.rendering import textures
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shading import pixel, relief, shapes, view_ray
+from basrelief.shading.choices import SHAPES, Choices, bindings_of
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import Light
-from basrelief.shading.variant import SHAPES, Choices, bindings_of
 from basrelief.techniques import Nothing, flat, projection
 
 MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_normal")
@@ -47,13 +47,16 @@ def _layer_scale(over: Material) -> float:
 def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
     choices = choices_of(thing, scene or Scene((thing,)))
-    return Program(pixel.pixel, bindings_of(choices), choices.edge)
+    return Program(pixel.pixel, bindings_of(choices), choices.edge, choices)
 
 
 def choices_of(thing: Object, scene: Scene) -> Choices:
     """What an object's program depends on."""
+    technique = thing.drawn_with if thing.has_relief else flat
     return Choices(
-        technique=thing.drawn_with if thing.has_relief else flat,
+        technique=technique,
+        displaced=thing.has_relief,
+        boxed=technique.boxes,
         shape=thing.shape,
         projection=thing.relief_projection,
         heights=thing.heights,
@@ -77,13 +80,14 @@ def choices_of(thing: Object, scene: Scene) -> Choices:
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    choices = choices_of(thing, Scene((thing,)))
     # a relief that fades does so with the distance from the camera, not from a light
-    alpha = "opaque" if thing.casts == "opaque" else thing.alpha
-    bindings = bindings_of(replace(choices, fades=False, alpha=alpha))
+    choices = replace(choices_of(thing, Scene((thing,))), fades=False)
+    if thing.casts == "opaque":
+        choices = replace(choices, alpha="opaque")
+    bindings = bindings_of(choices)
     # heights say nothing of how far a ray goes where nothing is displaced
     bindings[relief.flat_height] = relief.unread
-    return Program(pixel.reach, bindings, choices.edge)
+    return Program(pixel.reach, bindings, choices.edge, choices)
 
 
 def rays_of(thing: Object) -> Program:

@@ -16,11 +16,11 @@ from basrelief.lang import (
     saturate,
     setting,
     shader,
-    slot,
     sqrt,
     struct,
 )
 from basrelief.shading.lights import Incoming
+from basrelief.shading.variant import Variant
 
 SMOOTHEST = 0.045
 """The least roughness: its fourth power is still clear of float32's rounding of 1 (R. Guy and
@@ -85,9 +85,14 @@ def ambient_light(point: ShadingPoint, shading: Shading) -> Vec3:
 # --- light reflected -------------------------------------------------------------------------
 
 
-@slot
-def reflectance(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
+@shader
+def reflectance(
+    point: ShadingPoint, shading: Shading, incoming: Incoming, variant: Variant
+) -> Vec3:
     """The radiance that the point sends to the viewer for one light, the cosine included."""
+    if variant.shading_model == "phong":
+        return phong(point, shading, incoming)
+    return ggx(point, shading, incoming)
 
 
 @shader

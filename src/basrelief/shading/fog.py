@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from basrelief.lang import Vec3, exp2, mix, saturate, setting, shader, slot, struct
+from basrelief.lang import Vec3, exp2, mix, saturate, setting, shader, struct
+from basrelief.shading.variant import Variant
 
 PER_E = 1.4426950408889634
 """1 ÷ ln 2: exp(x) is exp2(x · this)."""
@@ -24,14 +25,15 @@ class Fog:
     )
 
 
-@slot
-def fogged(color: Vec3, distance: float, fog: Fog) -> Vec3:
-    """A colour as it is seen through so much air."""
-
-
 @shader
-def clear(color: Vec3, distance: float, fog: Fog) -> Vec3:
-    """There is none."""
+def fogged(color: Vec3, distance: float, fog: Fog, variant: Variant) -> Vec3:
+    """A colour as it is seen through so much air."""
+    if variant.fog == "linear":
+        return linear(color, distance, fog)
+    if variant.fog == "exponential":
+        return exponential(color, distance, fog)
+    if variant.fog == "exponential_squared":
+        return exponential_squared(color, distance, fog)
     return color
 
 

@@ -24,7 +24,7 @@ from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.fog import Fog, fogged
 from basrelief.shading.intersection import Meeting, Placement, View, meet
 from basrelief.shading.lights import Light, arriving
-from basrelief.shading.relief import Depth, Displaced, displaced, slope_of, unhidden
+from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, reaching_past_others
 from basrelief.shading.surfaces.surface import (
@@ -35,6 +35,7 @@ from basrelief.shading.surfaces.surface import (
     surface_at,
 )
 from basrelief.shading.tangent_frame import from_tangent
+from basrelief.shading.variant import Variant
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.technique import Settings
 
@@ -78,6 +79,7 @@ def pixel(
     lights: Buffer[Light],
     distances: HeightField,
     views: Buffer[CastView],
+    variant: Variant,
 ) -> Pixel:
     """Find the object, displace the texture, read its maps there, and light it."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
@@ -90,8 +92,9 @@ def pixel(
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     spot = spot_on(field, met, moved, depth)
     surface = surface_at(
-        spot, finish, places, base_color, normal, response, emission, layer_color, layer_normal
-    )
+        spot, finish, places, base_color, normal, response, emission,
+        layer_color, layer_normal, variant,
+    )  # fmt: skip
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     point = shading_point(ray, placement, met, surface, spot.slope, distance)
@@ -101,16 +104,23 @@ def pixel(
     for k in range(len(lights)):
         # every light falls on the displaced point, read from the displaced maps
         incoming = arriving(lights[k], point.position)
-        towards = placement.to_object @ incoming.direction
-        light = reflectance(point, shading, incoming)
+        light = reflectance(point, shading, incoming, variant)
         # what gives no light throws no shadow either
         if max(max(light.x, light.y), light.z) > 0.0:
-            reaching = unhidden(field, met, moved, depth, smoothing, towards, shadowing)
-            share = reaching.share * reaching_past_others(distances, views, k, receiving)
-            share = share * openness(point, moved.height, incoming.direction, shading)
+            share = reaching_past_others(distances, views, k, receiving)
+            if variant.shadows != "none" and variant.displaced:
+                towards = placement.to_object @ incoming.direction
+                reaching = self_shadowed(
+                    field, met, moved, depth, smoothing, towards, shadowing, variant
+                )
+                share = share * reaching.share
+                reads = reads + reaching.reads
+            if variant.occlusion_kind == "directional":
+                open = open_from_above(point, moved.height, incoming.direction, shading)
+                share = share * open
             color = color + light * share
-            reads = reads + reaching.reads
-    color = fogged(color, distance, fog)
+    if variant.fog != "none":
+        color = fogged(color, distance, fog, variant)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
 
@@ -143,6 +153,7 @@ def reach(
     emission: Texture,
     layer_color: Texture,
     layer_normal: Texture,
+    variant: Variant,
 ) -> Reach:
     """The pixel of a depth map: the same object, relief and opacity, and no light."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
@@ -155,7 +166,7 @@ def reach(
         return Reach(0.0, False)
     surface = surface_at(
         spot_on(field, met, moved, depth), finish, places, base_color, normal, response, emission,
-        layer_color, layer_normal,
+        layer_color, layer_normal, variant,
     )  # fmt: skip
     return Reach(distance, surface.opacity >= SOLID)
 
@@ -270,20 +281,10 @@ def on_the_polygon(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
 # --- occlusion with a direction ------------------------------------------------------------------
 
 
-@slot
-def openness(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """How much of a light's direction the surroundings leave open."""
-
-
-@shader
-def open_to_all(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """All of it: occlusion acts on ambient light alone."""
-    return 1.0
-
-
 @shader
 def open_from_above(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
-    """The occlusion map mixed with depth and N · L, a cheap likeness of soft shadows.
+    """How much of a light's direction the surroundings leave open: the occlusion map mixed with
+    depth and N · L, a cheap likeness of soft shadows.
 
     Light along the normal reaches everything; the flatter it comes, the less reaches what is
     occluded and what is deep. After S. Halliwell, Parallax Offset, 2014, who gives no formula.

@@ -22,6 +22,7 @@ from basrelief.shading.intersection import Meeting
 from basrelief.shading.ray_differentials import Footprint, level_of_detail
 from basrelief.shading.self_shadow import Reaching, Shadowing, ShadowRay, shadow
 from basrelief.shading.tangent_frame import to_tangent, to_texture
+from basrelief.shading.variant import Variant
 from basrelief.techniques.columns import INSET, side_at
 from basrelief.techniques.height import Smoothing, height_at, slope_at, surface_height
 from basrelief.techniques.projection import SHALLOWEST, projection
@@ -234,33 +235,6 @@ def of_boxes(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -
 # --- what it hides from a light ------------------------------------------------------------------
 
 
-@slot
-def unhidden(
-    field: HeightField,
-    met: Meeting,
-    moved: Displaced,
-    depth: Depth,
-    smoothing: Smoothing,
-    towards: Vec3,
-    shadowing: Shadowing,
-) -> Reaching:
-    """How much of a light, in a direction of object space, reaches the displaced point."""
-
-
-@shader
-def everything(
-    field: HeightField,
-    met: Meeting,
-    moved: Displaced,
-    depth: Depth,
-    smoothing: Smoothing,
-    towards: Vec3,
-    shadowing: Shadowing,
-) -> Reaching:
-    """All of it: no self-shadow."""
-    return Reaching(1.0, 0)
-
-
 @struct
 class Start:
     """Where the way to a light starts: texture coordinates, and a height."""
@@ -269,15 +243,8 @@ class Start:
     height: float
 
 
-@slot
-def lit_from(field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float) -> Start:
-    """Where the displaced point is, for the way to a light."""
-
-
 @shader
-def on_the_surface(
-    field: HeightField, met: Meeting, moved: Displaced, lod: float, fade: float
-) -> Start:
+def on_the_surface(field: HeightField, moved: Displaced, lod: float, fade: float) -> Start:
     """On the surface itself: a technique may end the view ray below it."""
     return Start(moved.uv, surface_height(field, moved.uv, lod, fade))
 
@@ -300,8 +267,10 @@ def self_shadowed(
     smoothing: Smoothing,
     towards: Vec3,
     shadowing: Shadowing,
+    variant: Variant,
 ) -> Reaching:
-    """What the relief leaves of it; nothing of a light behind the polygon."""
+    """How much of a light, in a direction of object space, the relief leaves for the displaced
+    point; nothing of a light behind the polygon."""
     light = to_tangent(met.frame, normalize(towards))
     if light.z <= SHALLOWEST:
         return Reaching(0.0, 0)
@@ -310,7 +279,10 @@ def self_shadowed(
         return Reaching(1.0, 0)
     rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)
     lod = lod_seen(field, met.footprint, smoothing)
-    start = lit_from(field, met, moved, lod, smoothing.mip_fade)
+    if variant.boxed:
+        start = on_the_box(field, met, moved)
+    else:
+        start = on_the_surface(field, moved, lod, smoothing.mip_fade)
     ray = ShadowRay(start.uv, start.height, rise, lod, smoothing.mip_fade)
-    reaching = shadow(field, ray, shadowing)
+    reaching = shadow(field, ray, shadowing, variant)
     return Reaching(reaching.share, reaching.reads + 1)

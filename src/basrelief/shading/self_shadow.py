@@ -6,7 +6,8 @@ Surface Rendering, 2006, for the soft form.
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, saturate, setting, shader, size, slot, struct
+from basrelief.lang import HeightField, Vec2, saturate, setting, shader, size, struct
+from basrelief.shading.variant import Variant
 from basrelief.techniques.columns import MOST_BOXES, leaving, line_over, next_box, top_of
 from basrelief.techniques.height import surface_height
 
@@ -54,9 +55,16 @@ class Reaching:
     reads: int
 
 
-@slot
-def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+@shader
+def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing, variant: Variant) -> Reaching:
     """How much of a light reaches the start of the ray."""
+    if variant.boxed:
+        if variant.shadows == "hard":
+            return hard_of_boxes(field, ray, shadowing)
+        return soft_of_boxes(field, ray, shadowing)
+    if variant.shadows == "hard":
+        return hard(field, ray, shadowing)
+    return soft(field, ray, shadowing)
 
 
 @shader

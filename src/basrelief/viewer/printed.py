@@ -1,6 +1,6 @@
 """The programs as a page holds them: each shader once, and what a choice binds its slots to.
 
-The rules by which choices bind slots (`basrelief.shading.variant`) are Python. Each is turned
+The rules by which choices bind slots (`basrelief.shading.choices`) are Python. Each is turned
 into a decision tree by asking it with every answer to whatever it asks, so that a page follows the
 very same rules.
 """
@@ -17,6 +17,7 @@ from basrelief.lang.resources import Edge, buffer_record
 from basrelief.rendering.programs import MAPPED
 from basrelief.scene import SHAPES, SURFACES
 from basrelief.shading import pixel
+from basrelief.shading.choices import RULES, Choices, bindings_of
 from basrelief.shading.kinds import (
     AlphaKind,
     EdgeKind,
@@ -32,7 +33,6 @@ from basrelief.shading.kinds import (
 )
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.surfaces.surface import SurfaceSettings
-from basrelief.shading.variant import RULES, Choices, bindings_of
 from basrelief.techniques import TECHNIQUES, Technique, cone_bake
 from basrelief.techniques.technique import Settings
 from basrelief.viewer.bakes import PROGRAMS, is_asked
@@ -54,6 +54,8 @@ MENUS: dict[str, tuple[str, ...]] = {
 _EITHER = (True, False)
 CHOICES: dict[str, tuple[Any, ...]] = {
     **MENUS,
+    "displaced": _EITHER,
+    "boxed": _EITHER,
     # a relief that is clipped wraps or clamps within
     "edge": get_args(Edge),
     "clipped": _EITHER,
@@ -80,14 +82,11 @@ class Printed:
     def told(self) -> dict[str, Any]:
         """Both as JSON has them."""
         made = self.library
-        slots = {
-            name: {bound: [piece.text, piece.uses] for bound, piece in each.items()}
-            for name, each in made.slots.items()
-        }
         return {
-            "pieces": {name: [piece.text, piece.uses] for name, piece in made.pieces.items()},
-            "slots": slots,
-            "entries": {name: [piece.text, piece.uses] for name, piece in made.entries.items()},
+            "pieces": made.pieces,
+            "slots": made.slots,
+            "entries": made.entries,
+            "conditions": made.conditions,
             "bindings": {
                 name: [
                     {

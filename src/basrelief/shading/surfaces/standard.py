@@ -18,6 +18,7 @@ from basrelief.shading.surfaces.surface import (
     turned,
 )
 from basrelief.shading.texture import pixelated, trilinear
+from basrelief.shading.variant import Variant
 
 MIDDLE_GREY = 0.214041
 """Half of sRGB's range, linear: a detail map of this grey changes nothing."""
@@ -161,27 +162,18 @@ def plain_emission(map: Texture, spot: Spot) -> Vec3:
 # --- opacity -------------------------------------------------------------------------------------
 
 
-@slot
-def opacity_of(opacity: float, finish: Finish) -> float:
-    """How much of what lies behind is hidden."""
-
-
 @shader
-def blended(opacity: float, finish: Finish) -> float:
-    """As much as the map says."""
-    return opacity
+def opacity_of(opacity: float, finish: Finish, variant: Variant) -> float:
+    """How much of what lies behind is hidden, given what the map says."""
+    if variant.alpha == "mask":
+        return masked(opacity, finish)
+    return 1.0 if variant.alpha == "opaque" else opacity
 
 
 @shader
 def masked(opacity: float, finish: Finish) -> float:
     """All or nothing: a cut-out (glTF 2.0, alphaMode MASK)."""
     return 1.0 if opacity >= finish.cutoff else 0.0
-
-
-@shader
-def opaque(opacity: float, finish: Finish) -> float:
-    """All, whatever the map says."""
-    return 1.0
 
 
 # --- a second layer ------------------------------------------------------------------------------
@@ -297,6 +289,7 @@ def standard_surface(
     emission: Texture,
     layer_color: Texture,
     layer_normal: Texture,
+    variant: Variant,
 ) -> Surface:
     """Read the maps at a place and apply the finish."""
     color = base_color_of(base_color, spot_of(spot, places.base_color))
@@ -305,7 +298,7 @@ def standard_surface(
     leaning = normal_of(normal, spot_of(spot, places.normal), finish.normal_strength)
     surface = Surface(
         base_color=color.xyz * finish.base_color,
-        opacity=opacity_of(color.w, finish),
+        opacity=opacity_of(color.w, finish, variant),
         normal=turned(leaning, places.normal),
         occlusion=mix(1.0, packed.x, finish.occlusion),
         roughness=packed.y * finish.roughness,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from basrelief.lang import Texture, TypeSlot, Vec2, Vec3, Vec4, copysign, shader, slot, struct
 from basrelief.shading.ray_differentials import Footprint
+from basrelief.shading.variant import Variant
 
 
 @struct
@@ -72,6 +73,7 @@ def surface_at(
     emission: Texture,
     layer_color: Texture,
     layer_normal: Texture,
+    variant: Variant,
 ) -> Surface:
     """What the surface is made of at a place."""
 

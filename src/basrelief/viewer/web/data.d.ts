@@ -166,8 +166,11 @@ export type PackedMap = { width: number; height: number; channels: PackedChannel
 
 // --- programs
 
-/** WGSL code and the names of the pieces that it uses. */
-export type Piece = [text: string, uses: string[]];
+/** A static condition: a field and the values for which it holds, or conditions put together. */
+export type Condition =
+  | [field: string, values: unknown[]]
+  | ["not", Condition]
+  | ["and" | "or", Condition, Condition];
 
 /** A decision tree: a result, or a question and a tree for each answer. */
 export type Tree = string | [question: string, then: { [answer: string]: Tree }];
@@ -179,9 +182,10 @@ export type Binding = {
 };
 
 export type Programs = {
-  pieces: { [name: string]: Piece };
-  slots: { [slot: string]: { [bound: string]: Piece } };
-  entries: { [entry: string]: Piece };
+  pieces: { [name: string]: string };
+  slots: { [slot: string]: { [bound: string]: string } };
+  entries: { [entry: string]: string };
+  conditions: Condition[];
   bindings: { [entry: string]: Binding[] };
   trees: { [slot: string]: Tree };
   edge: string;

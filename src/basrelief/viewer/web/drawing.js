@@ -337,6 +337,8 @@ export class Drawing {
     return {
       ...state,
       technique,
+      displaced: technique !== "flat",
+      boxed: boxes,
       heights: heights.includes(state.heights) ? state.heights : "sharp",
       clipped,
       edge: wraps ? "wrap" : "clamp",

@@ -145,7 +145,7 @@ export class Gpu {
     const { device } = this;
     this.compiled += 1;
     const { value: module, failed } = this.checked(() =>
-      device.createShaderModule({ code: program.code, label: program.key }),
+      device.createShaderModule({ code: program.code, label: program.entry }),
     );
     await failed;
     const layout = device.createBindGroupLayout({ entries: program.bindings.map(layoutEntry) });

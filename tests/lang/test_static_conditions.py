@@ -1,0 +1,502 @@
+"""Static conditions: one source, the branches that a variant takes, and nothing of the others."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from basrelief.engine.cpu import CpuEngine
+from basrelief.engine.gpu import GpuEngine
+from basrelief.lang import HeightField, ShaderError, bound
+from basrelief.lang.frontend import analyse
+from basrelief.lang.library import EDGE, library_of, linked
+from basrelief.lang.llvm import print_llvm
+from basrelief.lang.program import Program
+from basrelief.lang.wgsl import print_wgsl
+from helpers.comparing import write_module
+
+SOURCE = '''
+from typing import Literal
+
+@static
+class Variant:
+    fog: Literal["none", "linear", "squared"]
+    deep: bool
+    walls: bool
+    taps: Literal[1, 2, 4]
+
+    @property
+    def walled(self) -> bool:
+        """Walls go as deep as the relief."""
+        return self.walls and self.deep
+
+@struct
+class Air:
+    density: float
+
+@struct
+class Found:
+    x: float
+    n: int
+    sure: bool
+
+@shader
+def linear(x: float, air: Air) -> float:
+    return x * air.density
+
+@shader
+def squared(x: float, air: Air) -> float:
+    return linear(x, air) * linear(x, air)
+
+@shader
+def fogged(x: float, air: Air, variant: Variant) -> float:
+    """One return after the other."""
+    if variant.fog == "none":
+        return x
+    if variant.fog == "linear":
+        return linear(x, air)
+    return squared(x, air)
+
+@shader
+def height_of(field: HeightField, x: int) -> float:
+    return corners(field, IVec2(x, 0), 0).x
+
+@shader
+def sampled(near: HeightField, far: HeightField, x: int, variant: Variant) -> float:
+    """A resource that is chosen, and loops that end early."""
+    total = height_of(near if variant.deep else far, x)
+    for k in range(9):
+        if variant.taps == 1:
+            break
+        if k >= 2:
+            if variant.taps != 4 or k >= 4:
+                break
+        total = total + float(k) * 0.25
+    return total
+
+@shader
+def tinted(x: float, y: float) -> float:
+    return x + y
+
+@shader
+def dear(x: float) -> float:
+    return x * 100.0
+
+@slot
+def chosen(x: float, variant: Variant, air: Air) -> float: ...
+
+@shader
+def by_air(x: float, variant: Variant, air: Air) -> float:
+    return x + air.density if variant.fog in ("linear", "squared") else x
+
+@shader
+def by_itself(x: float) -> float:
+    return x * 3.0
+
+@shader
+def entry(
+    pixel: IVec2, air: Air, near: HeightField, far: HeightField, variant: Variant
+) -> Found:
+    x = float(pixel.x) * 0.5
+    # what only one branch reads
+    unread = dear(x)
+    steep = x > 1.0
+    if variant.walled:
+        steep = steep and unread > 3.0
+    elif variant.walls:
+        shift = tinted(x, 0.5)
+        x = x - shift * 0.125
+    if variant.deep and x > 0.5:
+        # deep enough
+        x = x + sampled(near, far, pixel.x, variant)
+    else:
+        x = x * 2.0
+    if variant.walls or x > 3.0:
+        shift = tinted(x, 0.25)
+        x = x + shift
+    if not (variant.fog == "linear" and x < 7.0):
+        n = 1 if variant.taps in (1, 2) else 5
+    else:
+        if variant.taps not in (2, 4):
+            return Found(x, 9, variant.deep)
+        n = 2
+    x = fogged(chosen(x, variant, air), air, variant)
+    return Found(x, n, variant.deep and steep or n > 4)
+'''
+
+
+@pytest.fixture(scope="module")
+def module(folder: Path) -> Any:
+    return write_module(folder, SOURCE)
+
+
+def variants(module: Any) -> list[Any]:
+    """All of them."""
+    fields = (("none", "linear", "squared"), (False, True), (False, True), (1, 2, 4))
+    return [module.Variant(*values) for values in itertools.product(*fields)]
+
+
+def program(module: Any, variant: Any, made: str = "by_air") -> Program:
+    return Program(module.entry, {module.chosen: getattr(module, made)}, variant=variant)
+
+
+SIZE = (6, 1)
+
+
+def values(module: Any) -> dict[str, Any]:
+    near, far = (HeightField([np.arange(8).reshape(1, 8) * step]) for step in (0.125, -0.25))
+    return {"air": module.Air(0.75), "near": near, "far": far}
+
+
+def words(planes: dict[str, Any]) -> list[list[Any]]:
+    return [planes[name][0].tolist() for name in ("x", "n", "sure")]
+
+
+def in_python(module: Any, each: Program) -> list[list[Any]]:
+    with bound(each.bindings):
+        found = [
+            module.entry((x, 0), **values(module), variant=each.variant) for x in range(SIZE[0])
+        ]
+    return [[getattr(f, name).item() for f in found] for name in ("x", "n")] + [
+        [int(f.sure) for f in found]
+    ]
+
+
+def test_python_and_cpu_agree_on_every_variant(module: Any) -> None:
+    engine = CpuEngine()
+    seen = set()
+    for variant, made in itertools.product(variants(module), ("by_air", "by_itself")):
+        each = program(module, variant, made)
+        expected = in_python(module, each)
+        assert words(engine.run(each, values(module), SIZE)) == expected, variant
+        seen.add(str(expected))
+    assert len(seen) > 30
+
+
+@pytest.mark.gpu
+def test_python_gpu_and_linked_programs_agree_on_every_variant(module: Any) -> None:
+    """Also printed once, with the static lines marked, and put together."""
+    options = {module.chosen: [module.by_air, module.by_itself]}
+    library = library_of([module.entry], options)
+    engine = GpuEngine()
+    for number, variant in enumerate(variants(module)):
+        made = ("by_air", "by_itself")[number % 2]
+        each = program(module, variant, made)
+        expected = in_python(module, each)
+        assert words(engine.run(each, values(module), SIZE)) == expected, variant
+        text = linked(library, "entry", {"chosen": made, EDGE: "wrap"}, variant)
+        with engine.prepare_text(
+            text, each, values(module), SIZE, library.bindings["entry"]
+        ) as job:
+            job.dispatch(0, 1)
+            planes = job.read(1)
+        assert planes[0].view(np.float32)[0].tolist() == expected[0], variant
+        assert planes[1:, 0].tolist() == expected[1:], variant
+
+
+# --- nothing of what is not taken -----------------------------------------------------------------
+
+
+def declared(text: str) -> set[str]:
+    """The names of the functions in a text."""
+    return set(re.findall(r"(?:\bfn |define [^@]*@)([\w.]+)\(", text))
+
+
+@pytest.mark.parametrize("way", ["wgsl", "llvm", "linked"])
+def test_only_what_a_variant_takes_is_there(module: Any, way: str) -> None:
+    library = library_of([module.entry], {module.chosen: [module.by_itself]})
+
+    def text_of(*values: Any) -> str:
+        variant = module.Variant(*values)
+        made = program(module, variant, "by_itself").module
+        if way == "llvm":
+            return print_llvm(made, 8)
+        if way == "linked":
+            return linked(library, "entry", {"chosen": "by_itself", EDGE: "wrap"}, variant)
+        return print_wgsl(made, "wrap")
+
+    bare = text_of("none", False, False, 1)
+    absent = {"sampled", "height_of", "linear", "squared"}
+    # a linker decides conditions, and leaves a variable that nothing reads to the driver
+    absent |= set() if way == "linked" else {"dear"}
+    assert not declared(bare) & absent
+    assert "corners" not in bare
+    assert {"fogged", "tinted"} <= declared(bare)
+    full = text_of("squared", True, True, 4)
+    names = {"sampled", "height_of", "linear", "squared", "fogged", "tinted", "dear"}
+    assert names <= declared(full)
+    assert not re.search(r"\b[Vv]ariant\b", bare + full)
+    assert "deep enough" in full
+    assert "deep enough" not in bare
+
+
+def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
+    def of(*values: Any) -> tuple[list[str], str]:
+        made = program(module, module.Variant(*values), "by_itself").module
+        return list(made.entry.parameters), print_wgsl(made, "wrap")
+
+    parameters, text = of("none", False, False, 1)
+    assert parameters == ["pixel"]
+    assert "fn fogged(x: f32) -> f32 {\n  return x;\n}" in text
+    assert "Air" not in text
+    assert "unread" not in text
+    assert "steep" not in text
+    parameters, text = of("linear", False, True, 1)
+    assert parameters == ["pixel", "air"]
+    assert "fn fogged(x: f32, air: Air) -> f32 {\n  return linear(x, air);\n}" in text
+    # a variable of one branch lives where the branch did
+    assert "var shift: f32;" not in text
+    parameters, text = of("none", True, True, 4)
+    assert parameters == ["pixel", "near"]
+    assert "far" not in text
+    assert "var steep = " in text
+    _, text = of("none", True, False, 4)
+    # assigned once where no branch assigns it again
+    assert "let steep = " in text
+
+
+def test_what_one_branch_leaves_the_rest_goes_without(module: Any) -> None:
+    """No line stands behind a return, which a GPU's compiler would refuse."""
+    library = library_of([module.entry], {module.chosen: [module.by_itself]})
+    for variant in variants(module):
+        text = linked(library, "entry", {"chosen": "by_itself", EDGE: "wrap"}, variant)
+        assert not re.search(r"^( *)(return|break|continue)\b.*;\n\1\S", text, re.MULTILINE)
+
+
+# --- once a process -------------------------------------------------------------------------------
+
+
+def test_a_shader_is_analysed_once_for_all_programs(folder: Path) -> None:
+    module = write_module(folder, SOURCE)
+    for variant in variants(module)[:5]:
+        assert program(module, variant).module.entry.name == "entry"
+        seen = module.entry.typed
+        assert seen is not None
+    assert module.entry.typed is seen
+
+
+def test_it_is_analysed_anew_where_a_name_in_it_changed(folder: Path) -> None:
+    module = write_module(
+        folder,
+        "STEP = 2.0\n@struct\nclass Out:\n    x: float\n"
+        "@shader\ndef half(x: float) -> float:\n    return x * STEP\n"
+        "@shader\ndef entry(pixel: IVec2) -> Out:\n    return Out(half(float(pixel.x)))\n",
+    )
+
+    def text() -> str:
+        return print_wgsl(Program(module.entry).module, "wrap")
+
+    before = text()
+    assert "x * 2.0" in before
+    module.STEP = 3.0
+    assert "x * 3.0" in text()
+    module.STEP = 2.0
+    assert text() == before
+    other = "@shader\ndef half(x: float) -> float:\n    return x + x\n"
+    module.half = write_module(folder, other).half
+    assert "x + x" in text()
+
+
+# --- keys -----------------------------------------------------------------------------------------
+
+KEYED = """
+from typing import Literal
+
+@static
+class Variant:
+    a: bool
+    b: Literal["x", "y"]
+    c: bool
+    unread: bool
+
+    @property
+    def either(self) -> bool:
+        return self.b == "x" or self.c
+
+@struct
+class Out:
+    x: float
+
+@shader
+def inner(x: float, variant: Variant) -> float:
+    return x if variant.either else -x
+
+@shader
+def entry(pixel: IVec2, variant: Variant) -> Out:
+    return Out(inner(1.0, variant) if variant.a else 2.0)
+"""
+
+
+def test_a_key_holds_what_shaders_read_of_the_variant(folder: Path) -> None:
+    module = write_module(folder, KEYED)
+
+    def key(**changed: Any) -> str:
+        values = {"a": True, "b": "x", "c": True, "unread": False, **changed}
+        return Program(module.entry, variant=module.Variant(**values)).key
+
+    first = key()
+    assert key(unread=True) == first
+    assert key(a=False) != first
+    # of a property its value
+    assert key(b="y") == key(c=False) == first
+    assert key(b="y", c=False) != first
+
+
+def test_a_program_needs_a_variant_of_the_type_that_its_entry_takes(folder: Path) -> None:
+    module, other = write_module(folder, KEYED), write_module(folder, KEYED)
+    for variant in (None, "x", other.Variant(True, "x", True, True)):
+        with pytest.raises(ShaderError, match="takes variant: Variant; give the program one"):
+            Program(module.entry, variant=variant)
+
+
+# --- what is refused ------------------------------------------------------------------------------
+
+HEAD = """
+from typing import Literal
+
+@static
+class Variant:
+    fog: Literal["none", "linear"]
+    name: str
+    deep: bool
+    taps: int
+
+    @property
+    def scale(self) -> float:
+        return 1.0
+
+@static
+class Other:
+    deep: bool
+
+@shader
+def taking(x: float, variant: Variant) -> float:
+    return x if variant.deep else -x
+
+"""
+REFUSED = {
+    'if variant.fog == "lienar":\n        y = x': (
+        "variant.fog == 'lienar'", "no such fog: 'lienar'; the choices are none, linear",
+    ),
+    'if variant.fog in ("none", "thick"):\n        y = x': (
+        "variant.fog in ('none', 'thick')", "no such fog: 'thick'",
+    ),
+    "if variant.fog:\n        y = x": ("variant.fog", "compare it, as in `variant.fog == 'none'`"),
+    "if variant.taps > 1:\n        y = x": ("variant.taps > 1", "by `==`, `!=`"),
+    "if 1 == variant.taps:\n        y = x": ("1 == variant.taps", "static field with a literal"),
+    "if variant.taps == n:\n        y = x": ("variant.taps == n", "with a literal"),
+    "if variant.taps in (1, n):\n        y = x": ("variant.taps in (1, n)", "with a literal"),
+    "if variant.taps in ():\n        y = x": ("variant.taps in ()", "with a literal"),
+    "if variant.taps == variant.fog:\n        y = x": ("variant.taps == variant.fog", "literal"),
+    "if 0 < variant.taps < 3:\n        y = x": ("0 < variant.taps < 3", "with a literal"),
+    'if variant.taps == "1":\n        y = x': ("variant.taps == '1'", "taps is int, not '1'"),
+    "if variant.deep == 1:\n        y = x": ("variant.deep == 1", "deep is bool, not 1"),
+    "if variant.thick:\n        y = x": ("variant.thick", "no field or property thick that is str"),
+    "if variant.scale == 1.0:\n        y = x": ("variant.scale", "no field or property scale"),
+    "y = variant": ("variant", "a static record, no value; branch on its fields, or pass it on"),
+    "y = variant.fog": ("variant.fog", "is for static conditions; compare it"),
+    "y = x + float(variant.taps)": ("variant.taps", "is for static conditions; compare it, as in"),
+    "y = half(variant)": ("variant", "no value"),
+    "y = taking(x, variant if n > 1 else variant)": ("variant if n > 1", "pass this shader's own"),
+    "y = taking(x, other)": ("other", "variant is Variant; pass this shader's own on"),
+    "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "pass this shader's own on"),
+    "y = taking(x)": ("taking(x)", "taking also takes variant"),
+    'y = "none"': ("'none'", "no text but in static conditions, as in `variant.fog == "),
+    'if "none" == "none":\n        y = x': ("'none'", "no text but in static conditions"),
+    "variant = x": ("variant = x", "a parameter keeps its value"),
+    # both branches are checked
+    "if variant.deep:\n        y = x + n": ("x + n", "does not join float and int"),
+    "if not variant.deep:\n        y = unheard": ("unheard", "is not known here"),
+    "y = x if variant.deep else n": ("n", "the other choice is float, not int"),
+    "if variant.deep:\n        y = x\n    z = y": ("y", "no value on every path"),
+    "if variant.deep:\n        return x\n    else:\n        return -x\n    y = x": (
+        "y = x", "nothing gets here; remove it",
+    ),
+    "levels(f if variant.deep and x > 0.0 else f)": ("levels(", "an expression alone"),
+    "y = levels(f if variant.deep and x > 0.0 else f)": (
+        "f if variant.deep and x > 0.0 else f", "not chosen but by a static condition",
+    ),
+}  # fmt: skip
+HALF = "@shader\ndef half(x: float) -> float:\n    return x * 0.5\n\n"
+PARAMETERS = "x: float, n: int, f: HeightField, variant: Variant, other: Other"
+
+
+@pytest.mark.parametrize("body", REFUSED)
+def test_refused_in_a_body(folder: Path, body: str) -> None:
+    offending, advice = REFUSED[body]
+    text = f"{HEAD}{HALF}@shader\ndef wrong({PARAMETERS}) -> float:\n    {body}\n    return x\n"
+    module = write_module(folder, text)
+    with pytest.raises(ShaderError) as caught:
+        analyse(module.wrong, variant=module.Variant("none", "", True, 1))
+    found = re.fullmatch(r"(.*\.py):(\d+): `(.*?)`: (.*)", str(caught.value))
+    assert found, str(caught.value)
+    file, line, quoted, message = found.groups()
+    assert file == module.__file__
+    assert offending in quoted, message
+    assert advice in message, message
+    lines = Path(file).read_text().splitlines()
+    first = len(lines) - 1 - body.count("\n") - 1
+    assert first < int(line) <= first + body.count("\n") + 1
+
+
+HEADS = {
+    "def wrong(x: float, variant: Variant) -> float:\n    if variant.deep:\n        return x": (
+        "can end without a result"
+    ),
+    "def wrong(variant: Variant) -> Variant:\n    return variant": "Variant is no type",
+    "def wrong(x: Holding) -> float:\n    return 1.0": "Variant is no type",
+    "def wrong(x: Buffer[Variant]) -> float:\n    return 1.0": "is no type",
+}
+
+
+@pytest.mark.parametrize("head", HEADS)
+def test_refused_by_its_head(folder: Path, head: str) -> None:
+    holding = "@struct\nclass Holding:\n    variant: Variant\n\n"
+    module = write_module(folder, f"{HEAD}{holding}@shader\n{head}\n")
+    with pytest.raises(ShaderError) as caught:
+        analyse(module.wrong, variant=module.Variant("none", "", True, 1))
+    assert re.match(r".*\.py:\d+: ", str(caught.value))
+    assert HEADS[head] in str(caught.value)
+
+
+def test_a_branch_that_is_not_taken_is_checked_in_what_it_calls(folder: Path) -> None:
+    module = write_module(
+        folder,
+        HEAD + "@shader\ndef odd(x: float, variant: Variant) -> float:\n"
+        "    return even(x, variant) if variant.deep else x\n"
+        "@shader\ndef even(x: float, variant: Variant) -> float:\n"
+        "    return odd(x, variant) if variant.deep else x\n"
+        "@shader\ndef broken(x: float) -> float:\n    return x + 1\n"
+        "@shader\ndef calling(x: float, variant: Variant) -> float:\n"
+        "    return broken(x) if variant.deep else x\n",
+    )
+    shallow = module.Variant("none", "", False, 1)
+    with pytest.raises(ShaderError, match="calls itself; write a loop"):
+        analyse(module.odd, variant=shallow)
+    with pytest.raises(ShaderError, match=r"`x \+ 1`: .* does not join float and int"):
+        analyse(module.calling, variant=shallow)
+
+
+@pytest.mark.parametrize("t", ["float", "list", "Vec3", "'Literal[1, True]'", "'Unheard'"])
+def test_a_static_record_holds_text_flags_and_ints(folder: Path, t: str) -> None:
+    with pytest.raises((ShaderError, NameError), match=r"static record is a str|Unheard"):
+        write_module(
+            folder, f"from typing import Literal\n@static\nclass Wrong:\n    ok: bool\n    x: {t}\n"
+        )
+
+
+def test_the_record_is_frozen_and_says_what_it_holds(module: Any) -> None:
+    variant = module.Variant("none", True, False, 2)
+    with pytest.raises(AttributeError):
+        variant.deep = False
+    fields = module.static_fields(module.Variant)
+    assert list(fields) == ["fog", "deep", "walls", "taps", "walled"]
+    assert fields["fog"] == (str, ("none", "linear", "squared"))
+    assert fields["taps"] == (int, (1, 2, 4))
+    assert fields["walled"] == (bool, ())
+    assert not variant.walled
