@@ -1,5 +1,5 @@
 // What is made of the heights: normals, and what techniques have baked, by the steps of the
-// library's `bake.bounds` and `bake.cones` and by its own programs. Between steps nothing is read
+// library's `baking.exact` and `baking.cone` and by its own programs. Between steps nothing is read
 // back: a step's planes become a texture that the next one reads.
 
 import { Job } from "view/gpu.js";
@@ -224,7 +224,7 @@ export class Bakes {
     this.packed?.destroy();
   }
 
-  // --- the bounds, as `bake/bounds.py` has them
+  // --- the bounds, as `baking/exact.py` has them
 
   bounds() {
     return this.boundsOf(1);
@@ -328,7 +328,7 @@ export class Bakes {
     return wide;
   }
 
-  // --- cone maps, as `bake/cones.py` has them
+  // --- cone maps, as `baking/cone.py` has them
 
   async cone_map() {
     this.whole = this.octaves();

@@ -241,7 +241,7 @@ function merged(old, { width, height }, places) {
 }
 
 /**
- * As `material.pyramids._resized`: bilinear, seamless at the edges, rows before columns.
+ * As `rendering.textures._resized`: bilinear, seamless at the edges, rows before columns.
  * @param {Uint16Array} channel
  * @param {{ width: number, height: number }} size
  * @param {{ width: number, height: number }} wanted

@@ -170,7 +170,7 @@ export function roundEven(x) {
 }
 
 /**
- * As `material.pyramids.halved`: rows first, then columns, in 32 bits.
+ * As `baking.levels.halved`: rows first, then columns, in 32 bits.
  * @param {Level<Uint16Array | Float32Array>} level
  * @param {number} count channels
  */
