@@ -47,7 +47,7 @@ class Technique(Shader[P, R]):
     bake: Bake | None = None
     """The table that it reads, baked from the heights."""
     boxes: bool = False
-    """Whether it takes each texel for a box (`shaders.boxes`), and no bilinear surface."""
+    """Whether it takes each texel for a box (`techniques.columns`), and no bilinear surface."""
 
     @property
     def takes_heights(self) -> tuple[str, ...]:
