@@ -48,6 +48,15 @@ def heights() -> NDArray[np.int64]:
     return made
 
 
+@functools.cache
+def towers() -> Map:
+    """Heights of a wide plain with a few towers: long ways on which nothing is met."""
+    rows, columns, cell = 200, 300, 10
+    plain = value_noise("plain", rows, columns, 4, 9000)
+    built = random_bytes("towers", rows // cell, columns // cell) > 240
+    return map_of(plain + 50000 * built.repeat(cell, 0).repeat(cell, 1), 16)
+
+
 def normals() -> NDArray[np.int64]:
     """Codes of normals that lean by up to about 35°, 0 to 65535, (rows, columns, 3)."""
     x, y = (value_noise(name, ROWS, COLUMNS, 5, 30000) + 17768 for name in ("east", "north"))

@@ -1,13 +1,20 @@
 """Small scenes that between them use every technique, shape and option, each known by its name.
 
 A name lists what is drawn: a technique, a shape, and the options that differ from the defaults, as
-in "relief sphere clamp hard linear". `PLAIN` is every technique on every shape, with no option;
-`PAIRS` has each two options of different menus in one case at least, techniques and shapes being
-menus too; `MORE` are single cases beside them.
+in "relief sphere clamp hard linear".
 
-The pictures are the same to the last bit on every processor that rounds as IEEE 754 says: maps are
-integer arithmetic, and what cameras, lights and transforms work out in 64 bits is nowhere close to
-the middle between two numbers of 32 bits, where another last bit would show.
+- `PLAIN`: every technique on every shape, with no option.
+- `DEEP`: the same programs with other numbers: a deep relief, seen and lit at grazing angles.
+- `PAIRS`: with the others, every two options of different menus meet in a case, techniques and
+  shapes being menus too.
+- `MORE`: single cases.
+
+Compiling takes nearly all of the time: a case that needs no program of its own is cheap.
+
+The pictures are the same to the last bit on every processor with IEEE 754 arithmetic. Maps are
+integer arithmetic. What cameras, lights and transforms compute with elementary functions or linear
+algebra, in 64 bits, is either exact or far from the middle between two 32-bit numbers, so that
+another last bit is rounded away.
 """
 
 from __future__ import annotations
@@ -166,9 +173,11 @@ def casting(shadows: str, casts: str = "shape", **scene: Any) -> Option:
 
 
 CAMERA = Orbit(27.0, 48.0)
+OVERHEAD = LookAt((0.0, 2.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.1)
 SUN = directional(-35.0, 41.0, (1.0, 0.95, 0.85), 1.7)
 LAMP = point((0.9, 1.3, 0.8), (0.8, 0.9, 1.0), 2.5)
 NEAR_LAMP = point((-0.55, 0.62, 0.41), (0.5, 0.6, 0.4), 0.6, falloff=1.0)
+FAR_LAMP = point((9e3, 2.1e4, 1.7e4), (1.0, 0.9, 0.8), 3e4, falloff=1.0)
 SPOT = spot((-0.7, 1.5, 1.1), (0.1, 0.05, -0.1), (1.0, 0.8, 0.6), 4.0, angle=42.0, softness=0.4)
 WIDE_SPOT = spot((1.2, 1.1, -0.6), (0.0, 0.1, 0.0), (0.6, 0.6, 1.0), 2.0, angle=130.0)
 APART = {
@@ -254,6 +263,10 @@ MENUS: dict[str, dict[str, Option]] = {
 BESIDE: dict[str, Option] = {
     "full": Option(object={"projection": "full"}),
     "scale-0": Option(object={"scale": 0.0}),
+    "deep": Option(object={"scale": 0.7}),
+    "towers": Option({"height": exact_maps.towers()}),
+    "leaning": Option(object={"finish": {"normal_strength": 4.0}}),
+    "polished": Option(object={"finish": {"roughness": 0.02}}),
     "no-height": without("height"),
     "single-texels": Option(exact_maps.single_texels()),
     "twice": Option(further=copy),
@@ -262,6 +275,8 @@ BESIDE: dict[str, Option] = {
     "cast-opaque": casting("hard", "opaque"),
     "cast-none": casting("soft", "none"),
     "others": Option(further=floor_and_ball),
+    "far-lamp": Option(scene={"lights": (FAR_LAMP,)}),
+    "overhead": Option(scene={"camera": OVERHEAD}),
     "transparent": Option(scene={"background": None}),
     "samples": Option(render={"samples": 3}),
 }
@@ -272,6 +287,7 @@ OPTIONS = {name: option for menu in (*MENUS.values(), BESIDE) for name, option i
 # --- cases ----------------------------------------------------------------------------------------
 
 PLAIN = tuple(f"{technique} {shape}" for technique in DRAWN_WITH for shape in SHAPES)
+DEEP = tuple(f"{case} tiled level-half stretched lights grazing numbers deep" for case in PLAIN)
 PAIRS = """
 flat plane limited level-1 smooth clip apart mask layer-color emission stretched hard linear lamp orthographic
 flat plane clip apart opaque layer-height no-color no-normal no-response stretched soft directional exponential dark grazing numbers
@@ -352,6 +368,17 @@ own cylinder biased mip tiled mirrored blend layer-height no-normal no-response 
 MORE = (
     "offset_limited plane full",
     "relief plane scale-0 directional",
+    "exact plane grazing deep towers",
+    "exact box grazing deep towers",
+    "cone plane grazing deep towers",
+    "relaxed_cone plane grazing deep towers",
+    "texel plane grazing deep towers",
+    "relief plane grazing leaning",
+    "relief sphere polished",
+    "relief box far-lamp",
+    "relief plane overhead",
+    "exact sphere overhead",
+    "texel box overhead",
     "flat plane no-height",
     "flat sphere no-height no-color no-normal no-response",
     "relief cylinder no-color no-normal no-response",
@@ -365,7 +392,7 @@ MORE = (
     "exact box cast-none clip lamp",
     "relief plane others soft lights",
 )
-CASES = (*PLAIN, *PAIRS, *MORE)
+CASES = (*PLAIN, *DEEP, *PAIRS, *MORE)
 
 
 def scene_of(case: str) -> Scene:

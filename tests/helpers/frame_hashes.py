@@ -22,7 +22,7 @@ from helpers.repository import TESTS
 STORE = TESTS / "rendering" / "frame_hashes.json"
 PLANES = ("color", "depth", "uv", "hit", "reads")
 DIGITS = 12
-"""Of a digest in hexadecimal: two planes that differ have the same once in 2⁴⁸."""
+"""Hexadecimal digits of a digest: two different planes share one with a probability of 2⁻⁴⁸."""
 Digests = dict[str, str]
 """A digest for each plane."""
 
@@ -37,9 +37,9 @@ def digests(frame: Frame) -> Digests:
 
 def _digest(name: str, plane: np.ndarray) -> str:
     assert not np.isnan(plane).any(), f"NaN in {name}: its bits depend on the processor"
-    stored = plane.astype(plane.dtype.newbyteorder("<"))
-    head = f"{stored.dtype.str} {stored.shape} ".encode()
-    return hashlib.sha256(head + stored.tobytes()).hexdigest()[:DIGITS]
+    little_endian = plane.astype(plane.dtype.newbyteorder("<"))
+    header = f"{little_endian.dtype.str} {plane.shape} ".encode()
+    return hashlib.sha256(header + little_endian.tobytes()).hexdigest()[:DIGITS]
 
 
 def stored() -> dict[str, Digests]:

@@ -14,7 +14,7 @@ from helpers.frame_cases import BESIDE, CASES, DRAWN_WITH, MENUS, SHAPES, drawn,
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", CASES, ids=str)
 def test_frames_have_the_stored_bytes(case: str) -> None:
     expected = stored().get(case)
     assert expected, f"{case}: no stored digests; store them as helpers/frame_hashes.py says"
