@@ -69,6 +69,24 @@ def test_import_is_light() -> None:
     assert result.stdout.strip() == "[]"
 
 
+def test_help_is_light() -> None:
+    """`basrelief --help` waits for nothing that only some commands need."""
+    late = (*HEAVY, "matplotlib", "av", "anywidget")
+    code = f"""
+import sys
+from basrelief.cli.main import main
+sys.argv = ["basrelief", "--help"]
+try:
+    main()
+finally:
+    print([m for m in {set(late) - {"rich"}} if m in sys.modules], file=sys.stderr)
+"""
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0
+    assert "compare" in result.stdout
+    assert result.stderr.strip() == "[]"
+
+
 def test_wheel(tmp_path: Path) -> None:
     """The wheel has every module, the type marker and the licence, and nothing else of ours."""
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
