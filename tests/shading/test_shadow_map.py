@@ -298,18 +298,26 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
         assert max(at.x, at.y) < side - 0.5
 
 
-@pytest.mark.parametrize("light", [directional(90.0, 0.0), directional(20.0, 65.0),
-                                   point((1.4, 0.3, 0.2)), point((-2.0, 3.0, 9.0))])  # fmt: skip
+@pytest.mark.parametrize(
+    "light",
+    [
+        directional(90.0, 0.0),
+        directional(0.0, 90.0),
+        directional(20.0, 65.0),
+        point((1.4, 0.3, 0.2)),
+        point((-9.0, 0.5, 2.0)),
+    ],
+)
 @pytest.mark.parametrize("side", [16, 1024])
-def test_corners_and_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
-    """A relief raised by 0.5 above a plane that is stretched to 2 × 3, its height by 1.5."""
-    ground = Object(
-        plain(height=1.0), technique="relief", scale=0.5, level=0.0,
-        transform=LYING @ placed(scale=(2.0, 3.0, 1.5)),
+def test_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
+    """A relief that stands 2 · 1.5 above a polygon of 0.5 × 0.4."""
+    tower = Object(
+        plain(height=1.0), technique="relief", scale=2.0, level=0.0,
+        transform=LYING @ placed(scale=(0.5, 0.4, 1.5)),
     )  # fmt: skip
     small = Object(plain(), shape="box", transform=placed(scale=0.1))
-    views = light_views(Scene((ground, small), lights=(light,), shadow_map=side))
-    for x, y, z in itertools.product((-1.0, 1.0), (0.0, 0.75), (-1.5, 1.5)):
+    views = light_views(Scene((tower, small), lights=(light,), shadow_map=side))
+    for x, y, z in itertools.product((-0.25, 0.25), (0.0, 3.0), (-0.2, 0.2)):
         seen = [seen_from(view.camera, vector((x, y, z))) for view in views]
         assert any(
             at.z > 0.0 and min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5 for at in seen
