@@ -26,8 +26,6 @@ from basrelief import baking
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, normalize, shader, struct
 from basrelief.lang.program import Program
 from basrelief.techniques import Nothing, displace, exact, parallax_occlusion
-from basrelief.techniques.edge import edges_of
-from basrelief.techniques.height import heights_of
 from basrelief.techniques.march import March
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
@@ -123,13 +121,10 @@ def _unit(values: np.ndarray) -> np.ndarray:
 
 def programs(steps: int) -> dict[str, tuple[Program, Any]]:
     """Each technique's program and settings."""
-    plain = {**edges_of("wrap"), **heights_of("sharp")}
     return {
-        "march": (
-            Program(kernel, {displace: parallax_occlusion, **plain}), March(steps, steps),
-        ),
-        "exact": (Program(kernel, {displace: exact, **plain}), Nothing()),
-    }  # fmt: skip
+        "march": (Program(kernel, {displace: parallax_occlusion}), March(steps, steps)),
+        "exact": (Program(kernel, {displace: exact}), Nothing()),
+    }
 
 
 def main() -> None:

@@ -14,8 +14,6 @@ from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.rendering import textures
-from basrelief.techniques import edge
-from basrelief.techniques.height import sharp, surface_height
 from basrelief.techniques.march import March, parallax_occlusion
 from basrelief.techniques.ray import Ray
 
@@ -24,7 +22,6 @@ STEPS = 32
 MOST = 1.05
 DISPATCHES = 8
 RUNS = 15
-BINDINGS = {edge.in_tile: edge.wrap, surface_height: sharp}
 HERE = Path(__file__).parent
 
 
@@ -91,7 +88,7 @@ def main() -> None:
     print(f"{engine.device}, {size[0]} × {size[1]}, {STEPS} steps, {texels}² map, ms a dispatch")
     figures = {}
     for sample in ("bricks", "gravel", "terrain"):
-        program, given = Program(kernel, BINDINGS), values(sample, size, texels)
+        program, given = Program(kernel), values(sample, size, texels)
         with engine.prepare(program, given, size) as generated:
             by_hand = engine.prepare_text(
                 (HERE / "kernel_by_hand.wgsl").read_text(), program, given, size

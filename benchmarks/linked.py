@@ -19,7 +19,7 @@ import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
 from basrelief.lang.library import linked
-from basrelief.rendering.programs import choices_of, program_of, values_of
+from basrelief.rendering.programs import program_of, values_of
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Printed, printed
@@ -60,8 +60,7 @@ def jobs(
     began = time.perf_counter()
     whole = engine.prepare(program, values, size)
     between = time.perf_counter()
-    choices = choices_of(thing, scene)
-    text = linked(library, "pixel", made.bound(choices), choices)
+    text = linked(library, program)
     both = {
         "whole": whole,
         "linked": engine.prepare_text(text, program, {**nothing, **values}, size, needed),

@@ -34,7 +34,6 @@ from basrelief.lang import (
 from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
 from basrelief.techniques import Nothing, exact
-from basrelief.techniques.edge import edges_of
 from basrelief.techniques.exact import (
     Clearance,
     cell_after,
@@ -44,7 +43,7 @@ from basrelief.techniques.exact import (
     line_of,
     walls_of,
 )
-from basrelief.techniques.height import extent_of, heights_of
+from basrelief.techniques.height import extent_of
 from basrelief.techniques.ray import Hit, Ray, at
 
 LATE = 0.05
@@ -188,10 +187,9 @@ def main() -> None:
             field = HeightField([heights], edge)
             baked = Texture([baking.bounds(heights, edge, engine)], edge)
             values = {"seed": Seed(total[0]), "field": field, "baked": baked}
-            plain = {**edges_of(edge), **heights_of("sharp")}
             counts, worst, early = [], [], []
             for way in (by_exact, by_cells):
-                planes = engine.run(Program(traced, {**plain, ended: way}, edge), values, size)
+                planes = engine.run(Program(traced, {ended: way}, edge), values, size)
                 behind, before = apart(planes, heights, edge)
                 counts.append(int((behind > LATE).sum()))
                 worst.append(float(behind.max()))

@@ -9,18 +9,17 @@ import numpy as np
 import pytest
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound
 from basrelief.lang.types import leaf_values
 from basrelief.material import Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.render import render
 from basrelief.scene import SHAPES, Object, Orbit, Scene, directional, point, spot
-from basrelief.shading.pixel import Pixel, pixel
-from basrelief.shading.shadow_map import CastView
+from basrelief.shading.pixel import Pixel
 from basrelief.techniques import TECHNIQUES
 from helpers import agreement
 from helpers.agreement import ALIKE, steps_apart
+from helpers.plain_python import pixel_in_python
 
 SIZE = (160, 90)
 TEXELS = 128
@@ -106,18 +105,24 @@ def test_the_ruler_can_fail() -> None:
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion", "relief"])
 def test_python_computes_the_same_pixel_as_the_cpu(technique: str, shape: str) -> None:
     """Bit for bit, the whole pixel: C14's function, stepped through as it stands."""
-    thing = Object(material("cobbles", 32), shape=shape, technique=technique)
-    scene = Scene((thing,))
-    program, values = program_of(thing), values_of(thing, scene, (40, 24), cpu())
+    assert_python_agrees(
+        Scene((Object(material("cobbles", 32), shape=shape, technique=technique),))
+    )
+
+
+@pytest.mark.parametrize("heights", ["smooth", "mip", "boxes"])
+def test_python_reads_heights_as_the_cpu_does(heights: str) -> None:
+    kind = {"technique": "texel"} if heights == "boxes" else {"heights": heights}
+    thing = Object(material("gravel", 32), scale=0.3, tiling=(3.0, 3.0), **kind)
+    assert_python_agrees(Scene((thing,), shadows="soft"))
+
+
+def assert_python_agrees(scene: Scene) -> None:
+    thing = scene.objects[0]
+    program, values = program_of(thing, scene), values_of(thing, scene, (40, 24), cpu())
     planes = cpu().run(program, values, (40, 24))
-    nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    zero = HeightField([np.zeros((1, 1))])
-    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
-    others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
-    unread = {**dict.fromkeys(maps, nothing), **others}
     for x, y in [(20, 12), (15, 9), (24, 14), (0, 0)]:
-        with bound(program.bindings):
-            one = pixel(IVec2(x, y), **{**unread, **values}, variant=program.variant)
+        one = pixel_in_python(program, values, x, y)
         got = [planes[name][y, x] for name, _ in program.planes]
         assert got == [*leaf_values(one, Pixel)]
     assert planes["hit"][12, 20]

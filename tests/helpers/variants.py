@@ -1,29 +1,37 @@
-"""Random variants, as a page chooses them and as the library has them."""
+"""Random programs of a pixel, as a page chooses them and as the library has them."""
 
 from __future__ import annotations
 
 import random
-from typing import Any
+from typing import Any, get_args
 
-from basrelief.shading.choices import Choices
-from basrelief.techniques import TECHNIQUES, flat
-from basrelief.viewer.printed import answers
+from basrelief.lang import static_fields
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Edge
+from basrelief.rendering.programs import SURFACES
+from basrelief.shading.pixel import pixel
+from basrelief.shading.surfaces.surface import surface_at
+from basrelief.shading.variant import Variant
+from basrelief.techniques import TECHNIQUES, displace, flat
 
 
-def random_choices(count: int, seed: int) -> list[tuple[dict[str, Any], Choices]]:
-    """So many choices twice over: with the text and bools of a page, and as a record."""
-    every = answers(TECHNIQUES)
+def random_programs(count: int, seed: int) -> list[tuple[dict[str, Any], Program]]:
+    """So many programs twice over: with the names of a page, and as the library has them."""
     rng = random.Random(seed)
-    found = []
-    for _ in range(count):
-        picked = {name: rng.choice([*each.items()]) for name, each in every.items()}
-        # what a technique says of itself, it alone decides
-        technique = picked["technique"][1]
-        for name, value in (("displaced", technique is not flat), ("boxed", technique.boxes)):
-            picked[name] = (str(value).lower(), value)
-        told = {
-            name: value if isinstance(value, bool) else text
-            for name, (text, value) in picked.items()
-        }
-        found.append((told, Choices(**{name: value for name, (_, value) in picked.items()})))
-    return found
+    return [_program(rng) for _ in range(count)]
+
+
+def _program(rng: random.Random) -> tuple[dict[str, Any], Program]:
+    name, technique = rng.choice([*TECHNIQUES.items()])
+    edge = rng.choice(get_args(Edge))
+    filter = "boxes" if technique.boxes else rng.choice(technique.takes_heights)
+    chosen: dict[str, Any] = {
+        each: rng.choice(field.menu or (False, True))
+        for each, field in static_fields(Variant).items()
+    }
+    # what a technique says of itself, it alone decides
+    chosen |= {"displaced": technique is not flat, "boxed": technique.boxes}
+    variant = Variant(**chosen)
+    bindings: Any = {displace: technique, surface_at: SURFACES[variant.surface]}
+    told = {"technique": name, **chosen, "map.edge": edge, "map.filter": filter}
+    return told, Program(pixel, bindings, edge, filter, variant)

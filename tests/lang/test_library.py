@@ -23,15 +23,16 @@ from basrelief.lang import (
     slot,
     struct,
 )
-from basrelief.lang.library import EDGE, library_of, linked
+from basrelief.lang.library import library_of, linked
+from basrelief.lang.program import Program
+from basrelief.lang.tree import holds
 from basrelief.lang.values import IVec2
-from basrelief.rendering.programs import choices_of, program_of, values_of
+from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene.objects import technique_named
-from basrelief.shading.choices import RULES, Choices
 from basrelief.shading.shadow_map import CastView
-from basrelief.techniques import TECHNIQUES
-from basrelief.viewer.printed import Ask, answers, printed, tree_of
-from helpers.variants import random_choices
+from basrelief.techniques import displace
+from basrelief.viewer.printed import printed
+from helpers.variants import random_programs
 
 
 @struct
@@ -70,11 +71,11 @@ OPTIONS = {measure: [straight, along_u]}
 def test_a_slot_hands_on_what_its_shader_takes() -> None:
     made = library_of([measured], OPTIONS)
     assert set(made.slots["measure"]) == {"straight", "along_u"}
-    for name, call in (("straight", "straight(place_, scale)"), ("along_u", "along_u(place_)")):
-        text = linked(made, "measured", {"measure": name, EDGE: "wrap"})
+    for shader_, call in ((straight, "straight(place_, scale)"), (along_u, "along_u(place_)")):
+        text = linked(made, Program(measured, {measure: shader_}))
         assert f"  return {call};" in text
         assert text.count("fn measure(place_: vec2f, scale: f32) -> f32 {") == 1
-        assert ("fn along_u(" in text) == (name == "along_u")
+        assert ("fn along_u(" in text) == (shader_ is along_u)
         assert "fn main(" in text
 
 
@@ -124,56 +125,21 @@ def _gpu() -> Any:
     return GpuEngine().gpu
 
 
-def _some_choices(count: int, seed: int) -> list[Choices]:
-    return [choices for _, choices in random_choices(count, seed)]
-
-
-def test_a_tree_says_what_its_rule_says() -> None:
-    every = answers(TECHNIQUES)
-    trees = {slot: tree_of(rule, every) for slot, rule in RULES.items()}
-    asked = 0
-    for choices in _some_choices(300, 1):
-        for slot_, rule in RULES.items():
-            tree: Any = trees[slot_]
-            while isinstance(tree, Ask):
-                value = getattr(choices, tree.name)
-                text = next(t for t, v in every[tree.name].items() if v is value or v == value)
-                tree = tree.then[text]
-                asked += 1
-            assert tree is rule(choices)
-    assert asked > 300
-
-
-def test_a_tree_asks_nothing_in_vain() -> None:
-    def check(tree: Any) -> int:
-        if not isinstance(tree, Ask):
-            return 0
-        first, *others = tree.then.values()
-        assert any(each != first for each in others)
-        return 1 + sum(check(each) for each in tree.then.values())
-
-    assert sum(check(tree_of(rule, answers(TECHNIQUES))) for rule in RULES.values()) > 30
-    # what does not matter is not asked
-    assert tree_of(lambda c: c.fades and False, {"fades": {"true": True, "false": False}}) is False
-
-
 @pytest.mark.gpu
-def test_every_option_of_every_slot_compiles() -> None:
-    made = printed()
+def test_every_option_and_condition_compiles() -> None:
+    made = printed().library
     gpu = _gpu()
-    left = {(name, each) for name, options in made.library.slots.items() for each in options} - {
-        ("is_asked", "in_sector"),
-        ("is_asked", "everywhere"),
-    }  # of a bake's step
-    for choices in _some_choices(400, 2):
-        bound = made.bound(choices)
-        new = left & set(bound.items())
-        for entry in ("pixel", "missed_hit") if new else ():
-            text = linked(made.library, entry, bound, choices)
-            gpu.create_shader_module(code=text)
-            left -= {(name, each) for name, each in new if f" {name}" in text}
-    # programs of boxes never ask for the surface between texels
-    assert left == {("surface_height", "top_at")}
+    left: set[Any] = {(slot_, each) for slot_, options in made.slots.items() for each in options}
+    # that of a bake's step is in no pixel
+    conditions = [each for each in made.conditions if each != ("by_sector", (True,))]
+    left |= {(each, truth) for each in conditions for truth in (False, True)}
+    for _, program in random_programs(400, 2):
+        bound = made.bound_names(program.bindings)
+        held = {(each, holds(each, program.known)) for each in conditions}
+        if new := left & {*bound.items(), *held}:
+            gpu.create_shader_module(code=linked(made, program))
+            left -= new
+    assert not left
 
 
 OWN = """
@@ -196,13 +162,14 @@ def {name}(field: HeightField, ray: Ray, settings: Settings) -> Hit:
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("name", ["field", "ray", "settings", "baked", "displace", "pixel", "main"])
-@pytest.mark.parametrize("helper", ["edge", "constructor", "edge_of_map", "corners", "fn"])
+@pytest.mark.parametrize("helper", ["edge", "constructor", "at_edge", "corners", "fn"])
 def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -> None:
     (tmp_path / "own.py").write_text(OWN.replace("{name}", name).replace("{helper}", helper))
     own = technique_named(f"{tmp_path / 'own.py'}:{name}")
     made = printed({"own": own})
-    (choices,) = _some_choices(1, 4)
-    text = linked(made.library, "pixel", made.bound(replace(choices, technique=own)), choices)
+    ((_, program),) = random_programs(1, 4)
+    bindings = {**program.bindings, displace: own}
+    text = linked(made.library, replace(program, bindings=bindings))
     _gpu().create_shader_module(code=text)
 
 
@@ -226,8 +193,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     engine, size = GpuEngine(), (64, 48)
     program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
     made = printed()
-    choices = choices_of(thing, scene)
-    text = linked(made.library, "pixel", made.bound(choices), choices)
+    text = linked(made.library, program)
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]
     texel = np.zeros((1, 1, 4), np.uint16)

@@ -12,9 +12,9 @@ import pytest
 
 from basrelief.engine.cpu import CpuEngine
 from basrelief.engine.gpu import GpuEngine
-from basrelief.lang import HeightField, ShaderError, bound
+from basrelief.lang import HeightField, ShaderError, Texture, bound
 from basrelief.lang.frontend import analyse
-from basrelief.lang.library import EDGE, library_of, linked
+from basrelief.lang.library import library_of, linked
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
@@ -189,7 +189,7 @@ def test_python_gpu_and_linked_programs_agree_on_every_variant(module: Any) -> N
         each = program(module, variant, made)
         expected = in_python(module, each)
         assert words(engine.run(each, values(module), SIZE)) == expected, variant
-        text = linked(library, "entry", {"chosen": made, EDGE: "wrap"}, variant)
+        text = linked(library, each)
         with engine.prepare_text(
             text, each, values(module), SIZE, library.bindings["entry"]
         ) as job:
@@ -213,12 +213,12 @@ def test_only_what_a_variant_takes_is_there(module: Any, way: str) -> None:
 
     def text_of(*values: Any) -> str:
         variant = module.Variant(*values)
-        made = program(module, variant, "by_itself").module
+        made = program(module, variant, "by_itself")
         if way == "llvm":
-            return print_llvm(made, 8)
+            return print_llvm(made.module, 8)
         if way == "linked":
-            return linked(library, "entry", {"chosen": "by_itself", EDGE: "wrap"}, variant)
-        return print_wgsl(made, "wrap")
+            return linked(library, made)
+        return print_wgsl(made.module, "wrap")
 
     bare = text_of("none", False, False, 1)
     absent = {"sampled", "height_of", "linear", "squared"}
@@ -264,7 +264,7 @@ def test_what_one_branch_leaves_the_rest_goes_without(module: Any) -> None:
     """No line stands behind a return, which a GPU's compiler would refuse."""
     library = library_of([module.entry], {module.chosen: [module.by_itself]})
     for variant in variants(module):
-        text = linked(library, "entry", {"chosen": "by_itself", EDGE: "wrap"}, variant)
+        text = linked(library, program(module, variant, "by_itself"))
         assert not re.search(r"^( *)(return|break|continue)\b.*;\n\1\S", text, re.MULTILINE)
 
 
@@ -398,7 +398,7 @@ REFUSED = {
     "if variant.deep == 1:\n        y = x": ("variant.deep == 1", "deep is bool, not 1"),
     "if variant.thick:\n        y = x": ("variant.thick", "no field or property thick that is str"),
     "if variant.scale == 1.0:\n        y = x": ("variant.scale", "no field or property scale"),
-    "y = variant": ("variant", "a static record, no value; branch on its fields, or pass it on"),
+    "y = variant": ("variant", "is for static conditions, no value; branch on its fields, or pass"),
     "y = variant.fog": ("variant.fog", "is for static conditions; compare it"),
     "y = x + float(variant.taps)": ("variant.taps", "is for static conditions; compare it, as in"),
     "y = half(variant)": ("variant", "no value"),
@@ -409,6 +409,16 @@ REFUSED = {
     'y = "none"': ("'none'", "no text but in static conditions, as in `variant.fog == "),
     'if "none" == "none":\n        y = x': ("'none'", "no text but in static conditions"),
     "variant = x": ("variant = x", "a parameter keeps its value"),
+    # of maps the edge is static, of heights the filter too
+    'if f.edge == "clip":\n        y = x': (
+        "f.edge == 'clip'", "no such edge: 'clip'; the choices are wrap, clamp",
+    ),
+    'if f.filter == "fine":\n        y = x': ("f.filter", "sharp, smooth, mip, boxes"),
+    'if t.filter == "mip":\n        y = x': ("t.filter", "Texture has no field or property filter"),
+    "y = f.edge": ("f.edge", "is for static conditions; compare it, as in `f.edge == 'wrap'`"),
+    "y = f.levels": ("f.levels", "HeightField has no field or property levels"),
+    "y = float(levels(m))": ("m", "is for static conditions, no value"),
+    "y = turned(x, x)": ("x", "map is Map; pass this shader's own on"),
     # both branches are checked
     "if variant.deep:\n        y = x + n": ("x + n", "does not join float and int"),
     "if not variant.deep:\n        y = unheard": ("unheard", "is not known here"),
@@ -423,16 +433,18 @@ REFUSED = {
     ),
 }  # fmt: skip
 HALF = "@shader\ndef half(x: float) -> float:\n    return x * 0.5\n\n"
-PARAMETERS = "x: float, n: int, f: HeightField, variant: Variant, other: Other"
+PARAMETERS = "x: float, n: int, f: HeightField, t: Texture, m: Map, variant: Variant, other: Other"
+TURNED = "@shader\ndef turned(x: float, map: Map) -> float:\n    return x\n\n"
 
 
 @pytest.mark.parametrize("body", REFUSED)
 def test_refused_in_a_body(folder: Path, body: str) -> None:
     offending, advice = REFUSED[body]
-    text = f"{HEAD}{HALF}@shader\ndef wrong({PARAMETERS}) -> float:\n    {body}\n    return x\n"
+    before = f"{HEAD}{HALF}{TURNED}"
+    text = f"{before}@shader\ndef wrong({PARAMETERS}) -> float:\n    {body}\n    return x\n"
     module = write_module(folder, text)
     with pytest.raises(ShaderError) as caught:
-        analyse(module.wrong, variant=module.Variant("none", "", True, 1))
+        analyse(module.wrong, {}, vars(module.Variant("none", "", True, 1)).get)
     found = re.fullmatch(r"(.*\.py):(\d+): `(.*?)`: (.*)", str(caught.value))
     assert found, str(caught.value)
     file, line, quoted, message = found.groups()
@@ -451,6 +463,7 @@ HEADS = {
     "def wrong(variant: Variant) -> Variant:\n    return variant": "Variant is no type",
     "def wrong(x: Holding) -> float:\n    return 1.0": "Variant is no type",
     "def wrong(x: Buffer[Variant]) -> float:\n    return 1.0": "is no type",
+    "def wrong(x: Map) -> Map:\n    return x": "Map is no type",
 }
 
 
@@ -459,7 +472,7 @@ def test_refused_by_its_head(folder: Path, head: str) -> None:
     holding = "@struct\nclass Holding:\n    variant: Variant\n\n"
     module = write_module(folder, f"{HEAD}{holding}@shader\n{head}\n")
     with pytest.raises(ShaderError) as caught:
-        analyse(module.wrong, variant=module.Variant("none", "", True, 1))
+        analyse(module.wrong, {}, vars(module.Variant("none", "", True, 1)).get)
     assert re.match(r".*\.py:\d+: ", str(caught.value))
     assert HEADS[head] in str(caught.value)
 
@@ -477,9 +490,9 @@ def test_a_branch_that_is_not_taken_is_checked_in_what_it_calls(folder: Path) ->
     )
     shallow = module.Variant("none", "", False, 1)
     with pytest.raises(ShaderError, match="calls itself; write a loop"):
-        analyse(module.odd, variant=shallow)
+        analyse(module.odd, {}, vars(shallow).get)
     with pytest.raises(ShaderError, match=r"`x \+ 1`: .* does not join float and int"):
-        analyse(module.calling, variant=shallow)
+        analyse(module.calling, {}, vars(shallow).get)
 
 
 @pytest.mark.parametrize("t", ["float", "list", "Vec3", "'Literal[1, True]'", "'Unheard'"])
@@ -496,7 +509,44 @@ def test_the_record_is_frozen_and_says_what_it_holds(module: Any) -> None:
         variant.deep = False
     fields = module.static_fields(module.Variant)
     assert list(fields) == ["fog", "deep", "walls", "taps", "walled"]
-    assert fields["fog"] == (str, ("none", "linear", "squared"))
-    assert fields["taps"] == (int, (1, 2, 4))
-    assert fields["walled"] == (bool, ())
+    assert fields["fog"] == ("fog", str, ("none", "linear", "squared"))
+    assert fields["taps"] == ("taps", int, (1, 2, 4))
+    assert fields["walled"] == ("walled", bool, ())
     assert not variant.walled
+
+
+# --- conditions on maps ---------------------------------------------------------------------------
+
+MAPS = """
+@struct
+class Out:
+    x: float
+
+@shader
+def beyond(map: Map, x: float) -> float:
+    return x if map.edge == "wrap" else -x
+
+@shader
+def entry(pixel: IVec2, near: HeightField, far: Texture, map: Map) -> Out:
+    found = beyond(near, 1.0) + beyond(far, 10.0) + beyond(map, 100.0)
+    return Out(found if near.filter in ("sharp", "mip") else found * 2.0)
+"""
+
+
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+@pytest.mark.parametrize("filter", ["sharp", "smooth"])
+def test_conditions_on_maps_go_by_the_programs(folder: Path, edge: Any, filter: Any) -> None:
+    module = write_module(folder, MAPS)
+    made = Program(module.entry, edge=edge, filter=filter)
+    expected = 111.0 * (1.0 if edge == "wrap" else -1.0) * (1.0 if filter == "sharp" else 2.0)
+    near = HeightField([np.zeros((1, 1), np.float32)], edge, filter)
+    far = Texture([np.zeros((1, 1, 4), np.uint16)], edge)
+    assert module.entry((0, 0), near, far, near).x == expected
+    # nothing is read of the maps, so that none is given
+    assert list(made.module.entry.parameters) == ["pixel"]
+    assert list(made.parameters) == ["near", "far"]
+    assert CpuEngine().run(made, {}, (1, 1))["x"] == expected
+    others = {Program(module.entry, edge=e, filter=f).key for e in ("wrap", "clamp")
+              for f in ("sharp", "smooth", "mip", "boxes")}  # fmt: skip
+    assert len(others) == 8
+    assert made.key in others

@@ -11,15 +11,14 @@ import pytest
 from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import EngineError, InputError
 from basrelief.images import read_picture, srgb_decode, write_picture
-from basrelief.lang import Buffer, HeightField, IVec2, Texture, bound, setting, shader, struct
+from basrelief.lang import HeightField, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.render import render, sample_places
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, turned
 from basrelief.shading.brdf import Shading
-from basrelief.shading.pixel import pixel
-from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import TECHNIQUES, Hit, Nothing, Ray, at, height_under, technique
+from helpers.plain_python import pixel_in_python
 
 CPU = CpuEngine()
 SIZE = (64, 36)
@@ -570,14 +569,9 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
     program, values = program_of(made), values_of(made, scene, SIZE, CpuEngine())
-    nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
-    others = {"distances": HeightField([np.zeros((1, 1))]), "views": Buffer((), CastView)}
-    unread = {**dict.fromkeys(maps, nothing), **others}
     frame = drawn(scene)
     for x, y in ((32, 18), (28, 20), (36, 16)):
-        with bound(program.bindings):
-            one = pixel(IVec2(x, y), **{**unread, **values}, variant=program.variant)
+        one = pixel_in_python(program, values, x, y)
         assert one.hit == frame.hit[y, x]
         assert [*one.uv] == [*frame.uv[y, x]]
         assert one.depth == frame.depth[y, x]

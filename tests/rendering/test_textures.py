@@ -176,11 +176,12 @@ def test_opacity_without_a_colour_still_counts() -> None:
 def test_emission_brighter_than_1_is_a_share_of_its_brightest() -> None:
     light = np.zeros((1, 2, 3))
     light[0, 0], light[0, 1] = (5.0, 2.5, 0.0), (1.0, 0.5, 0.25)
-    found = textures.emission(Material("x", emission=map_of(light)), "wrap")
-    assert found is not None
-    texture, most = found
-    assert most == 5.0
-    np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT * most, light, atol=1e-4)
+    material = Material("x", emission=map_of(light))
+    texture = textures.emission(material, "wrap")
+    assert texture is not None
+    assert textures.glow(material) == 5.0
+    np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT * 5.0, light, atol=1e-4)
+    assert textures.glow(Material("dark")) == 1.0
 
 
 # --- data -----------------------------------------------------------------------------------------
@@ -207,7 +208,7 @@ def test_the_response_packs_maps_of_different_sizes() -> None:
 
 
 def test_missing_parts_of_the_response_are_plain() -> None:
-    """As `plain_response` has them: not occluded, fairly rough, no metal."""
+    """As `response_of` has them: not occluded, fairly rough, no metal."""
     texture = textures.response(Material("x", occlusion=map_of([[0.5]])), "wrap")
     assert texture is not None
     np.testing.assert_allclose(texture.levels[0][0, 0, :3] / UNIT, [0.5, 0.8, 0.0], atol=1e-4)
@@ -326,7 +327,7 @@ def test_which_maps_there_are_is_known_without_baking() -> None:
         if material is bare and "technique" in options:
             continue
         thing = Object(material, layer=layer and Layer(layer), **options)
-        there = {name for name, has in mapped(thing).items() if has}
+        there = {f"maps_{name}" for name, has in mapped(thing).items() if has}
         assert there == set(maps_of(thing, CPU)) - {"field", "baked"}
     assert mapped(Object(high, technique="texel"))["normal"] is False
     assert mapped(Object(full, technique="texel"))["normal"] is True

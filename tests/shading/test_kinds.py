@@ -13,21 +13,21 @@ import pytest
 from basrelief import baking
 from basrelief.errors import InputError
 from basrelief.images import Picture
-from basrelief.lang import HeightField, Shader, Texture, static_fields
+from basrelief.lang import HeightField, Texture
 from basrelief.material import channels, sample
 from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.debug import SHOWN, debug_picture
 from basrelief.measure.oracle import first_hits
 from basrelief.rendering.frame import Frame
-from basrelief.rendering.programs import choices_of, program_of
+from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
+from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.presets import Preset, preset
 from basrelief.scene.transforms import OUTLINES
-from basrelief.shading import choices, kinds
+from basrelief.shading import kinds
 from basrelief.shading.kinds import LightKind, light_kind, values_of
-from basrelief.shading.variant import Variant
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import light_of, said_light
 from basrelief.viewer.state import plain_light
@@ -79,22 +79,18 @@ def told(name: str, value: str) -> str:
 
 @pytest.mark.parametrize(("name", "value"), EACH)
 def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
-    """All slots are bound; another value of an option binds some otherwise, or is branched on."""
-    # the options below bind slots that the value may change
-    others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard"}
-    bindings = {}
+    # where another choice leaves the value its say
+    others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard", "casts": "shape"}
+    ball = Object(BRICKS, "sphere")
+    keys = {}
     for each in values_of(OPTIONS[name]):
         made = scene(**{**others, name: each})
-        chosen = choices_of(made.objects[0], made)
-        bound = choices.bindings_of(chosen)
-        assert all(isinstance(shader, Shader) for shader in bound.values())
-        # shaders branch on a variant's fields
-        bindings[each] = bound, [getattr(chosen, field) for field in static_fields(Variant)]
-        assert program_of(made.objects[0], made).key
-    same = [each for each in bindings if bindings[each] == bindings[value]]
-    # objects that cast nothing are drawn no otherwise themselves; within, clip repeats as wrap does
+        made = replace(made, objects=(*made.objects, ball))
+        keys[each] = program_of(made.objects[0], made).key
+    same = [each for each in keys if keys[each] == keys[value]]
+    # objects that cast nothing are drawn no otherwise themselves
     if name == "casts":
-        assert same == list(bindings)
+        assert same == list(keys)
     else:
         assert same == [value]
 
@@ -102,11 +98,7 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
 @pytest.mark.parametrize(
     ("table", "kind"),
     [
-        (choices.SHAPES, kinds.ShapeKind),
-        (choices.PROJECTIONS, kinds.Projection),
-        (choices.LEVELS, kinds.HeightsKind),
-        (choices.SURFACES, kinds.SurfaceKind),
-        (choices.RECEIVERS, kinds.ShadowsOnKind),
+        (SURFACE_SHADERS, kinds.SurfaceKind),
         (SHAPES, kinds.ShapeKind),
         (SURFACES, kinds.SurfaceKind),
         (OUTLINES, kinds.ShapeKind),

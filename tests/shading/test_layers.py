@@ -260,7 +260,7 @@ def test_without_a_layer_and_tilings_there_is_no_code_for_them() -> None:
     bare = text(Object(material))
     layered = text(Object(material, layer=Layer(detail)))
     apart = text(Object(material, tilings={"normal": Tiling((2.0, 2.0))}))
-    for word in ("with_details", "mapped_layer_color", "MapPlaces", "apart", "mirrored_with"):
+    for word in ("with_details", "layer_color_of(map: ", "MapPlaces", "apart", "mirrored_with"):
         assert word not in bare
         assert word in layered
     for word in ("apart", "mirrored_with", "MapPlaces"):
@@ -304,4 +304,4 @@ def test_a_layer_of_heights_alone_has_their_normals() -> None:
     over = Material("over", height=Map(bumps, False, "bumps"))
     plain = Material("plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain"))
     text = print_wgsl(program_of(Object(plain, layer=Layer(over))).module, "wrap")
-    assert "mapped_layer_normal" in text
+    assert "layer_normal_of(map: texture_2d" in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,16 +10,14 @@ import pytest
 
 from basrelief.engine import choose_engine
 from basrelief.lang import Buffer, Vec2
-from basrelief.lang.program import Program
 from basrelief.material import Material
 from basrelief.measure.errors import missed, overshoot, uv_error
 from basrelief.measure.truth import Truth, truth
 from basrelief.rendering.frame import Frame
-from basrelief.rendering.programs import map_edge, rays_of, values_of
+from basrelief.rendering.programs import rays_of, values_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.shading.missed_hit import DrawnHit, PictureSize, TrueHit, missed_hit
-from basrelief.techniques.edge import edges_of
 from helpers.made_up import map_of
 
 SIZE = (40, 26)
@@ -42,8 +41,7 @@ def by_shader(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Missed and passed, as a page finds them."""
     thing = scene.objects[0]
-    edge = map_edge(thing)
-    program = Program(missed_hit, {**rays_of(thing).bindings, **edges_of(edge)}, edge)
+    program = replace(rays_of(thing), entry=missed_hit)
     values = values_of(thing, scene, SIZE, choose_engine(engine))
     found = choose_engine(engine).run(
         program,

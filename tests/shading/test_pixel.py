@@ -727,8 +727,8 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 # --- what is in a program -------------------------------------------------------------------------
 
 PARALLAX = {
-    "corners", "with_relief", "relief_ray", "beyond", "height_at", "height_under", "sharp", "march",
-    "chord", "at",
+    "corners", "depth_seen", "lod_seen", "relief_ray", "move_of", "beyond", "height_at",
+    "height_under", "surface_height", "march", "chord", "at",
     "steps_by_angle", "step_count", "shifted", "to_texture", "full", "biased", "limited",
     "line_over", "share_of_cone",
     # these two are what other functions are called too
@@ -774,10 +774,10 @@ def test_drawn_flat_there_is_no_parallax_code_either() -> None:
 
 
 READS = {
-    "base_color": ("mapped_base_color", "plain_base_color"),
-    "normal": ("mapped_normal", "plain_normal"),
-    "emission": ("mapped_emission", "plain_emission"),
-    "response": ("mapped_response", "plain_response"),
+    "base_color": "base_color_of",
+    "normal": "normal_of",
+    "emission": "emission_of",
+    "response": "response_of",
 }
 
 
@@ -787,13 +787,14 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
     whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
     lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
-    mapped, plain = READS[what]
-    for material, there, absent in ((whole, mapped, plain), (lacking, plain, mapped)):
-        thing = Object(material)
-        text = print_wgsl(program_of(thing).module, "wrap")
-        assert there in functions(thing)
-        assert absent not in functions(thing)
-        assert (f"{what}_map" in text) == (there == mapped)
+    for material, there in ((whole, True), (lacking, False)):
+        module = program_of(Object(material)).module
+        # what both engines print: it is given the map, and the rest that reading takes, or nothing
+        (reading,) = (each for each in module.functions if each.name == READS[what])
+        assert ("map" in reading.parameters) == bool(reading.parameters) == there
+        text = print_wgsl(module, "wrap")
+        assert f"fn {READS[what]}({'map: texture_2d' if there else ')'}" in text
+        assert (f"{what}_map" in text) == there
 
 
 def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() -> None:

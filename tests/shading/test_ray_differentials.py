@@ -7,16 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from basrelief.lang import Buffer, HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound
+from basrelief.lang import IVec2, Mat3, Vec2, Vec3
 from basrelief.lang.frontend import analyse
 from basrelief.scene.cameras import look
 from basrelief.shading import pixel as pixels
-from basrelief.shading import shapes
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.intersection import Placement, meet
 from basrelief.shading.ray_differentials import Footprint, along, level_of_detail, transferred
-from basrelief.shading.shadow_map import CastView
-from basrelief.shading.shapes import shape
+from basrelief.shading.variant import Variant
+from helpers.plain_python import pixel_in_python
 
 SIZE = (40, 22)
 CAMERAS = {
@@ -77,10 +76,8 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
     shift = np.array([0.25, -0.5])
     found = 0
     for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
-        with bound({shape: shapes.plane}):
-            met = meet(
-                primary_ray(camera, Vec2(x, y)), placement(tiling, shift, matrix, tuple(origin))
-            )
+        placed_at = placement(tiling, shift, matrix, tuple(origin))
+        met = meet(primary_ray(camera, Vec2(x, y)), placed_at, Variant())
         if not met.point.found:
             continue
         found += 1
@@ -105,8 +102,7 @@ def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
     where = placement((3.0, -2.0), (0.0, 0.0), TRANSFORM)
 
     def met(x, y):
-        with bound({shape: getattr(shapes, name)}):
-            return meet(primary_ray(camera, Vec2(x, y)), where)
+        return meet(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
 
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
         middle = met(x, y)
@@ -157,21 +153,14 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
         return wrapped(spot, *rest)
 
     monkeypatch.setattr(pixels, "surface_at", recording)
-    nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    zero = HeightField([np.zeros((1, 1))])
-    maps = ("emission", "response", "layer_color", "layer_normal", "baked")
-    others = {"field": zero, "distances": zero, "views": Buffer((), CastView)}
-    unread = {**dict.fromkeys(maps, nothing), **others}
     seen = {}
     for technique in ("flat", "relief"):
         thing = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
         scene = Scene((thing,), camera=Orbit(20, 30, 2.0))
         program, values = program_of(thing), values_of(thing, scene, (32, 18), choose_engine("cpu"))
         spots.clear()
-        with bound(program.bindings):
-            given = {**unread, **values, "variant": program.variant}
-            for place in [(16, 9), (12, 8), (19, 11)]:
-                pixels.pixel(IVec2(*place), **given)
+        for place in [(16, 9), (12, 8), (19, 11)]:
+            pixel_in_python(program, values, *place)
         seen[technique] = list(spots)
     assert len(seen["flat"]) == len(seen["relief"]) == 3
     for still, moved in zip(seen["flat"], seen["relief"], strict=True):

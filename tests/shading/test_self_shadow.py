@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from basrelief.lang import HeightField, Vec2, bound
+from basrelief.lang import HeightField, Vec2
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
@@ -19,8 +19,6 @@ from basrelief.shading.self_shadow import (
     soft,
     soft_of_boxes,
 )
-from basrelief.techniques import edge
-from basrelief.techniques.height import sharp, surface_height
 
 COLUMNS = 128
 FINE = Shadowing(shadow_steps=256, shadow_offset=0.0)
@@ -39,37 +37,33 @@ def test_the_shadow_of_a_wall_ends_where_the_light_passes_over_it(rise, height):
     """A light that is met after moving by `rise` while rising by 1 clears a wall of height 1."""
     reach = 0.5 - rise * (1.0 - height)
     texel = 1.0 / COLUMNS
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        for u, lit in ((reach - 1.5 * texel, 0.0), (reach + 1.5 * texel, 1.0)):
-            ray = ShadowRay(Vec2(u, 0.5), height, Vec2(rise, 0.0))
-            assert hard(wall(), ray, FINE).share == lit
+    for u, lit in ((reach - 1.5 * texel, 0.0), (reach + 1.5 * texel, 1.0)):
+        ray = ShadowRay(Vec2(u, 0.5), height, Vec2(rise, 0.0))
+        assert hard(wall(), ray, FINE).share == lit
 
 
 def test_on_the_far_side_a_wall_casts_nothing():
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        ray = ShadowRay(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
-        assert hard(wall(), ray, FINE).share == 1.0
-        assert soft(wall(), ray, FINE).share == 1.0
+    ray = ShadowRay(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
+    assert hard(wall(), ray, FINE).share == 1.0
+    assert soft(wall(), ray, FINE).share == 1.0
 
 
 def test_a_soft_shadow_is_darkest_at_the_wall():
     settings = Shadowing(shadow_steps=64, shadow_softness=2.0, shadow_offset=0.0)
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        shares = [
-            float(soft(wall(), ShadowRay(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
-            for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
-        ]
+    shares = [
+        float(soft(wall(), ShadowRay(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
+        for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
+    ]
     assert shares == sorted(shares)
     assert shares[0] < 0.05
     assert shares[-1] == 1.0
 
 
 def test_reads_are_counted_and_bounded():
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        free = ShadowRay(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
-        assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
-        blocked = ShadowRay(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
-        assert hard(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
+    free = ShadowRay(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
+    assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
+    blocked = ShadowRay(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
+    assert hard(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
 
 
 # --- the samples of a ray, one by one -------------------------------------------------------------
@@ -94,9 +88,8 @@ def posts(tops: dict[int, float]) -> HeightField:
 def reaching(kind, tops: dict[int, float], field=posts, **settings):
     """The visibility, and the reads, of a ray past posts: 4 steps, softness 2, offset 0.05."""
     usual = {"shadow_steps": 4, "shadow_softness": 2.0, "shadow_offset": 0.05}
-    with bound({**edge.edges_of("clamp"), surface_height: sharp}):
-        ray = ShadowRay(LEFT, START, ALONG)
-        return kind(field(tops), ray, Shadowing(**{**usual, **settings}))
+    ray = ShadowRay(LEFT, START, ALONG)
+    return kind(field(tops), ray, Shadowing(**{**usual, **settings}))
 
 
 @pytest.mark.parametrize(
@@ -138,13 +131,12 @@ def test_what_light_only_grazes_is_lit() -> None:
     """A step of exactly the height that the ray has there: numbers that float32 holds."""
     heights = np.zeros((3, 8), np.float32)
     heights[:, 4:] = 0.5
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        ray = ShadowRay(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
-        grazing = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
-        assert grazing.share == 1.0
-        heights[:, 4:] = 0.501
-        higher = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
-        assert higher.share == 0.0
+    ray = ShadowRay(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
+    grazing = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+    assert grazing.share == 1.0
+    heights[:, 4:] = 0.501
+    higher = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+    assert higher.share == 0.0
 
 
 @pytest.mark.parametrize("kind", [hard, soft])
@@ -221,11 +213,10 @@ def test_the_last_box_before_the_top_counts() -> None:
     """A wall is crossed at 0.92 of the way, another at 0.96, where the ray is 0.04 below a top."""
     heights = np.zeros((2, 4), np.float32)
     heights[1, 1] = 1.0
-    with bound({**edge.edges_of("clamp"), surface_height: sharp}):
-        ray = ShadowRay(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
-        for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
-            settings = Shadowing(shadow_offset=offset)
-            assert hard_of_boxes(HeightField([heights], "clamp"), ray, settings).share == visible
+    ray = ShadowRay(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
+    for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
+        settings = Shadowing(shadow_offset=offset)
+        assert hard_of_boxes(HeightField([heights], "clamp"), ray, settings).share == visible
 
 
 def picture(shadows: str, azimuth: float, engine: str = "cpu"):

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basrelief.lang import Buffer, HeightField, IVec2, Vec2, bound
+from basrelief.lang import Buffer, HeightField, IVec2, Vec2
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
@@ -22,7 +22,6 @@ from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import primary_ray, seen_from
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
 from basrelief.shading.shadow_map import CastView, past_others
-from basrelief.techniques.edge import edges_of
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, plain, rays
 
@@ -406,9 +405,8 @@ def visibility(camera, at, distance: float, met, light: int = 7) -> float:
     ray = primary_ray(camera, Vec2(*at))
     place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
     views = Buffer([CastView(7, camera, MAP, IVec2(*FIRST))], CastView)
-    with bound(edges_of("clamp")):
-        field = HeightField([np.asarray(met, np.float32)], "clamp")
-        return float(past_others(field, views, light, vector(place)))
+    field = HeightField([np.asarray(met, np.float32)], "clamp")
+    return float(past_others(field, views, light, vector(place)))
 
 
 def sheet_of(value: float) -> np.ndarray:
@@ -466,9 +464,8 @@ def test_of_several_views_the_darkest_counts() -> None:
     for near in (0, 1):
         met = np.full((MAP, 2 * MAP), FAR_AWAY, np.float32)
         met[:, near * MAP : (near + 1) * MAP] = 1.0
-        with bound(edges_of("clamp")):
-            field = HeightField([met], "clamp")
-            found = past_others(field, Buffer(views, CastView), 7, vector((0.1, 0.2, 2.0)))
+        field = HeightField([met], "clamp")
+        found = past_others(field, Buffer(views, CastView), 7, vector((0.1, 0.2, 2.0)))
         assert found == 0.0
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from basrelief.lang import Vec3, bound
+from basrelief.lang import Vec3
 from basrelief.lang.frontend import analyse
 from basrelief.lang.types import leaf_values
 from basrelief.shading.shapes import (
@@ -25,6 +25,7 @@ from basrelief.shading.shapes import (
     slab,
     sphere,
 )
+from basrelief.shading.variant import Variant
 
 SHAPES = [plane, box, sphere, cylinder]
 SOLIDS = [box, sphere, cylinder]
@@ -107,11 +108,15 @@ def outward(patch, position):
 
 
 @pytest.mark.parametrize("surface", SHAPES)
-def test_the_shaders_are_in_the_subset_and_fit_the_slot(surface):
+def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(surface):
     analyse(surface)
-    with bound({shape: surface}):
-        assert shape(ShapeRay(Vec3(0.1, 0.2, 3), Vec3(0, 0, -1))).found
-    assert analyse(shape, {shape: surface}).entry.name == surface.name
+    variant = Variant(shape=surface.name)
+    ray = ShapeRay(Vec3(0.1, 0.2, 3), Vec3(0, 0, -1))
+    assert shape(ray, variant).found
+    assert shape(ray, variant) == surface(ray)
+    module = analyse(shape, known=lambda name: getattr(variant, name))
+    names = {function.name for function in module.functions}
+    assert names & {each.name for each in SHAPES} == {surface.name}
 
 
 @pytest.mark.parametrize("patch", PATCHES)

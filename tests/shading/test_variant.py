@@ -8,11 +8,11 @@ import pytest
 
 from basrelief.lang import static_fields
 from basrelief.material import sample
-from basrelief.rendering.programs import choices_of
+from basrelief.rendering.programs import variant_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.variant import Variant
 
-MENUS = {name: menu for name, (_, menu) in static_fields(Variant).items() if menu}
+MENUS = {name: menu for name, (_, _, menu) in static_fields(Variant).items() if menu}
 """The values of each choice."""
 CASES = [(name, value) for name, menu in MENUS.items() for value in menu]
 
@@ -22,7 +22,7 @@ def test_every_value_of_every_menu_comes_from_a_scene(name: str, value: str) -> 
     options: dict[str, Any] = {name: value}
     of_object = {k: options.pop(k) for k in list(options) if k in Object.__dataclass_fields__}
     thing = Object(sample("tiles", 16), **of_object)
-    assert getattr(choices_of(thing, Scene((thing,), **options)), name) == value
+    assert getattr(variant_of(thing, Scene((thing,), **options)), name) == value
 
 
 @pytest.mark.parametrize("name", MENUS)

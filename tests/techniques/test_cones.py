@@ -13,14 +13,12 @@ from basrelief import baking
 from basrelief.baking.tables import FUNCTIONS
 from basrelief.engine import choose_engine
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.measure.oracle import first_hits
 from basrelief.techniques import cone, displace, relaxed_cone
 from basrelief.techniques.cone import Cones, RelaxedCones
 from basrelief.techniques.cone_bake import LEAST, ROUNDING
-from basrelief.techniques.edge import edges_of
-from basrelief.techniques.height import heights_of
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, Fan, maps, scattered
@@ -292,7 +290,7 @@ def landed(
     found it; its reads."""
     heights = np.asarray(heights, np.float32)
     baked = FUNCTIONS[technique.bake](heights, edge, engine)
-    program = Program(ended, {**edges_of(edge), displace: technique, **heights_of("sharp")}, edge)
+    program = Program(ended, {displace: technique}, edge)
     given = {
         "fan": Fan(reach, 0),
         "field": HeightField([heights], edge),
@@ -367,6 +365,5 @@ def test_cone_runs_in_plain_python() -> None:
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([baking.cone_map(heights, "wrap")])
     uv, fall = np.array([[0.31, 0.64]], np.float32), np.array([[0.4, -0.2]], np.float32)
-    with bound({**edges_of("wrap"), **heights_of("sharp")}):
-        hit = cone(field, baked, Ray(Vec2(*uv[0]), Vec2(*fall[0]), 1.0, 0.5), Cones(64))
+    hit = cone(field, baked, Ray(Vec2(*uv[0]), Vec2(*fall[0]), 1.0, 0.5), Cones(64))
     assert float(hit.height) == pytest.approx(first_hits(heights, uv, fall).height[0], abs=2e-5)

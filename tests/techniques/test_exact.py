@@ -15,15 +15,13 @@ import pytest
 from basrelief import baking
 from basrelief.baking.levels import levels_of
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import HeightField, IVec2, Texture, Vec2, bound, shader, struct
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import sample
 from basrelief.measure.oracle import first_hits
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.techniques import Nothing, exact
-from basrelief.techniques.edge import edges_of
-from basrelief.techniques.height import heights_of
 from basrelief.techniques.ray import Ray
 from helpers.agreement import assert_engines_agree
 from helpers.rays import LATE, Fan, maps, scattered
@@ -52,17 +50,12 @@ def traced(at: IVec2, fan: Fan, field: HeightField, baked: Texture) -> Traced:
     return Traced(uv, fall, hit.height, hit.reads)
 
 
-def bindings(edge: str) -> dict[Any, Any]:
-    """What a program with `exact` needs bound."""
-    return {**edges_of(edge), **heights_of("sharp")}
-
-
 def rays(engine: Any, heights, edge: str, reach: float, size=(128, 128), seed: int = 0):
     """Every ray's start, fall, height where it ends, reads; flat arrays."""
     field = HeightField([heights], edge)
     baked = Texture([baking.bounds(np.asarray(heights, np.float32), edge)], edge)
     values = {"fan": Fan(reach, seed), "field": field, "baked": baked}
-    planes = engine.run(Program(traced, bindings(edge), edge), values, size)
+    planes = engine.run(Program(traced, edge=edge), values, size)
     uv = np.stack([planes["uv.x"], planes["uv.y"]], -1).reshape(-1, 2).astype(float)
     fall = np.stack([planes["fall.x"], planes["fall.y"]], -1).reshape(-1, 2).astype(float)
     return uv, fall, planes["height"].ravel().astype(float), planes["reads"].ravel()
@@ -110,13 +103,12 @@ def test_rays_along_the_axes_and_straight_down(cpu) -> None:
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
     random = np.random.default_rng(1)
-    with bound(bindings("wrap")):
-        for fall in ([0, 0], [0.7, 0], [0, -0.4], [-0.3, 0], [1e-30, 0.2], [0.25, 0.25]):
-            uv = random.random(2)
-            hit = exact(field, baked, Ray(Vec2(*uv), Vec2(*fall), 1.0, 0.5), Nothing())
-            at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
-            wanted = first_hits(heights, [at[0]], [at[1]])
-            assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
+    for fall in ([0, 0], [0.7, 0], [0, -0.4], [-0.3, 0], [1e-30, 0.2], [0.25, 0.25]):
+        uv = random.random(2)
+        hit = exact(field, baked, Ray(Vec2(*uv), Vec2(*fall), 1.0, 0.5), Nothing())
+        at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
+        wanted = first_hits(heights, [at[0]], [at[1]])
+        assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
 
 
 @pytest.mark.parametrize("fall", [(-0.0, -0.0), (-0.0, 0.3), (-0.3, -0.0), (0.2, -0.0)])
@@ -124,8 +116,7 @@ def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
     """The sign of a zero takes no ray sideways through all cells."""
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
-    with bound(bindings("wrap")):
-        hit = exact(field, baked, Ray(Vec2(0.31, 0.64), Vec2(*fall), 1.0, 0.5), Nothing())
+    hit = exact(field, baked, Ray(Vec2(0.31, 0.64), Vec2(*fall), 1.0, 0.5), Nothing())
     uv = [float(np.float32(0.31)), float(np.float32(0.64))]
     wanted = first_hits(heights, [uv], [[float(np.float32(f)) for f in fall]])
     assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
@@ -138,8 +129,7 @@ def test_a_ray_that_is_cut_off_says_so(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_STEPS", 2)
     heights = np.zeros((64, 64), np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
-    with bound(bindings("wrap")):
-        hit = exact(field, baked, Ray(Vec2(0.3, 0.6), Vec2(5.0, 1.0), 1.0, 0.1), Nothing())
+    hit = exact(field, baked, Ray(Vec2(0.3, 0.6), Vec2(5.0, 1.0), 1.0, 0.1), Nothing())
     assert not hit.found
     assert 0.0 < hit.height < 1.0
 
@@ -171,17 +161,16 @@ def test_on_each_level_it_is_exact_on_that_level(shape) -> None:
     random = np.random.default_rng(5)
     heights = random.random(shape).astype(np.float32)
     levels = levels_of(heights)
-    field = HeightField(levels)
+    field = HeightField(levels, filter="mip")
     baked = Texture([baking.bounds(heights, "wrap", all_levels=True)])
     uv = random.random((12, 2)).astype(np.float32)
     fall = (random.random((12, 2)) - 0.5).astype(np.float32)
-    with bound({**edges_of("wrap"), **heights_of("mip")}):
-        for level, of_level in enumerate(levels):
-            wanted = first_hits(of_level, uv, fall).height
-            for k in range(12):
-                ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 0.5, 1.0, float(level))
-                hit = exact(field, baked, ray, Nothing())
-                assert float(hit.height) == pytest.approx(wanted[k], abs=2e-5)
+    for level, of_level in enumerate(levels):
+        wanted = first_hits(of_level, uv, fall).height
+        for k in range(12):
+            ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 0.5, 1.0, float(level))
+            hit = exact(field, baked, ray, Nothing())
+            assert float(hit.height) == pytest.approx(wanted[k], abs=2e-5)
 
 
 def test_the_level_is_the_one_that_the_pixel_sees() -> None:

@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import HeightField, IVec2, Vec2, bound, shader, struct
+from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
 from basrelief.lang.frontend import analyse
 from basrelief.lang.program import Program
-from basrelief.techniques import edge as edges
 from basrelief.techniques.height import height_at
 
 SMALL = np.array([[0.0, 0.25, 1.0], [0.5, 0.125, 0.75]], np.float32)
@@ -37,20 +36,14 @@ def reference(heights: np.ndarray, u: float, v: float, edge: str) -> float:
     return total
 
 
-def bindings(edge: str) -> dict:
-    """What programs bind for an edge policy."""
-    return {edges.in_tile: getattr(edges, edge)}
-
-
 def read(field: HeightField, u: float, v: float) -> np.float32:
     """The shader, run as plain Python."""
-    with bound(bindings(field.edge)):
-        return height_at(field, Vec2(u, v))
+    return height_at(field, Vec2(u, v))
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_the_shader_is_in_the_subset(edge: str) -> None:
-    assert analyse(height_at, bindings(edge)).entry.name == "height_at"
+    assert analyse(height_at, known=lambda name: edge).entry.name == "height_at"
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
@@ -137,10 +130,9 @@ def field_of(edge: str) -> HeightField:
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_the_cpu_reads_the_same_bits_as_python(edge: str) -> None:
     field = field_of(edge)
-    planes = CpuEngine().run(Program(reading, bindings(edge), edge), {"field": field}, SIZE)  # type: ignore[arg-type]
+    planes = CpuEngine().run(Program(reading, edge=edge), {"field": field}, SIZE)  # type: ignore[arg-type]
     for x, y in [(0, 0), (66, 30), (12, 7), (33, 30), (66, 0), (29, 13), (30, 14)]:
-        with bound(bindings(edge)):
-            one = reading(IVec2(x, y), field)
+        one = reading(IVec2(x, y), field)
         assert planes["height"][y, x] == one.height
 
 
@@ -150,7 +142,7 @@ def test_the_gpu_reads_the_same(edge: str) -> None:
     from basrelief.engine.gpu import GpuEngine
 
     field = field_of(edge)
-    program = Program(reading, bindings(edge), edge)  # type: ignore[arg-type]
+    program = Program(reading, edge=edge)  # type: ignore[arg-type]
     cpu = CpuEngine().run(program, {"field": field}, SIZE)
     gpu = GpuEngine().run(program, {"field": field}, SIZE)
     for name in ("height",):

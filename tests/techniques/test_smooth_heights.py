@@ -7,14 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from basrelief.lang import HeightField, Vec2, bound
+from basrelief.lang import HeightField, Vec2
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import as_the_pixel_sees
-from basrelief.techniques import edge
+from basrelief.shading.relief import lod_seen
 from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import bilinear, drawn, map_of, on_plane, plain
@@ -45,8 +44,7 @@ def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) 
         seen, lower = between(uv, lod), between(uv, lod + STILL_LOWER)
         share = min(abs(seen - lower) * fade, 1.0)
         wanted = seen + (lower - seen) * share
-        with bound({edge.in_tile: edge.wrap}):
-            found = smooth(FIELD, Vec2(*uv), np.float32(lod), np.float32(fade))
+        found = smooth(FIELD, Vec2(*uv), np.float32(lod), np.float32(fade))
         assert float(found) == pytest.approx(wanted, abs=2e-5)
 
 
@@ -60,7 +58,7 @@ def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) 
 def test_the_level_is_that_of_the_pixel_and_lower(dx, dy, texels: float, bias: float) -> None:
     """H4: log2 of the longer side of the pixel in texels, at least 0, and the bias."""
     footprint = Footprint(Vec2(*dx), Vec2(*dy))
-    found = as_the_pixel_sees(FIELD, footprint, Smoothing(mip_bias=bias))
+    found = lod_seen(FIELD.filtered("smooth"), footprint, Smoothing(mip_bias=bias))
     assert float(found) == pytest.approx(math.log2(texels) + bias, abs=1e-5)
 
 
@@ -135,7 +133,7 @@ def test_sharp_heights_have_no_code_for_smooth_ones() -> None:
         print_wgsl(program_of(Object(material, heights=kind)).module, "wrap")
         for kind in ("sharp", "smooth")
     )
-    for word in ("height_between", "height_in", "as_the_pixel_sees"):
+    for word in ("height_between", "height_in", "smoothing.mip_bias"):
         assert word not in sharp
         assert word in smooth_
 

@@ -23,20 +23,10 @@ from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.shading.intersection import Meeting
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import (
-    Depth,
-    as_deep,
-    depth_seen,
-    displaced,
-    finest,
-    flat_height,
-    lod_seen,
-    relief_ray,
-    unread,
-    with_relief,
-)
+from basrelief.shading.relief import Depth, Displaced, displaced, move_of, relief_ray
 from basrelief.shading.shapes import FAR, SurfacePoint
 from basrelief.shading.tangent_frame import Frame
+from basrelief.shading.variant import Variant
 from basrelief.techniques import (
     TECHNIQUES,
     Hit,
@@ -44,7 +34,6 @@ from basrelief.techniques import (
     Ray,
     contact,
     displace,
-    edge,
     fixed_length,
     flat,
     offset,
@@ -56,7 +45,7 @@ from basrelief.techniques import (
     steep,
     texel,
 )
-from basrelief.techniques.height import Smoothing, sharp, surface_height
+from basrelief.techniques.height import Smoothing
 from basrelief.techniques.march import (
     MOST_READS,
     FixedLength,
@@ -69,7 +58,6 @@ from basrelief.techniques.march import (
     steps_by_angle,
 )
 from basrelief.techniques.offset import Offset
-from basrelief.techniques.projection import projection as projected
 from basrelief.techniques.ray import at
 from basrelief.techniques.refine import Contact, Secant
 from basrelief.techniques.technique import Settings
@@ -77,7 +65,6 @@ from basrelief.techniques.technique import Settings
 Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
 
-PLAIN = {lod_seen: finest, depth_seen: as_deep, flat_height: unread}
 ROUNDING = 3e-6
 """What float32 may add to texture coordinates and heights of about one."""
 
@@ -361,8 +348,7 @@ def test_a_real_height_field_is_met_as_its_closed_form_is() -> None:
     ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), level=0.5)
     # 0.5 + 0.6 (u − ½) − 0.3 (v − ½) = h with (u, v) = (0.6 + 0.15 d, 0.55 − 0.2 d), d = 0.5 − h
     d = (0.5 - (0.5 + 0.6 * 0.1 - 0.3 * 0.05)) / (1 + 0.6 * 0.15 + 0.3 * 0.2)
-    with bound({edge.in_tile: edge.clamp, surface_height: sharp}):
-        hit = parallax_occlusion(field, ray, March(10, 10))
+    hit = parallax_occlusion(field, ray, March(10, 10))
     assert_ends(hit, ray, 0.5 - d, 1e-5)
 
 
@@ -610,8 +596,7 @@ def test_steps_by_texels_are_the_texels_passed_over(columns, rows, fall, per_tex
     field = field_of_size(columns, rows)
     settings = March(4, 20, per_texel)
     assert step_count(field, ray_of(fall=fall), settings) == steps
-    with bound({edge.in_tile: edge.wrap, surface_height: sharp}):
-        hit = parallax_occlusion(field, ray_of(fall=fall), settings)
+    hit = parallax_occlusion(field, ray_of(fall=fall), settings)
     assert hit.reads == steps
 
 
@@ -628,8 +613,8 @@ VIEWS = [
 
 def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
     """The ray that the whole pixel makes of a view vector in tangent space."""
-    with bound({projection.projection: getattr(projection, kind)}):
-        return relief_ray(meeting(view, aspect), Depth(scale, level, bias), 0.0, 0.0)
+    met, depth = meeting(view, aspect), Depth(scale, level, bias)
+    return relief_ray(met, depth, 0.0, 0.0, Variant(projection=kind))
 
 
 def meeting(view, aspect: float = 1.0) -> Meeting:
@@ -710,18 +695,16 @@ def test_limiting_divides_by_nothing() -> None:
     """C6, in the code that runs on the GPU."""
 
     @shader
-    def entry(at: IVec2, depth: Depth) -> Ray:
-        travel = projected(Vec3(float(at.x), 0.0, 1.0), depth.bias)
+    def entry(at: IVec2, depth: Depth, variant: Variant) -> Ray:
+        travel = move_of(Vec3(float(at.x), 0.0, 1.0), depth.bias, variant)
         return Ray(travel, travel, depth.level, 1.0)
 
-    def text(kind) -> str:
-        return print_wgsl(Program(entry, {projection.projection: kind}).module, "wrap")
-
     def body(kind) -> str:
-        return text(kind).split(f"fn {kind.name}(")[1].split("\n}")[0]
+        text = print_wgsl(Program(entry, variant=Variant(projection=kind)).module, "wrap")
+        return text.split(f"fn {kind}(")[1].split("\n}")[0]
 
-    assert "/" in body(projection.full).replace("//", "")
-    assert "/" not in body(projection.limited).replace("//", "")
+    assert "/" in body("full").replace("//", "")
+    assert "/" not in body("limited").replace("//", "")
 
 
 @pytest.mark.parametrize("view", [(1.0, 0.0, 0.0), (0.6, 0.8, 0.0), (0.6, 0.8, -1e-7)])
@@ -751,6 +734,13 @@ def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
     )
 
 
+def ended(technique, settings, view, depth: Depth, kind: str = "full") -> Displaced:
+    """Where the whole pixel lets a view vector end that meets a relief."""
+    variant = Variant(displaced=True, projection=kind)
+    with bound({displace: technique}):
+        return displaced(EMPTY, UNBAKED, meeting(view), depth, Smoothing(), settings, variant)
+
+
 @pytest.mark.parametrize(("technique", "settings"), everywhere(20))
 @pytest.mark.parametrize(
     ("kind", "bias"), [("full", 0.42), ("biased", 0.0), ("biased", 0.42), ("limited", 0.42)]
@@ -761,16 +751,8 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
     x, y, z = view
     travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
     level = technique.level
-    bindings = {
-        projection.projection: getattr(projection, kind),
-        displace: technique,
-        displaced: with_relief,
-        **PLAIN,
-    }
-    with bound(bindings), surface(level_surface(0.7)):
-        end = displaced(
-            EMPTY, UNBAKED, meeting(view), Depth(0.1, level, bias), Smoothing(), settings
-        )
+    with surface(level_surface(0.7)):
+        end = ended(technique, settings, view, Depth(0.1, level, bias), kind)
     height = level if technique is flat else 0.7
     wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
@@ -788,11 +770,8 @@ def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it(
 @pytest.mark.parametrize(("technique", "settings"), everywhere())
 def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
     """C2."""
-    bindings = {projection.projection: projection.full, displace: technique, **PLAIN}
-    with bound(bindings), surface(level_surface(0.7)) as places:
-        end = with_relief(
-            EMPTY, UNBAKED, meeting(VIEWS[3]), Depth(0.0, 0.5, 0.42), Smoothing(), settings
-        )
+    with surface(level_surface(0.7)) as places:
+        end = ended(technique, settings, VIEWS[3], Depth(0.0, 0.5, 0.42))
     assert places == []
     assert end.reads == 0
     assert end.further == 0
@@ -814,7 +793,7 @@ def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -
 @pytest.mark.parametrize(("technique", "settings"), everywhere(9))
 def test_the_cpu_computes_the_same_bits_as_python(technique, settings) -> None:
     field = HeightField([np.random.default_rng(7).random((11, 17)) ** 2], "wrap")
-    bindings = {displace: technique, edge.in_tile: edge.wrap, surface_height: sharp}
+    bindings = {displace: technique}
     program = Program(tracing, bindings, "wrap")
     planes = CpuEngine().run(program, {"field": field, "settings": settings}, (23, 11))
     for x, y in [(0, 0), (22, 10), (11, 3), (4, 9), (17, 6), (15, 5)]:

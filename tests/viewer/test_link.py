@@ -10,9 +10,12 @@ from typing import Any
 import pytest
 
 from basrelief.lang.library import linked
+from basrelief.lang.program import Program
+from basrelief.lang.resources import Edge
+from basrelief.techniques.cone_bake import Search, steepest
 from basrelief.viewer.printed import Printed, printed
 from helpers.browser import SOFTWARE, chromium
-from helpers.variants import random_choices
+from helpers.variants import random_programs
 
 LINK = """async ([address, programs, entry, choices]) => {
   const { linked } = await import(address);
@@ -43,24 +46,32 @@ def by_page(browser: Any, made: Printed, entry: str, choices: list[dict[str, Any
 
 
 def test_the_page_makes_the_text_that_the_library_makes(browser: Any, made: Printed) -> None:
-    picked = random_choices(60, 6)
+    picked = random_programs(60, 6)
     texts = by_page(browser, made, "pixel", [told for told, _ in picked])
-    for (_, choices), text in zip(picked, texts, strict=True):
-        assert text == linked(made.library, "pixel", made.bound(choices), choices)
+    for (_, program), text in zip(picked, texts, strict=True):
+        assert text == linked(made.library, program)
     assert len(set(texts)) > 55
 
 
-def test_a_bake_needs_no_variant(browser: Any, made: Printed) -> None:
-    (_, choices), *_ = random_choices(1, 6)
-    for in_sector, name in ((False, "everywhere"), (True, "in_sector")):
-        told = {"edge": choices.edge, "in_sector": in_sector}
-        (text,) = by_page(browser, made, "steepest", [told])
-        bound = {**made.bound(choices), "is_asked": name}
-        assert text == linked(made.library, "steepest", bound)
+@pytest.mark.parametrize("by_sector", [False, True])
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+def test_a_bake_is_linked_too(browser: Any, made: Printed, edge: Edge, by_sector: bool) -> None:
+    told = {"map.edge": edge, "map.filter": "sharp", "by_sector": by_sector}
+    (text,) = by_page(browser, made, "steepest", [told])
+    program = Program(steepest, edge=edge, variant=Search(by_sector))
+    assert text == linked(made.library, program)
 
 
-def test_a_choice_that_a_page_lacks_is_an_error(browser: Any, made: Printed) -> None:
-    (told, _), *_ = random_choices(1, 6)
-    del told["fog"]
-    with pytest.raises(Exception, match="the page chooses no fog"):
+@pytest.mark.parametrize("name", ["fog", "map.edge"])
+def test_a_choice_that_a_page_lacks_is_an_error(browser: Any, made: Printed, name: str) -> None:
+    ((told, _),) = random_programs(1, 6)
+    del told[name]
+    with pytest.raises(Exception, match=f"the page chooses no {name}"):
         by_page(browser, made, "pixel", [told])
+
+
+@pytest.mark.parametrize("name", ["torus", "constructor"])
+def test_what_a_page_cannot_bind_is_an_error(browser: Any, made: Printed, name: str) -> None:
+    ((told, _),) = random_programs(1, 6)
+    with pytest.raises(Exception, match="the page has no Settings as undefined"):
+        by_page(browser, made, "pixel", [{**told, "technique": name}])

@@ -21,9 +21,8 @@ from basrelief.lang import HeightField, Shader, Texture, Vec2
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.techniques import cone_bake, cone_bake_windows
-from basrelief.techniques.cone_bake import BLOCKS, Octave, Sector
+from basrelief.techniques.cone_bake import BLOCKS, Octave, Search, Sector
 from basrelief.techniques.cone_bake_windows import Windows
-from basrelief.techniques.edge import edges_of
 
 _MOST = 65535
 SECTORS = 16
@@ -104,7 +103,7 @@ class _Baking:
             nearest = float(BLOCKS << k) / 2.0 if k else 0.0
             squared = self._run(
                 cone_bake.steepest,
-                asked=cone_bake.everywhere if sector is None else cone_bake.in_sector,
+                search=Search(by_sector=sector is not None),
                 octave=Octave(nearest, self.highest, *ends),
                 held=self._held(k),
                 field=self.field,
@@ -163,15 +162,11 @@ class _Baking:
         self,
         entry: Shader[..., Any],
         beyond: int = 0,
-        asked: Any = cone_bake.everywhere,
+        search: Search | None = None,
         **values: Any,
     ) -> Planes:
         height, width = self.heights.shape
-        bindings: dict[Shader[..., Any], Shader[..., Any]] = {
-            **edges_of(self.edge),
-            cone_bake.is_asked: asked,
-        }
-        program = Program(entry, bindings, self.edge)
+        program = Program(entry, edge=self.edge, variant=search)
         return run_pass(self.engine, program, values, (width + beyond, height + beyond))
 
 

@@ -24,7 +24,6 @@ from basrelief.lang import Shader
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, HeightField
 from basrelief.techniques import exact_bake as shaders
-from basrelief.techniques.edge import edges_of
 from basrelief.techniques.exact_bake import FAR_REACH, REACH, Blocks, Overlap
 from basrelief.techniques.exact_records import BLOCK, FAR, FAR_2, FAR_3, FAR_4, FAR_BLOCK
 
@@ -112,7 +111,7 @@ class _Making:
         return words.view(np.uint16)
 
     def program(self, entry: Shader[..., Any]) -> Program:
-        return Program(entry, edges_of(self.edge), self.edge)
+        return Program(entry, edge=self.edge)
 
     def count(self, side: int) -> tuple[int, int]:
         rows, columns = (-(-n // side) for n in self.heights.shape)

@@ -15,7 +15,6 @@ from basrelief.errors import InputError
 from basrelief.lang import HeightField
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
-from basrelief.techniques.edge import edges_of
 
 Heights = NDArray[np.float32]
 """(h, w), 0 to 1."""
@@ -58,6 +57,6 @@ def run(
     """An entry's planes, for every texel; on all cores unless another engine is named."""
     rows, columns = heights.shape
     values = {"field": HeightField([heights], edge), **values}
-    program = Program(entry, edges_of(edge), edge)
+    program = Program(entry, edge=edge)
     size = (columns, rows)
     return run_pass(engine or choose_engine("cpu"), program, values, size, effort=effort)

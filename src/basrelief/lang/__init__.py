@@ -1,8 +1,8 @@
 """The shader subset of Python: write a function once, run it anywhere.
 
 `@shader` marks a function, `@struct` a record, `@slot` a function that is chosen when a program
-is made, `@static` a record on which shaders branch then. Types and intrinsics are imported from
-here. `CONVENTIONS.md` states the rules.
+is made, `@static` a record on which shaders branch then, `@resources` a group of maps. Types and
+intrinsics are imported from here. `CONVENTIONS.md` states the rules.
 """
 
 import basrelief.lang.elementary  # noqa: F401  (gives the elementary intrinsics their bodies)
@@ -43,16 +43,16 @@ from basrelief.lang.intrinsics import (
     texel,
     transpose,
 )
-from basrelief.lang.resources import Buffer, HeightField, Texture
+from basrelief.lang.resources import Buffer, HeightField, Map, Texture, resources
 from basrelief.lang.shader import Shader, bound, shader, slot, watched
 from basrelief.lang.types import ShaderError, TypeSlot, setting, static, static_fields, struct
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
 __all__ = [
-    "Buffer", "HeightField", "IVec2", "Mat3", "Shader", "ShaderError", "Texture", "TypeSlot",
+    "Buffer", "HeightField", "IVec2", "Map", "Mat3", "Shader", "ShaderError", "Texture", "TypeSlot",
     "Vec2", "Vec3", "Vec4", "acos", "asin", "atan", "atan2", "bits_float", "bound", "clamp",
     "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
     "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
-    "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt", "static",
-    "static_fields", "stored", "struct", "tan", "texel", "transpose", "watched",
+    "resources", "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt",
+    "static", "static_fields", "stored", "struct", "tan", "texel", "transpose", "watched",
 ]  # fmt: skip

@@ -19,7 +19,17 @@ import numpy as np
 
 from basrelief.lang import conditions, elementary, tree
 from basrelief.lang.intrinsics import BY_FUNCTION
-from basrelief.lang.resources import buffer_record, is_handle
+from basrelief.lang.resources import (
+    MAPS,
+    Map,
+    buffer_record,
+    conditions_on,
+    flat_names,
+    flattened,
+    is_erased,
+    is_handle,
+    members_of,
+)
 from basrelief.lang.shader import Shader, taken_parameters
 from basrelief.lang.specialize import specialized, unspecialized
 from basrelief.lang.types import (
@@ -29,9 +39,7 @@ from basrelief.lang.types import (
     StaticField,
     fields_of,
     is_record,
-    is_static,
     is_type_slot,
-    static_fields,
 )
 from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
@@ -52,17 +60,19 @@ LARGEST_FLOAT = 3.4028235e38
 
 
 def analyse(
-    entry: Shader[..., Any], bindings: Bindings | None = None, variant: Any = None
+    entry: Shader[..., Any],
+    bindings: Bindings | None = None,
+    known: Callable[[str], Any] = lambda name: None,
 ) -> tree.Module:
     """The typed tree of a program: the entry, and what it calls with the slots bound.
 
-    `variant` is the value of the static record on which its conditions are. Raises ShaderError for
+    `known` gives the values that its static conditions read, by name. Raises ShaderError for
     anything outside the subset, in branches that are not taken too.
     """
     bindings = bindings or {}
     types = bound_types(bindings)
     functions = _reached([entry], bindings)
-    return specialized(_resolved(entry, bindings), functions, bindings, types, variant)
+    return specialized(_resolved(entry, bindings), functions, bindings, types, known)
 
 
 def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
@@ -198,6 +208,13 @@ class _FunctionAnalysis:
             )
         for name in (self.shader.name, *code.co_varnames):
             self.check_name(name)
+        for name, t in self.parameters.items():
+            for member in members_of(t):
+                if f"{name}_{member}" in code.co_varnames:
+                    raise ShaderError(
+                        f"{self.shader.location}: {self.shader.name}: {name}_{member} is what "
+                        f"{name}.{member} is called in a program; use another name"
+                    )
 
     def check_name(self, name: str) -> None:
         if not name.isascii():
@@ -214,7 +231,8 @@ class _FunctionAnalysis:
                 self.check_type(inner, "return")
         value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
         handle = is_handle(t) and (record is t or is_record(record))
-        if not value and not ((handle or is_static(t)) and name != "return"):
+        given = handle or is_erased(t) or members_of(t)
+        if not value and not (given and name != "return"):
             raise ShaderError(
                 f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
                 "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
@@ -230,7 +248,7 @@ class _FunctionAnalysis:
                 )
         function = tree.Function(
             name=self.shader.name,
-            parameters={name: t for name, t in self.parameters.items() if not is_static(t)},
+            parameters=flattened(self.parameters),
             result=self.result,
             body=self.block,
             doc=inspect.cleandoc(self.shader.__doc__ or ""),
@@ -409,8 +427,10 @@ class _FunctionAnalysis:
                 self.expect(otherwise, b.type, a.type, "the other choice")
                 return conditions.split(chosen, a, b, conditions.choice)
             case ast.Attribute(operand, name):
-                if self.static_record(operand) is not None:
+                if self.static_fields_of(operand):
                     return self.flag(node)
+                if members_of(self.parameter_type(operand)):
+                    return self.member(node, operand)
                 return self.attribute(node, self.expression(operand), name)
             case ast.Subscript(operand, index):
                 buffer = self.expression(operand)
@@ -438,11 +458,15 @@ class _FunctionAnalysis:
         return tree.Literal(type(value), value)
 
     def name(self, node: ast.Name, name: str) -> tree.Expression:
-        if self.static_record(node) is not None:
+        if is_erased(self.parameters.get(name)):
             raise self.source.error(
                 node,
-                f"{name} is a static record, no value; branch on its fields, or pass it on to a "
-                "shader",
+                f"{name} is for static conditions, no value; branch on its fields, or pass it on "
+                "to a shader",
+            )
+        if members_of(self.parameters.get(name)):
+            raise self.source.error(
+                node, f"{name} is a group of resources; name one, or pass it on to a shader"
             )
         if name in self.parameters:
             return tree.Local(self.parameters[name], name)
@@ -544,26 +568,45 @@ class _FunctionAnalysis:
 
     # --- static conditions ---------------------------------------------------------------------
 
-    def static_record(self, node: ast.AST) -> Any:
-        """The type of a parameter that is a static record; None for anything else."""
-        t = self.parameters.get(node.id) if isinstance(node, ast.Name) else None
-        return t if is_static(t) else None
+    def parameter_type(self, node: ast.AST) -> Any:
+        """The type of the parameter that a node names, or of a member of a group; else None."""
+        match node:
+            case ast.Name(name):
+                return self.parameters.get(name)
+            case ast.Attribute(ast.Name(name), member):
+                return members_of(self.parameters.get(name)).get(member)
+        return None
+
+    def member(self, node: ast.Attribute, group: ast.expr) -> tree.Expression:
+        """A member of a group of resources."""
+        t = self.parameter_type(node)
+        if t is None:
+            kind = self.parameter_type(group)
+            raise self.source.error(
+                node, f"{named(kind)} has no {node.attr}; it holds {', '.join(members_of(kind))}"
+            )
+        return tree.Local(t, f"{ast.unparse(group)}_{node.attr}")
+
+    def static_fields_of(self, node: ast.AST) -> Mapping[str, StaticField]:
+        """What conditions on a node can read, where it is a static record or a map."""
+        return conditions_on(self.parameter_type(node))
 
     def static_field(self, node: ast.AST) -> StaticField | None:
-        """The field of a static record that a node reads; None for anything else."""
-        record = self.static_record(node.value) if isinstance(node, ast.Attribute) else None
-        if record is None:
+        """The field of a static record or map that a node reads; None for anything else."""
+        fields = self.static_fields_of(node.value) if isinstance(node, ast.Attribute) else {}
+        if not fields:
             return None
         assert isinstance(node, ast.Attribute)
-        if node.attr not in static_fields(record):
+        if node.attr not in fields:
             raise self.source.error(
                 node,
-                f"{named(record)} has no field or property {node.attr} that is str, bool or int",
+                f"{named(self.parameter_type(node.value))} has no field or property {node.attr} "
+                "that is str, bool or int",
             )
-        return static_fields(record)[node.attr]
+        return fields[node.attr]
 
     def flag(self, node: ast.Attribute) -> tree.Expression:
-        """A bool of a static record; text and ints are not values."""
+        """A static bool; text and ints are not values."""
         field = self.static_field(node)
         assert field is not None
         if field.kind is not bool:
@@ -573,7 +616,7 @@ class _FunctionAnalysis:
                 f"{node.attr} is for static conditions; compare it, as in "
                 f"`{ast.unparse(node)} == {example}`",
             )
-        return tree.Static(bool, (node.attr, (True,)))
+        return tree.Static(bool, (field.name, (True,)))
 
     def static_comparison(self, node: ast.Compare) -> tree.Expression:
         """A static field against one literal, or several."""
@@ -594,7 +637,7 @@ class _FunctionAnalysis:
                 raise self.source.error(
                     node, f"no such {name}: {value!r}; the choices are {choices}"
                 )
-        condition = tree.Static(bool, (name, values))
+        condition = tree.Static(bool, (field.name, values))
         if isinstance(node.ops[0], ast.NotEq | ast.NotIn):
             return conditions.negated(condition)
         return condition
@@ -657,12 +700,21 @@ class _FunctionAnalysis:
         for name, t in parameters.items():
             if name not in given:
                 raise self.source.error(node, f"{target.name} also takes {name}")
-            if is_static(t):
+            if is_erased(t):
                 # one in the whole program, so nothing is passed
-                if self.static_record(given[name]) is not t:
+                passed = self.parameter_type(given[name])
+                if passed is not t and not (t is Map and passed in MAPS):
                     raise self.source.error(
                         given[name], f"{name} is {named(t)}; pass this shader's own on"
                     )
+                continue
+            if members_of(t):
+                if self.parameter_type(given[name]) is not t:
+                    raise self.source.error(
+                        given[name], f"{name} is {named(t)}; pass this shader's own on"
+                    )
+                group = ast.unparse(given[name])
+                arguments += [tree.Local(kind, each) for each, kind in flat_names(group, t).items()]
                 continue
             argument = self.expression(given[name])
             self.expect(given[name], argument.type, t, name)

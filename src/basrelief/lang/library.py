@@ -12,22 +12,19 @@ import functools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, get_args
+from typing import Any
 
-from basrelief.lang.frontend import analyse_apart, bound_types
+from basrelief.lang.frontend import Bindings, analyse_apart, bound_types
 from basrelief.lang.layout import align_and_size
-from basrelief.lang.resources import Edge
+from basrelief.lang.program import Program
+from basrelief.lang.resources import flat_names
 from basrelief.lang.shader import Shader, taken_parameters
 from basrelief.lang.tree import Condition, holds
 from basrelief.lang.types import ShaderError
-from basrelief.lang.wgsl import ELSE, END, HELPERS, IF, THEN, Binding, ModulePrinter, bindings
+from basrelief.lang.wgsl import ELSE, END, IF, THEN, Binding, ModulePrinter, bindings
 
-EDGE = "edge_of_map"
-"""The slot of what a map does at its edge; bound to an `Edge`."""
 _NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
 """A name that is used: not a field, nor the name of a parameter."""
-
-
 _STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
 """Two texts under a static condition, no other such texts within them."""
 
@@ -46,9 +43,16 @@ class Library:
     names: dict[Any, str] = field(default_factory=dict)
     """Shaders, slots, records and type slots, and what they are called here."""
 
+    def bound_names(self, bindings: Bindings) -> dict[str, str]:
+        """Slots and type slots by name, and the names of what bindings bind them to."""
+        found: dict[Any, Any] = {**bindings, **bound_types(bindings)}
+        return {self.names[slot]: self.names[bound] for slot, bound in found.items()}
 
-def linked(library: Library, entry: str, bound: Mapping[str, str], variant: Any = None) -> str:
-    """The WGSL of an entry: all that it uses, with slots bound by their names, of a variant."""
+
+def linked(library: Library, program: Program) -> str:
+    """The WGSL of a program of the library's: all that its entry uses, with its slots bound and its
+    static conditions decided."""
+    bound = library.bound_names(program.bindings)
 
     def decided(text: str) -> str:
         count = 1
@@ -58,9 +62,9 @@ def linked(library: Library, entry: str, bound: Mapping[str, str], variant: Any 
 
     @functools.cache
     def truth(number: int) -> bool:
-        return holds(library.conditions[number], lambda name: getattr(variant, name))
+        return holds(library.conditions[number], program.known)
 
-    texts = [decided(library.entries[entry])]
+    texts = [decided(library.entries[program.entry.name])]
     found: set[str] = set()
     for text in texts:  # and those that are added meanwhile
         for name in _used(text):
@@ -96,7 +100,7 @@ class _Printing:
         self.done = analyse_apart(every)
         tops = [self.done[entry] for entry in entries]
         self.check_slots()
-        self.printer = ModulePrinter(list(self.done.values()), tops, EDGE.removeprefix("edge_"))
+        self.printer = ModulePrinter(list(self.done.values()), tops, None)
         self.types = self.types_bound()
         for slot, records in self.types.items():
             self.printer.claim(slot, slot.__name__)
@@ -136,7 +140,9 @@ class _Printing:
         function = self.done[slot]
         names = m.parameter_names(function)
         given = ", ".join(f"{names[n]}: {m.type(function.parameters[n])}" for n in names)
-        handed = ", ".join(names[name] for name in taken if name in names)
+        given_by = slot.signature[0]
+        flat = (each for name in taken for each in flat_names(name, given_by[name]))
+        handed = ", ".join(names[name] for name in flat if name in names)
         doc = "".join(f"// {line}".rstrip() + "\n" for line in function.doc.splitlines())
         return (
             f"{doc}fn {m.scope[function]}({given}) -> {m.type(function.result)} {{\n"
@@ -161,7 +167,7 @@ class _Printing:
             made.bindings[entry.name] = bindings(self.done[entry])
 
     def slot_texts(self) -> dict[str, dict[str, str]]:
-        """What each slot is, by the name of what is bound to it; type slots and the edge too."""
+        """What each slot is, by the name of what is bound to it; type slots too."""
         m = self.printer
         slots = {
             m.scope[self.done[slot]]: {
@@ -172,9 +178,6 @@ class _Printing:
         for asked, records in self.types.items():
             name = m.scope[asked]
             slots[name] = {m.scope[r]: f"alias {name} = {m.scope[r]};\n" for r in records}
-        slots[EDGE] = {
-            each: HELPERS[f"edge_{each}"].replace(f"edge_{each}", EDGE) for each in get_args(Edge)
-        }
         return slots
 
 

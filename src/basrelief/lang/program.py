@@ -15,7 +15,14 @@ from typing import Any
 
 from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
-from basrelief.lang.resources import Edge, buffer_record
+from basrelief.lang.resources import (
+    Edge,
+    Filter,
+    buffer_record,
+    conditions_on,
+    flattened,
+    members_of,
+)
 from basrelief.lang.shader import Shader
 from basrelief.lang.types import (
     SCALARS,
@@ -25,7 +32,6 @@ from basrelief.lang.types import (
     is_static,
     is_type_slot,
     leaves,
-    static_fields,
 )
 from basrelief.lang.values import IVec2
 
@@ -37,6 +43,7 @@ class Program:
     entry: Shader[..., Any]
     bindings: Mapping[Shader[..., Any], Shader[..., Any]] = field(default_factory=dict)
     edge: Edge = "wrap"
+    filter: Filter = "sharp"
     variant: Any = None
     """The value of the static record that the entry takes."""
 
@@ -70,15 +77,24 @@ class Program:
     @functools.cached_property
     def module(self) -> tree.Module:
         """The typed tree; raises ShaderError where the source is outside the subset."""
-        return analyse(self.entry, self.bindings, self.variant)
+        return analyse(self.entry, self.bindings, self.known)
+
+    def known(self, name: str) -> Any:
+        """What a static condition reads by name: of the program's maps, or of its variant."""
+        match name:
+            case "map.edge":
+                return self.edge
+            case "map.filter":
+                return self.filter
+        return getattr(self.variant, name)
 
     @functools.cached_property
     def parameters(self) -> dict[str, Any]:
         """The entry's parameters after the pixel that an engine is given values for, with type
         slots filled in."""
         types = bound_types(self.bindings)
-        given = list(self.entry.signature[0].items())[1:]
-        return {name: types.get(t, t) for name, t in given if not is_static(t)}
+        given = dict(list(self.entry.signature[0].items())[1:])
+        return {name: types.get(t, t) for name, t in flattened(given).items()}
 
     @property
     def planes(self) -> list[tuple[str, type]]:
@@ -109,13 +125,17 @@ class _Contents:
         return self.found
 
     def visit(self, thing: Any) -> None:
-        if isinstance(thing, Shader) or is_record(thing):
+        if isinstance(thing, Shader) or is_record(thing) or members_of(thing):
             if thing in self.seen:
                 self.found.append(f"the same as {self.seen[thing]}".encode())
                 return
             self.seen[thing] = len(self.seen)
             if isinstance(thing, Shader):
                 self.shader(thing)
+            elif members_of(thing):
+                for name, t in members_of(thing).items():
+                    self.found.append(name.encode())
+                    self.visit(t)
             else:
                 self.record(thing)
         elif buffer_record(thing) is not None:
@@ -140,11 +160,12 @@ class _Contents:
             self.visit(bound)
             return
         code = shader.function.__code__
-        for t in filter(is_static, parameters.values()):
-            for name in static_fields(t):
+        for t in dict.fromkeys([*parameters.values(), *flattened(parameters).values()]):
+            for attribute, static in conditions_on(t).items():
                 # the field of another record may have the same name, and change the key in vain
-                if name in code.co_names:
-                    self.found.append(f"{name} = {getattr(self.program.variant, name)!r}".encode())
+                if attribute in code.co_names:
+                    value = self.program.known(static.name)
+                    self.found.append(f"{static.name} = {value!r}".encode())
         self.found.append(_code_text(code).encode())
         for name in (*code.co_names, *code.co_freevars):
             try:

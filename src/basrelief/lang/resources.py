@@ -1,28 +1,46 @@
 """Resource handles: the maps and lists that a program reads, as NumPy arrays.
 
 Shaders read them through intrinsics (`corners`, `texel`, `size`, `levels`) and, for a `Buffer`,
-through `len(buffer)` and `buffer[index]`. Engines take the arrays as they are.
+through `len(buffer)` and `buffer[index]`. Engines take the arrays as they are. `@resources` makes
+a record of handles, which shaders pass on as one.
 """
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import itertools
-from collections.abc import Sequence
-from typing import Any, Generic, Literal, TypeVar, assert_never, get_args
+import typing
+from collections.abc import Mapping, Sequence
+from typing import (
+    Any,
+    Generic,
+    Literal,
+    TypeVar,
+    assert_never,
+    dataclass_transform,
+    get_args,
+)
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.lang.types import from_leaves
+from basrelief.lang.types import ShaderError, StaticField, from_leaves, is_static, static_fields
 
 Edge = Literal["wrap", "clamp"]
+Filter = Literal["sharp", "smooth", "mip", "boxes"]
 _T = TypeVar("_T")
+_MEMBERS = "__members__"
 
 
-class _Pyramid:
+class Map:
     """Levels of one map, the first the largest, each half of the one before, down to one texel.
 
-    They are kept in one array, `stored`, each with a border of one texel around it, filled as the
+    `edge` says what lies beyond the map; it is one for all maps of a program, so that shaders
+    branch on it as on a static record's field: `if map.edge == "wrap"`. A shader's parameter of
+    this type may be any map, and is there for that alone.
+
+    Levels are kept in one array, `stored`, each with a border of one texel around it, filled as the
     edge says; `firsts` are the places of their texels (0, 0) in it. `levels` are views of it.
     """
 
@@ -88,14 +106,27 @@ class _Pyramid:
                 assert_never(self.edge)
 
 
-class HeightField(_Pyramid):
-    """Heights, 0 to 1, as float32: levels of shape (H, W). `edge` says what lies beyond the map."""
+class HeightField(Map):
+    """Heights, 0 to 1, as float32: levels of shape (H, W).
 
-    def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap") -> None:
+    `filter` says how the shaders of `techniques.height` read them; static too. A program has its
+    own, a field's is for shaders that run as plain Python.
+    """
+
+    def __init__(
+        self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap", filter: Filter = "sharp"
+    ) -> None:
         super().__init__([np.asarray(level, np.float32) for level in levels], edge)
+        self.filter: Filter = filter
+
+    def filtered(self, filter: Filter) -> HeightField:
+        """The same heights, to be read in another way."""
+        made = copy.copy(self)
+        made.filter = filter
+        return made
 
 
-class Texture(_Pyramid):
+class Texture(Map):
     """Four channels as 16-bit fractions of one: levels of shape (H, W, 4), uint16."""
 
     def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap") -> None:
@@ -129,11 +160,67 @@ class Buffer(Generic[_T]):
 
 
 HANDLES: tuple[type, ...] = (HeightField, Texture)
+MAPS: tuple[type, ...] = (Map, *HANDLES)
+
+
+_EDGE = {"edge": StaticField("map.edge", str, get_args(Edge))}
+_STATIC_FIELDS: dict[Any, dict[str, StaticField]] = {
+    Map: _EDGE,
+    Texture: _EDGE,
+    HeightField: {**_EDGE, "filter": StaticField("map.filter", str, get_args(Filter))},
+}
+
+
+def conditions_on(t: Any) -> Mapping[str, StaticField]:
+    """What static conditions on a parameter of type t can read: of a map or a static record."""
+    return static_fields(t) if is_static(t) else _STATIC_FIELDS.get(t, {})
+
+
+def is_erased(t: Any) -> bool:
+    """Whether a parameter of type t is for static conditions alone, and nothing in a program."""
+    return t is Map or is_static(t)
 
 
 def is_handle(t: Any) -> bool:
     """Whether t is a resource handle: a map, or `Buffer[Record]`."""
     return t in HANDLES or getattr(t, "__origin__", None) is Buffer
+
+
+@dataclass_transform(frozen_default=True)
+def resources(cls: type[_T]) -> type[_T]:
+    """Make a group of resource handles: a shader takes it as one parameter and names its members,
+    as `maps.normal`; a program has each member by itself, as `maps_normal`.
+
+    Raises ShaderError for a field that is no handle.
+    """
+    made: Any = dataclasses.dataclass(frozen=True)(cls)
+    members = typing.get_type_hints(made)
+    for name, t in members.items():
+        if not is_handle(t):
+            raise ShaderError(
+                f"{cls.__module__}: {cls.__name__}.{name}: a group of resources holds handles: "
+                "HeightField, Texture or Buffer"
+            )
+    setattr(made, _MEMBERS, members)
+    return made
+
+
+def members_of(t: Any) -> Mapping[str, Any]:
+    """The members of a group of resources, with their types; none of anything else."""
+    return vars(t).get(_MEMBERS, {}) if isinstance(t, type) else {}
+
+
+def flat_names(name: str, t: Any) -> dict[str, Any]:
+    """A parameter as a program has it: each member of a group by itself, what is erased not."""
+    if is_erased(t):
+        return {}
+    members = members_of(t)
+    return {f"{name}_{each}": kind for each, kind in members.items()} or {name: t}
+
+
+def flattened(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """All parameters of a shader as a program has them."""
+    return {k: v for name, t in parameters.items() for k, v in flat_names(name, t).items()}
 
 
 def buffer_record(t: Any) -> type | None:

@@ -6,12 +6,13 @@ they need. A program without heights has no trace of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from basrelief.lang import tree
+from basrelief.lang.resources import flat_names, flattened
 from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.types import ShaderError, is_static, is_type_slot
+from basrelief.lang.types import ShaderError, is_type_slot
 
 Functions = Mapping[Shader[..., Any], tree.Function]
 Path = tuple[tree.Block, ...]
@@ -23,13 +24,13 @@ def specialized(
     functions: Functions,
     bindings: Mapping[Shader[..., Any], Shader[..., Any]],
     types: Mapping[type, Any],
-    variant: Any,
+    known: Callable[[str], Any],
 ) -> tree.Module:
     """The program of an entry, of the typed functions that it can reach, callees first.
 
-    `types` are those that type slots stand for; `variant` is the static record's value.
+    `types` are those that type slots stand for; `known` gives what conditions read by name.
     """
-    made = _Program(functions, bindings, types, variant)
+    made = _Program(functions, bindings, types, known)
     function = made.function(entry, entry=True)
     # by name, each clear of those before
     found = [made.done[shader] for shader in functions if shader in made.done]
@@ -45,7 +46,7 @@ def specialized(
 
 def unspecialized(functions: Functions) -> dict[Shader[..., Any], tree.Function]:
     """The same functions with slots, type slots, static conditions and all parameters kept."""
-    made = _Library(functions, {}, {}, None)
+    made = _Library(functions, {}, {}, lambda name: None)
     return {shader: made.function(shader) for shader in functions}
 
 
@@ -59,10 +60,10 @@ class _Program:
         functions: Functions,
         bindings: Mapping[Shader[..., Any], Shader[..., Any]],
         types: Mapping[type, Any],
-        variant: Any,
+        known: Callable[[str], Any],
     ) -> None:
         self.functions, self.bindings = functions, bindings
-        self.types, self.variant = types, variant
+        self.types, self.known = types, known
         self.done: dict[Shader[..., Any], tree.Function] = {}
 
     def function(self, shader: Shader[..., Any], *, entry: bool = False) -> tree.Function:
@@ -95,14 +96,20 @@ class _Program:
         while resolved.is_slot:
             resolved = self.bindings[resolved]
         function = self.function(resolved)
-        passed = (name for name, t in shader.signature[0].items() if not is_static(t))
-        by_name = dict(zip(passed, arguments, strict=True))
-        taken = zip(taken_parameters(shader, resolved) or (), resolved.signature[0], strict=True)
-        return function, (by_name[name] for name, inner in taken if inner in function.parameters)
+        by_name = dict(zip(flattened(shader.signature[0]), arguments, strict=True))
+        taken = zip(
+            taken_parameters(shader, resolved) or (), resolved.signature[0].items(), strict=True
+        )
+        pairs = (
+            pair
+            for outer, (inner, t) in taken
+            for pair in zip(flat_names(outer, t), flat_names(inner, t), strict=True)
+        )
+        return function, (by_name[name] for name, inner in pairs if inner in function.parameters)
 
     def truth(self, condition: tree.Condition) -> bool | None:
         """What a static condition is, None where it stays one."""
-        return tree.holds(condition, lambda name: getattr(self.variant, name))
+        return tree.holds(condition, self.known)
 
     def type_of(self, t: Any) -> Any:
         """A type, with type slots filled in."""

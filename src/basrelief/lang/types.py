@@ -63,8 +63,10 @@ def struct(cls: type[_T]) -> type[_T]:
 
 
 class StaticField(NamedTuple):
-    """A field or property of a static record: str, bool or int, and its values, () for any."""
+    """What static conditions can read of a record or map: its name in a program, str, bool or int,
+    and its values, () for any."""
 
+    name: str
     kind: type
     menu: tuple[str | int, ...]
 
@@ -78,7 +80,7 @@ def static(cls: type[_T]) -> type[_T]:
     type.
     """
     made: Any = dataclasses.dataclass(frozen=True)(cls)
-    fields = {name: _static_field(t) for name, t in typing.get_type_hints(made).items()}
+    fields = {name: _static_field(name, t) for name, t in typing.get_type_hints(made).items()}
     for name, field in fields.items():
         if field is None:
             raise ShaderError(
@@ -88,18 +90,18 @@ def static(cls: type[_T]) -> type[_T]:
     for name in dir(made):
         got = getattr(made, name)
         if isinstance(got, property):
-            fields[name] = _static_field(typing.get_type_hints(got.fget).get("return"))
+            fields[name] = _static_field(name, typing.get_type_hints(got.fget).get("return"))
     setattr(made, _STATIC_FIELDS, {name: field for name, field in fields.items() if field})
     return made
 
 
-def _static_field(t: Any) -> StaticField | None:
+def _static_field(name: str, t: Any) -> StaticField | None:
     """The field of an annotation; None where conditions cannot be on it."""
     if typing.get_origin(t) is Literal:
         menu = typing.get_args(t)
         kinds = {type(value) for value in menu}
-        return StaticField(kinds.pop(), menu) if len(kinds) == 1 else None
-    return StaticField(t, ()) if t in (str, bool, int) else None
+        return StaticField(name, kinds.pop(), menu) if len(kinds) == 1 else None
+    return StaticField(name, t, ()) if t in (str, bool, int) else None
 
 
 def is_static(t: Any) -> bool:

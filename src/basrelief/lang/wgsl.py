@@ -81,11 +81,14 @@ def print_wgsl(module: tree.Module, edge: Edge) -> str:
 class ModulePrinter:
     """Names and helpers that the functions of a module share.
 
-    `edge` is the name of what a map does at its edge: that of an `Edge`, or of a slot.
+    `edge` is what maps do at their edges, None where that is left open.
     """
 
     def __init__(
-        self, functions: Sequence[tree.Function], entries: Sequence[tree.Function], edge: str
+        self,
+        functions: Sequence[tree.Function],
+        entries: Sequence[tree.Function],
+        edge: Edge | None,
     ) -> None:
         self.functions = functions
         self.edge = edge
@@ -102,7 +105,7 @@ class ModulePrinter:
                 self.note_record(t)
         given = [each for entry in entries for each in list(entry.parameters.items())[1:]]
         bound = [_bound_name(each) for entry in entries for each in bindings(entry)]
-        self.taken = {*_RESERVED, *_PRINTED, *bound, f"edge_{edge}"}
+        self.taken = {*_RESERVED, *_PRINTED, *bound}
         self.scope: dict[Any, str] = {}
         """The names of functions and records, clear of one another and of all that is printed."""
         for named in [*functions, *elementary_functions().values()]:
@@ -191,12 +194,17 @@ class ModulePrinter:
         """What is printed for lack of it in WGSL, as far as functions printed so far need it."""
         wanted = set(self.helpers)
         if wanted & {"corners", "texel"}:
-            wanted |= {f"edge_{self.edge}", "level_size"}
-        for name, text in HELPERS.items():
-            if name in wanted:
-                yield text.replace("EDGE", f"edge_{self.edge}")
+            wanted.add("level_size")
+            yield self.edge_text()
+        yield from (text for name, text in HELPERS.items() if name in wanted)
         for t in self.chosen:
             yield _CHOICE.replace("NAME", self.choice(t)).replace("TYPE", self.type(t))
+
+    def edge_text(self) -> str:
+        """What a map does at its edge."""
+        if self.edge is not None:
+            return AT_EDGE[self.edge]
+        return self.static(("map.edge", ("wrap",)), AT_EDGE["wrap"], AT_EDGE["clamp"])
 
     def choice(self, t: Any) -> str:
         """The name of the function that chooses between two values of a type."""
@@ -574,6 +582,21 @@ _OWN = ("asin", "acos", "atan", "atan2")
 """Computed by our own shaders: WGSL's may be out by 4096 units in the last place."""
 _SPREAD = {"clamp", "minimum", "maximum"}
 
+AT_EDGE: dict[Edge, str] = {
+    "wrap": """\
+// A texel of a map or of its border, which repeats the far side.
+fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
+  let low = select(cell, cell + size, cell < vec2i(0));
+  return select(low, low - size, low >= size);
+}
+""",
+    "clamp": """\
+// A texel of a map or of its border, which repeats the near side.
+fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
+  return clamp(cell, vec2i(0), size - 1);
+}
+""",
+}
 HELPERS = {
     "floor_divide": """\
 fn floor_divide(a: i32, b: i32) -> i32 {
@@ -616,19 +639,6 @@ fn level_size(whole: vec2u, level: i32) -> vec2i {
   return vec2i(max(whole >> vec2u(u32(level)), vec2u(1)));
 }
 """,
-    "edge_wrap": """\
-// A texel of a map or of its border, which repeats the far side.
-fn edge_wrap(cell: vec2i, size: vec2i) -> vec2i {
-  let low = select(cell, cell + size, cell < vec2i(0));
-  return select(low, low - size, low >= size);
-}
-""",
-    "edge_clamp": """\
-// A texel of a map or of its border, which repeats the near side.
-fn edge_clamp(cell: vec2i, size: vec2i) -> vec2i {
-  return clamp(cell, vec2i(0), size - 1);
-}
-""",
     "corners_of_finest": """\
 // Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1), all four in one read: gathered
 // around the point where they meet, the sampler seeing to the edge.
@@ -643,8 +653,8 @@ fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(field)) - 1);
   let size = level_size(textureDimensions(field), k);
   let held = clamp(cell, vec2i(-1), size - 1);
-  let a = EDGE(held, size);
-  let b = EDGE(held + 1, size);
+  let a = at_edge(held, size);
+  let b = at_edge(held + 1, size);
   return vec4f(
     textureLoad(field, a, k).x,
     textureLoad(field, vec2i(b.x, a.y), k).x,
@@ -664,7 +674,7 @@ fn stored(map: texture_2d<u32>, cell: vec2i) -> vec4f {
 fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
   let size = level_size(textureDimensions(map), k);
-  let held = EDGE(clamp(cell, vec2i(-1), size), size);
+  let held = at_edge(clamp(cell, vec2i(-1), size), size);
   return vec4f(textureLoad(map, held, k));
 }
 """,
@@ -703,7 +713,11 @@ BODY
 
 _PRINTED = frozenset(
     ["Run", "main", "id", "at"]
-    + [name for text in HELPERS.values() for name in re.findall(r"fn (\w+)", text)]
+    + [
+        name
+        for text in [*AT_EDGE.values(), *HELPERS.values()]
+        for name in re.findall(r"fn (\w+)", text)
+    ]
 )
 """Names at module scope that this printer writes itself."""
 

@@ -21,7 +21,7 @@ from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.oracle import first_hits
 from basrelief.measure.section import write_section
 from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
-from basrelief.rendering.programs import map_edge, program_of, values_of
+from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import primary_ray
@@ -78,9 +78,8 @@ def _met(
     thing: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
 ) -> tuple[Object, Meeting] | None:
     """An object with where the ray through the middle of a pixel meets its shape."""
-    with bound(program_of(thing, scene).bindings):
-        place = Vec2(pixel[0] + 0.5, pixel[1] + 0.5)
-        meeting = meet(primary_ray(scene.shader_camera(size), place), thing.placement())
+    ray = primary_ray(scene.shader_camera(size), Vec2(pixel[0] + 0.5, pixel[1] + 0.5))
+    meeting = meet(ray, thing.placement(), variant_of(thing, scene))
     return (thing, meeting) if meeting.point.found else None
 
 
@@ -90,16 +89,16 @@ def _explained(
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(thing, scene, size, choose_engine("cpu"))
     field, technique = values["field"], thing.drawn_with
-    with bound(program_of(thing, scene).bindings):
-        deep = depth_seen(values["depth"], met.point.distance)
-        if deep.scale <= 0.0:
-            raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
-        lod = lod_seen(field, met.footprint, values["smoothing"])
-        ray = relief_ray(met, deep, lod, values["smoothing"].mip_fade)
-        notes = _Notes(ray, field, technique.boxes)
-        baked = values.get("baked") or _UNBAKED
-        with watched(notes.watch):
-            hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
+    variant = variant_of(thing, scene)
+    deep = depth_seen(values["depth"], met.point.distance, variant)
+    if deep.scale <= 0.0:
+        raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
+    lod = lod_seen(field, met.footprint, values["smoothing"])
+    ray = relief_ray(met, deep, lod, values["smoothing"].mip_fade, variant)
+    notes = _Notes(ray, field, technique.boxes)
+    baked = values.get("baked") or _UNBAKED
+    with bound({displace: technique}), watched(notes.watch):
+        hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
     top, fall = _at(ray, 1.0), _numbers(ray.fall)
     first = first_box_hits if technique.boxes else first_hits
     true = first(notes.heights, top, fall, map_edge(thing))

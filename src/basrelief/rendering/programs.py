@@ -2,105 +2,115 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, assert_never
 
 from basrelief.engine import Engine
-from basrelief.lang import Buffer, Vec2, Vec3
+from basrelief.lang import Buffer, Shader, Vec2, Vec3
+from basrelief.lang.frontend import Bindings
 from basrelief.lang.program import Program
-from basrelief.lang.resources import Edge
+from basrelief.lang.resources import Edge, Filter, members_of
 from basrelief.material import Material
 from basrelief.rendering import textures
+from basrelief.rendering.textures import Source
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shading import pixel, relief, shapes, view_ray
-from basrelief.shading.choices import SHAPES, Choices, bindings_of
+from basrelief.shading import pixel
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import Light
-from basrelief.techniques import Nothing, flat, projection
+from basrelief.shading.surfaces.landscape import landscape_surface
+from basrelief.shading.surfaces.standard import standard_surface
+from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
+from basrelief.shading.variant import Variant
+from basrelief.shading.view_ray import view_ray
+from basrelief.techniques import Nothing, Technique, displace, flat
 
-MAPPED = ("base_color", "normal", "response", "emission", "layer_color", "layer_normal")
-"""The maps for which something plain stands where they are missing."""
+SURFACES: Mapping[str, Shader[..., Any]] = {
+    "standard": standard_surface,
+    "landscape": landscape_surface,
+}
+
+
+def surface_maps(thing: Object) -> Iterator[tuple[str, Source, Material, float]]:
+    """The surface maps that an object may have: name, source, material and the relief's scale."""
+    for name, source in textures.OF_MATERIAL.items():
+        yield name, source, thing.material, thing.relief_scale
+    if thing.layer is not None:
+        over = thing.layer.material
+        for name, source in textures.OF_LAYER.items():
+            yield name, source, over, over.scale or DEFAULT_SCALE
 
 
 def mapped(thing: Object) -> dict[str, bool]:
-    """Which of `MAPPED` an object has; nothing is baked to know that."""
-    material = thing.material
-    # the tops of boxes are level, whatever the heights beside them
-    level = thing.has_relief and thing.drawn_with.boxes and material.normal is None
-    over = None if thing.layer is None else thing.layer.material
-    return {
-        "base_color": textures.has_base_color(material),
-        "normal": not level and textures.has_normal(material, thing.relief_scale),
-        "response": textures.has_response(material),
-        "emission": material.emission is not None,
-        "layer_color": over is not None and textures.has_base_color(over),
-        "layer_normal": over is not None and textures.has_normal(over, _layer_scale(over)),
+    """Which surface maps an object has; nothing is baked to know that."""
+    has = dict.fromkeys(members_of(SurfaceMaps), False)
+    has |= {
+        name: source.has(made_of, scale) for name, source, made_of, scale in surface_maps(thing)
     }
-
-
-def _layer_scale(over: Material) -> float:
-    """The scale at which a layer's heights give normals."""
-    return over.scale or DEFAULT_SCALE
+    # the tops of boxes are level, whatever the heights beside them
+    if displaced_by(thing).boxes and thing.material.normal is None:
+        has["normal"] = False
+    return has
 
 
 def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
-    choices = choices_of(thing, scene or Scene((thing,)))
-    return Program(pixel.pixel, bindings_of(choices), choices.edge, choices)
+    return _program(pixel.pixel, thing, variant_of(thing, scene or Scene((thing,))))
 
 
-def choices_of(thing: Object, scene: Scene) -> Choices:
-    """What an object's program depends on."""
-    technique = thing.drawn_with if thing.has_relief else flat
-    return Choices(
-        technique=technique,
-        displaced=thing.has_relief,
-        boxed=technique.boxes,
+def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Program:
+    bound: Bindings = {displace: displaced_by(thing), surface_at: SURFACES[thing.surface]}
+    return Program(entry, bound, map_edge(thing), height_filter(thing), variant)
+
+
+def variant_of(thing: Object, scene: Scene) -> Variant:
+    """What an object's program depends on, beside its technique and surface."""
+    return Variant(
         shape=thing.shape,
+        displaced=thing.has_relief,
+        boxed=displaced_by(thing).boxes,
         projection=thing.relief_projection,
-        heights=thing.heights,
-        edge=map_edge(thing),
-        clipped=thing.edge == "clip",
         fades=thing.fade is not None,
-        mapping=thing.mapping,
-        apart=bool(thing.tilings),
+        edge=thing.edge,
         alpha=thing.alpha,
         surface=thing.surface,
+        mapping=thing.mapping,
+        apart=bool(thing.tilings),
         layer=thing.layer is not None,
         shadows=scene.shadows,
-        shadows_on=scene.shadows_on,
         casts=scene.casts,
+        shadows_on=scene.shadows_on,
         shading_model=scene.shading_model,
         occlusion_kind=scene.occlusion_kind,
         fog=scene.fog,
-        **mapped(thing),
+        **{f"{name}_map": there for name, there in mapped(thing).items()},
     )
 
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
     # a relief that fades does so with the distance from the camera, not from a light
-    choices = replace(choices_of(thing, Scene((thing,))), fades=False)
+    variant = replace(variant_of(thing, Scene((thing,))), fades=False)
     if thing.casts == "opaque":
-        choices = replace(choices, alpha="opaque")
-    bindings = bindings_of(choices)
-    # heights say nothing of how far a ray goes where nothing is displaced
-    bindings[relief.flat_height] = relief.unread
-    return Program(pixel.reach, bindings, choices.edge, choices)
+        variant = replace(variant, alpha="opaque")
+    return _program(pixel.reach, thing, variant)
 
 
 def rays_of(thing: Object) -> Program:
     """The program that gives the true view ray of each pixel, whatever the technique."""
-    return Program(
-        view_ray.view_ray,
-        {
-            shapes.shape: SHAPES[thing.shape],
-            relief.depth_seen: relief.fading if thing.fade else relief.as_deep,
-            projection.projection: projection.full,
-        },
-        map_edge(thing),
-    )
+    variant = Variant(shape=thing.shape, fades=thing.fade is not None, projection="full")
+    return Program(view_ray, edge=map_edge(thing), variant=variant)
+
+
+def displaced_by(thing: Object) -> Technique[..., Any]:
+    """The technique that draws an object: `flat` where it has no relief."""
+    return thing.drawn_with if thing.has_relief else flat
+
+
+def height_filter(thing: Object) -> Filter:
+    """How programs read an object's heights."""
+    return "boxes" if displaced_by(thing).boxes else thing.heights
 
 
 def map_edge(thing: Object) -> Edge:
@@ -121,22 +131,18 @@ def maps_of(thing: Object, engine: Engine) -> dict[str, Any]:
 
     What is made of heights, a technique's table and normals, the engine that draws bakes.
     """
-    material, beyond = thing.material, map_edge(thing)
-    has, glow = mapped(thing), textures.emission(material, beyond)
-    over = thing.layer and thing.layer.material
-    scale = thing.relief_scale
-    found = {
-        "field": textures.height_field(material, beyond) if thing.has_relief else None,
+    material, beyond, has = thing.material, map_edge(thing), mapped(thing)
+    found: dict[str, Any] = {
+        "field": textures.height_field(material, beyond, height_filter(thing))
+        if thing.has_relief
+        else None,
         "baked": textures.baked(
             material, beyond, thing.drawn_with.bake, engine, all_levels=thing.heights == "mip"
         ),
-        "base_color": textures.base_color(material, beyond),
-        "normal": textures.normal(material, beyond, scale, engine) if has["normal"] else None,
-        "response": textures.response(material, beyond),
-        "emission": glow and glow[0],
-        "layer_color": over and textures.base_color(over, beyond),
-        "layer_normal": over and textures.normal(over, beyond, _layer_scale(over), engine),
     }
+    for name, source, made_of, scale in surface_maps(thing):
+        if has[name]:
+            found[f"maps_{name}"] = source.texture(made_of, beyond, scale, engine)
     return {name: value for name, value in found.items() if value is not None}
 
 
@@ -160,7 +166,7 @@ def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine
 
 def _finish(thing: Object) -> Any:
     """The finish, with an emission map's own brightness in it."""
-    glow = textures.emission(thing.material, map_edge(thing))
-    if glow is None or glow[1] == 1.0 or thing.surface != "standard":
+    glow = textures.glow(thing.material)
+    if glow == 1.0 or thing.surface != "standard":
         return thing.finish
-    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow[1])
+    return replace(thing.finish, emission=Vec3(*thing.finish.emission) * glow)

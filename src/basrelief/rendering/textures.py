@@ -8,6 +8,8 @@ baked by the engine that draws, and told apart by how that rounds.
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,18 +20,18 @@ from basrelief.baking.levels import halved, levels_of
 from basrelief.baking.tables import table
 from basrelief.engine import Engine
 from basrelief.images import srgb_decode
-from basrelief.lang.resources import Edge, HeightField, Texture
+from basrelief.lang.resources import Edge, Filter, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.techniques import Bake
 
 _UNIT = 65535
 _PLAIN_COLOR = 0.6
-"""What stands for a missing colour, as in `shading.surfaces.standard.plain_base_color`."""
+"""What stands for a missing colour, as in `shading.surfaces.standard.base_color_of`."""
 _made: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
 
 
-def height_field(material: Material, edge: Edge) -> HeightField | None:
-    """The material's heights, None where it has none."""
+def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> HeightField | None:
+    """The material's heights, to be read in some way; None where it has none."""
     height = material.height
     if height is None:
         return None
@@ -37,7 +39,8 @@ def height_field(material: Material, edge: Edge) -> HeightField | None:
     def make() -> HeightField:
         return HeightField(levels_of(height.linear()[:, :, 0]), edge)
 
-    return _once(height, ("heights", edge), make)
+    sharp: HeightField = _once(height, ("heights", edge, "sharp"), make)
+    return _once(height, ("heights", edge, filter), lambda: sharp.filtered(filter))
 
 
 def baked(
@@ -55,16 +58,11 @@ def baked(
     return _once(height, ("baked", bake, edge, all_levels, engine.rounding), make)
 
 
-def has_base_color(material: Material) -> bool:
-    """Whether the material has colour or opacity."""
-    return material.base_color is not None or material.opacity is not None
-
-
 def base_color(material: Material, edge: Edge) -> Texture | None:
     """Linear colour with opacity, None where the material has neither."""
-    if not has_base_color(material):
-        return None
     color, opacity = material.base_color, material.opacity
+    if color is None and opacity is None:
+        return None
 
     def make() -> Texture:
         shape = _largest(color, opacity)
@@ -79,23 +77,17 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
     return _once(material, ("base color", edge), make)
 
 
-def has_normal(material: Material, scale: float) -> bool:
-    """Whether the material has normals, or heights that give some at a relief's scale."""
-    return material.normal is not None or (material.height is not None and scale > 0.0)
-
-
 def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Texture | None:
     """Tangent-space normals; where there is no map those of the heights, at a relief's scale.
 
     Both are those of square texels. Of normals from heights only the latest are kept.
     """
-    if not has_normal(material, scale):
-        return None
     if material.normal is not None:
         held = material.normal
         return _once(held, ("normal", edge), lambda: _texture([*_channels(held)], edge))
     height = material.height
-    assert height is not None
+    if height is None or scale <= 0.0:
+        return None
     latest = _made.setdefault(height, {})
     slopes = (edge, scale, engine.rounding)
     if latest.get("slopes") != slopes:
@@ -105,20 +97,11 @@ def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Text
     return latest["normal"]
 
 
-def _response_maps(material: Material) -> tuple[Map | None, ...]:
-    return material.occlusion, material.roughness, material.metallic, material.layer_mask
-
-
-def has_response(material: Material) -> bool:
-    """Whether the material has any of the maps that share this texture."""
-    return any(each is not None for each in _response_maps(material))
-
-
 def response(material: Material, edge: Edge) -> Texture | None:
     """Occlusion, roughness, metallic and the layer's mask in one texture, None without any."""
-    if not has_response(material):
+    maps = (material.occlusion, material.roughness, material.metallic, material.layer_mask)
+    if all(each is None for each in maps):
         return None
-    maps = _response_maps(material)
 
     def make() -> Texture:
         shape = _largest(*maps)
@@ -133,23 +116,72 @@ def response(material: Material, edge: Edge) -> Texture | None:
     return _once(material, ("response", edge), make)
 
 
-def emission(material: Material, edge: Edge) -> tuple[Texture, float] | None:
-    """Emission as fractions of its largest value, and that value; None where there is none."""
+def emission(material: Material, edge: Edge) -> Texture | None:
+    """Emission as fractions of its `glow`, None where there is none."""
     light = material.emission
     if light is None:
         return None
 
-    def make() -> tuple[Texture, float]:
+    def make() -> Texture:
         if light.pixels.dtype != np.float32:
-            return _texture([*_channels(light)], edge), 1.0
-        most = max(float(light.pixels.max()), 1e-9)
-        share = Map(np.clip(light.pixels / most, 0.0, 1.0), light.srgb, light.source)
-        return _texture([*_channels(share)], edge), most
+            return _texture([*_channels(light)], edge)
+        share = np.clip(light.pixels / glow(material), 0.0, 1.0)
+        return _texture([*_channels(Map(share, light.srgb, light.source))], edge)
 
     return _once(light, ("emission", edge), make)
 
 
-def _once(owner: Any, key: Any, make: Any) -> Any:
+def glow(material: Material) -> float:
+    """The emission that a texture's 1 stands for: of floats the largest value, else 1."""
+    light = material.emission
+    if light is None or light.pixels.dtype != np.float32:
+        return 1.0
+    return _once(light, "glow", lambda: max(float(light.pixels.max()), 1e-9))
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a texture of the surface is made of: the material's maps that its channels hold.
+
+    `light` says that these are light, not data; `of_heights` that heights stand for a missing map.
+    """
+
+    texture: Callable[[Material, Edge, float, Engine], Texture | None]
+    channels: Mapping[str, tuple[int, ...]]
+    light: bool = False
+    of_heights: bool = False
+
+    def has(self, material: Material, scale: float) -> bool:
+        """Whether a material gives one, its relief of some scale; nothing is made to know that."""
+        maps = (getattr(material, name) for name in self.channels)
+        sloping = self.of_heights and material.height is not None and scale > 0.0
+        return sloping or any(each is not None for each in maps)
+
+
+OF_MATERIAL: dict[str, Source] = {
+    "base_color": Source(
+        lambda material, edge, *_: base_color(material, edge),
+        {"base_color": (0, 1, 2), "opacity": (3,)},
+        light=True,
+    ),
+    "normal": Source(normal, {"normal": (0, 1, 2)}, of_heights=True),
+    "response": Source(
+        lambda material, edge, *_: response(material, edge),
+        {"occlusion": (0,), "roughness": (1,), "metallic": (2,), "layer_mask": (3,)},
+    ),
+    "emission": Source(
+        lambda material, edge, *_: emission(material, edge), {"emission": (0, 1, 2)}, light=True
+    ),
+}
+"""The textures that a surface reads of its material (`shading.surfaces.surface.SurfaceMaps`)."""
+OF_LAYER: dict[str, Source] = {
+    "layer_color": OF_MATERIAL["base_color"],
+    "layer_normal": OF_MATERIAL["normal"],
+}
+"""Those that it reads of the material that lies over it."""
+
+
+def _once(owner: Any, key: Any, make: Callable[[], Any]) -> Any:
     held = _made.setdefault(owner, {})
     if key not in held:
         held[key] = make()

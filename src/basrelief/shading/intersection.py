@@ -7,6 +7,7 @@ from basrelief.shading.camera import Camera, CameraRay
 from basrelief.shading.ray_differentials import Footprint, along, transferred
 from basrelief.shading.shapes import ShapeRay, SurfacePoint, shape
 from basrelief.shading.tangent_frame import Frame, frame_of, to_tangent
+from basrelief.shading.variant import Variant
 
 
 @struct
@@ -45,11 +46,11 @@ class Meeting:
 
 
 @shader
-def meet(ray: CameraRay, placement: Placement) -> Meeting:
+def meet(ray: CameraRay, placement: Placement, variant: Variant) -> Meeting:
     """Meet the object in its own space, where the relief is set: it scales with the object."""
     origin = placement.to_object @ (ray.origin - placement.origin)
     direction = placement.to_object @ ray.direction
-    met = shape(ShapeRay(origin, direction))
+    met = shape(ShapeRay(origin, direction), variant)
     along_u = met.along_u / placement.tiling.x
     along_v = met.along_v / placement.tiling.y
     frame = frame_of(met.normal, along_u, along_v)

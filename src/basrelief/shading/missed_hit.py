@@ -5,9 +5,10 @@ For pages, which have no float64; `measure.errors` computes the same for the lib
 
 from __future__ import annotations
 
-from basrelief.lang import Buffer, IVec2, Vec2, dot, length, shader, struct
+from basrelief.lang import Buffer, IVec2, Map, Vec2, dot, length, shader, struct
 from basrelief.shading.intersection import Placement, View
 from basrelief.shading.relief import Depth
+from basrelief.shading.variant import Variant
 from basrelief.shading.view_ray import view_ray
 from basrelief.techniques.edge import nearest_copy
 
@@ -56,6 +57,8 @@ def missed_hit(
     picture: PictureSize,
     drawn: Buffer[DrawnHit],
     truth: Buffer[TrueHit],
+    map: Map,
+    variant: Variant,
 ) -> MissedHit:
     """One pixel of a picture `drawn` by a technique, held against the `truth`; both row by row.
 
@@ -69,6 +72,6 @@ def missed_hit(
     if drawn[k].hit == 0:
         return MissedHit(True, False)
     off = drawn[k].uv - truth[k].uv
-    ray = view_ray(at, view, placement, depth)
+    ray = view_ray(at, view, placement, depth, variant)
     along = dot(off * picture.texels, ray.fall * picture.texels)
-    return MissedHit(length(nearest_copy(off) * picture.texels) > WITHIN, along > 0.0)
+    return MissedHit(length(nearest_copy(map, off) * picture.texels) > WITHIN, along > 0.0)

@@ -15,7 +15,6 @@ from basrelief.lang import (
     normalize,
     saturate,
     shader,
-    slot,
     struct,
     transpose,
 )
@@ -26,11 +25,12 @@ from basrelief.shading.intersection import Meeting, Placement, View, meet
 from basrelief.shading.lights import Light, arriving
 from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
-from basrelief.shading.shadow_map import CastView, reaching_past_others
+from basrelief.shading.shadow_map import CastView, past_others
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
     Spot,
     Surface,
+    SurfaceMaps,
     SurfaceSettings,
     surface_at,
 )
@@ -70,12 +70,7 @@ def pixel(
     fog: Fog,
     field: HeightField,
     baked: Texture,
-    base_color: Texture,
-    normal: Texture,
-    response: Texture,
-    emission: Texture,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
     lights: Buffer[Light],
     distances: HeightField,
     views: Buffer[CastView],
@@ -83,22 +78,19 @@ def pixel(
 ) -> Pixel:
     """Find the object, displace the texture, read its maps there, and light it."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
-    met = meet(ray, placement)
+    met = meet(ray, placement, variant)
     if not met.point.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
-    moved = displaced(field, baked, met, depth, smoothing, settings)
+    moved = displaced(field, baked, met, depth, smoothing, settings, variant)
     distance = met.point.distance + moved.further
-    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
+    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling, variant):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    spot = spot_on(field, met, moved, depth)
-    surface = surface_at(
-        spot, finish, places, base_color, normal, response, emission,
-        layer_color, layer_normal, variant,
-    )  # fmt: skip
+    spot = spot_on(field, met, moved, depth, variant)
+    surface = surface_at(spot, finish, places, maps, variant)
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    point = shading_point(ray, placement, met, surface, spot.slope, distance)
-    receiving = receiver(point, ray, met)
+    point = shading_point(ray, placement, met, surface, spot.slope, distance, variant)
+    receiving = receiver(point, ray, met, variant)
     color = ambient_light(point, shading) + point.emission
     reads = moved.reads
     for k in range(len(lights)):
@@ -107,7 +99,9 @@ def pixel(
         light = reflectance(point, shading, incoming, variant)
         # what gives no light throws no shadow either
         if max(max(light.x, light.y), light.z) > 0.0:
-            share = reaching_past_others(distances, views, k, receiving)
+            share = 1.0
+            if variant.casts:
+                share = past_others(distances, views, k, receiving)
             if variant.shadows != "none" and variant.displaced:
                 towards = placement.to_object @ incoming.direction
                 reaching = self_shadowed(
@@ -147,27 +141,20 @@ def reach(
     places: MapPlaces,
     field: HeightField,
     baked: Texture,
-    base_color: Texture,
-    normal: Texture,
-    response: Texture,
-    emission: Texture,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
     variant: Variant,
 ) -> Reach:
     """The pixel of a depth map: the same object, relief and opacity, and no light."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
-    met = meet(ray, placement)
+    met = meet(ray, placement, variant)
     if not met.point.found:
         return Reach(0.0, False)
-    moved = displaced(field, baked, met, depth, smoothing, settings)
+    moved = displaced(field, baked, met, depth, smoothing, settings, variant)
     distance = met.point.distance + moved.further
-    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling):
+    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling, variant):
         return Reach(0.0, False)
-    surface = surface_at(
-        spot_on(field, met, moved, depth), finish, places, base_color, normal, response, emission,
-        layer_color, layer_normal, variant,
-    )  # fmt: skip
+    spot = spot_on(field, met, moved, depth, variant)
+    surface = surface_at(spot, finish, places, maps, variant)
     return Reach(distance, surface.opacity >= SOLID)
 
 
@@ -175,9 +162,11 @@ def reach(
 
 
 @shader
-def spot_on(field: HeightField, met: Meeting, moved: Displaced, depth: Depth) -> Spot:
+def spot_on(
+    field: HeightField, met: Meeting, moved: Displaced, depth: Depth, variant: Variant
+) -> Spot:
     """The place on the relief where the ray ended."""
-    slope = slope_of(field, moved, met, depth)
+    slope = slope_of(field, moved, met, depth, variant)
     return Spot(
         uv=moved.uv,
         footprint=met.footprint,
@@ -197,12 +186,13 @@ def shading_point(
     surface: Surface,
     slope: Vec3,
     distance: float,
+    variant: Variant,
 ) -> ShadingPoint:
     """The displaced point in world space, its normal bent by the normal map."""
     # a tile of other proportions than its maps is as steep as they are stretched
     stretch = met.frame.aspect / placement.proportion
     slanted = Vec3(surface.normal.x, surface.normal.y * stretch, surface.normal.z)
-    bent = from_tangent(met.frame, facing(slanted, slope))
+    bent = from_tangent(met.frame, facing(slanted, slope, variant))
     return ShadingPoint(
         position=ray.origin + ray.direction * distance,
         normal=normalize(transpose(placement.to_object) @ bent),
@@ -215,66 +205,39 @@ def shading_point(
     )
 
 
-@slot
-def facing(normal: Vec3, slope: Vec3) -> Vec3:
-    """Which way the surface faces in tangent space: the maps' normal, and the relief's own."""
-
-
 @shader
-def as_mapped(normal: Vec3, slope: Vec3) -> Vec3:
-    """The maps know."""
+def facing(normal: Vec3, slope: Vec3, variant: Variant) -> Vec3:
+    """Which way the surface faces in tangent space: as the maps say, but on the side of a box as
+    the side does, which no map knows."""
+    if variant.boxed and slope.z < 0.5:
+        return slope
     return normal
-
-
-@shader
-def as_the_side(normal: Vec3, slope: Vec3) -> Vec3:
-    """On the side of a box as the side does, which no map knows."""
-    return slope if slope.z < 0.5 else normal
 
 
 # --- the edge of the object ----------------------------------------------------------------------
 
 
-@slot
-def inside(place: Vec2) -> bool:
-    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape."""
-
-
 @shader
-def anywhere(place: Vec2) -> bool:
-    """The texture goes on for ever."""
-    return True
-
-
-@shader
-def within(place: Vec2) -> bool:
-    """What is displaced beyond the shape's own edge is not drawn."""
+def inside(place: Vec2, variant: Variant) -> bool:
+    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape: where maps
+    are clipped, what is displaced beyond the shape's own edge is not drawn."""
+    if variant.edge != "clip":
+        return True
+    if variant.shape in ("sphere", "cylinder"):
+        # it goes round: it has rims above and below, and none along u
+        return place.y >= 0.0 and place.y <= 1.0
     return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
-
-
-@shader
-def within_rims(place: Vec2) -> bool:
-    """The same on a shape that goes round: it has rims above and below, and none along u."""
-    return place.y >= 0.0 and place.y <= 1.0
 
 
 # --- where other objects' shadows fall -----------------------------------------------------------
 
 
-@slot
-def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
-    """The place, in world space, on which the shadows of other objects fall."""
-
-
 @shader
-def on_the_relief(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
-    """Where the surface is seen."""
-    return point.position
-
-
-@shader
-def on_the_polygon(point: ShadingPoint, ray: CameraRay, met: Meeting) -> Vec3:
-    """On the polygon, as where displacement does not reach the shadows: they float above it."""
+def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting, variant: Variant) -> Vec3:
+    """The place, in world space, on which the shadows of other objects fall: where the surface is
+    seen, or on the polygon, as where displacement does not reach the shadows: they float above."""
+    if variant.shadows_on == "relief":
+        return point.position
     return ray.origin + ray.direction * met.point.distance
 
 

@@ -14,7 +14,6 @@ from basrelief.lang import (
     saturate,
     shader,
     size,
-    slot,
     sqrt,
     struct,
 )
@@ -23,9 +22,9 @@ from basrelief.shading.ray_differentials import Footprint, level_of_detail
 from basrelief.shading.self_shadow import Reaching, Shadowing, ShadowRay, shadow
 from basrelief.shading.tangent_frame import to_tangent, to_texture
 from basrelief.shading.variant import Variant
-from basrelief.techniques.columns import INSET, side_at
+from basrelief.techniques.columns import INSET, side_at, top_at
 from basrelief.techniques.height import Smoothing, height_at, slope_at, surface_height
-from basrelief.techniques.projection import SHALLOWEST, projection
+from basrelief.techniques.projection import SHALLOWEST, biased, full, limited
 from basrelief.techniques.ray import Hit, Ray
 from basrelief.techniques.technique import Settings, displace
 
@@ -61,57 +60,35 @@ class Displaced:
 # --- how deep, seen from here --------------------------------------------------------------------
 
 
-@slot
-def depth_seen(depth: Depth, distance: float) -> Depth:
-    """How deep the relief is drawn at a distance from the camera."""
-
-
 @shader
-def as_deep(depth: Depth, distance: float) -> Depth:
-    """The same everywhere."""
-    return depth
-
-
-@shader
-def fading(depth: Depth, distance: float) -> Depth:
-    """Shallower with distance, to plain normal mapping, where nothing is read any more."""
+def depth_seen(depth: Depth, distance: float, variant: Variant) -> Depth:
+    """How deep the relief is drawn at a distance from the camera: where it fades, shallower with
+    distance, to plain normal mapping, where nothing is read any more."""
+    if not variant.fades:
+        return depth
     span = max(depth.fade_far - depth.fade_near, 1e-6)
     # not (far − distance): from that, Mesa 22.3's software driver makes a program that crashes
     left = 1.0 - saturate((distance - depth.fade_near) / span)
     return Depth(depth.scale * left, depth.level, depth.bias, depth.fade_near, depth.fade_far)
 
 
-# --- how smooth ----------------------------------------------------------------------------------
-
-
-@slot
+@shader
 def lod_seen(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
     """The level that heights are read from."""
-
-
-@shader
-def finest(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
-    """The map as it is."""
+    if field.filter == "smooth":
+        # by the gradients of the undisplaced coordinates, and lower still
+        return level_of_detail(footprint, size(field, 0)) + smoothing.mip_bias
+    if field.filter == "mip":
+        # the one whose texels are nearest in size to what the pixel covers
+        lod = level_of_detail(footprint, size(field, 0))
+        return floor(clamp(lod + 0.5, 0.0, float(levels(field) - 1)))
     return 0.0
-
-
-@shader
-def as_the_pixel_sees(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
-    """By the gradients of the undisplaced coordinates, and lower still."""
-    return level_of_detail(footprint, size(field, 0)) + smoothing.mip_bias
-
-
-@shader
-def nearest_level(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
-    """The one level whose texels are nearest in size to what the pixel covers."""
-    lod = level_of_detail(footprint, size(field, 0))
-    return floor(clamp(lod + 0.5, 0.0, float(levels(field) - 1)))
 
 
 # --- where the ray ends --------------------------------------------------------------------------
 
 
-@slot
+@shader
 def displaced(
     field: HeightField,
     baked: Texture,
@@ -119,57 +96,46 @@ def displaced(
     depth: Depth,
     smoothing: Smoothing,
     settings: Settings,
+    variant: Variant,
 ) -> Displaced:
-    """Where the ray ends: on the relief, or on the polygon itself."""
-
-
-@shader
-def with_relief(
-    field: HeightField,
-    baked: Texture,
-    met: Meeting,
-    depth: Depth,
-    smoothing: Smoothing,
-    settings: Settings,
-) -> Displaced:
-    """As the technique says; with no depth not one height is read."""
-    deep = depth_seen(depth, met.point.distance)
+    """Where the ray ends: on the relief, as the technique says, or on the polygon itself."""
+    if not variant.displaced:
+        return Displaced(met.point.uv, 0.0, 1.0, True, 0)
+    deep = depth_seen(depth, met.point.distance, variant)
+    # with no depth not one height is read
     if deep.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, flat_height(field, met.point.uv), True, 0)
+        return Displaced(met.point.uv, 0.0, flat_height(field, met.point.uv, variant), True, 0)
     lod = lod_seen(field, met.footprint, smoothing)
-    hit = displace(field, baked, relief_ray(met, deep, lod, smoothing.mip_fade), settings)
+    ray = relief_ray(met, deep, lod, smoothing.mip_fade, variant)
+    hit = displace(field, baked, ray, settings)
     return Displaced(hit.uv, beyond(met, deep, hit), hit.height, hit.found, hit.reads)
 
 
-@slot
-def flat_height(field: HeightField, uv: Vec2) -> float:
-    """The height of a relief that is drawn flat, for what goes by it."""
-
-
 @shader
-def unread(field: HeightField, uv: Vec2) -> float:
-    """Nothing goes by it."""
+def flat_height(field: HeightField, uv: Vec2, variant: Variant) -> float:
+    """The height of a relief that is drawn flat, for what goes by it: a landscape keeps its water,
+    and a pit its shade, where the relief has faded."""
+    if variant.surface == "landscape" or variant.occlusion_kind == "directional":
+        return top_at(field, uv) if field.filter == "boxes" else height_at(field, uv)
     return 1.0
 
 
 @shader
-def as_stored(field: HeightField, uv: Vec2) -> float:
-    """The map's: a landscape keeps its water, and a pit its shade, where the relief has faded."""
-    return height_at(field, uv)
-
-
-@shader
-def without_relief(met: Meeting, settings: Settings) -> Displaced:
-    """On the polygon: a material without heights, or the technique `flat`."""
-    return Displaced(met.point.uv, 0.0, 1.0, True, 0)
-
-
-@shader
-def relief_ray(met: Meeting, depth: Depth, lod: float, fade: float) -> Ray:
+def relief_ray(met: Meeting, depth: Depth, lod: float, fade: float, variant: Variant) -> Ray:
     """The ray that a technique follows: the chosen projection, in texture coordinates."""
-    move = projection(met.view, depth.bias) * -depth.scale
-    fall = to_texture(move, met.frame.aspect)
+    falling = move_of(met.view, depth.bias, variant) * -depth.scale
+    fall = to_texture(falling, met.frame.aspect)
     return Ray(met.point.uv, fall, depth.level, met.view.z, depth.scale, lod, fade)
+
+
+@shader
+def move_of(view: Vec3, bias: float, variant: Variant) -> Vec2:
+    """How far the ray moves along the surface while it falls by one, towards the viewer."""
+    if variant.projection == "biased":
+        return biased(view, bias)
+    if variant.projection == "limited":
+        return limited(view, bias)
+    return full(view, bias)
 
 
 @shader
@@ -198,21 +164,25 @@ class Slope:
     deep: float
 
 
-@slot
-def slope_of(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
-    """How the relief lies where the ray ended."""
-
-
 @shader
-def unasked(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
-    """Nothing in the program asks."""
+def slope_of(
+    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
+) -> Slope:
+    """How the relief lies where the ray ended, for what asks: the sides of boxes, and colours that
+    are laid on from three sides."""
+    if variant.boxed:
+        return of_boxes(field, moved, met, depth, variant)
+    if variant.displaced and variant.mapping == "triplanar" and variant.base_color_map:
+        return of_heights(field, moved, met, depth, variant)
     return Slope(Vec3(0.0, 0.0, 1.0), 0.0)
 
 
 @shader
-def of_heights(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+def of_heights(
+    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
+) -> Slope:
     """As the bilinear surface lies."""
-    scale = depth_seen(depth, met.point.distance).scale
+    scale = depth_seen(depth, met.point.distance, variant).scale
     slope = slope_at(field, moved.uv) * scale
     # v runs down where y runs up, and a tile is as high as it is wide ÷ aspect
     normal = normalize(Vec3(-slope.x, slope.y * met.frame.aspect, 1.0))
@@ -220,9 +190,11 @@ def of_heights(field: HeightField, moved: Displaced, met: Meeting, depth: Depth)
 
 
 @shader
-def of_boxes(field: HeightField, moved: Displaced, met: Meeting, depth: Depth) -> Slope:
+def of_boxes(
+    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
+) -> Slope:
     """Level on the top of a box; on its side, as the side faces."""
-    scale = depth_seen(depth, met.point.distance).scale
+    scale = depth_seen(depth, met.point.distance, variant).scale
     deep = moved.height * scale
     if scale <= 0.0 or not moved.found:
         return Slope(Vec3(0.0, 0.0, 1.0), deep)
@@ -274,7 +246,7 @@ def self_shadowed(
     light = to_tangent(met.frame, normalize(towards))
     if light.z <= SHALLOWEST:
         return Reaching(0.0, 0)
-    scale = depth_seen(depth, met.point.distance).scale
+    scale = depth_seen(depth, met.point.distance, variant).scale
     if scale <= 0.0:
         return Reaching(1.0, 0)
     rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)

@@ -18,7 +18,6 @@ from basrelief.lang import (
     length,
     mix,
     shader,
-    slot,
     struct,
 )
 from basrelief.shading.camera import Camera, seen_from
@@ -38,26 +37,11 @@ class CastView:
     first: IVec2
 
 
-@slot
-def reaching_past_others(
-    distances: HeightField, views: Buffer[CastView], light: int, position: Vec3
-) -> float:
-    """How much of a light reaches a position, past all other objects."""
-
-
-@shader
-def nothing_else(
-    distances: HeightField, views: Buffer[CastView], light: int, position: Vec3
-) -> float:
-    """All of it: there is nothing in its way."""
-    return 1.0
-
-
 @shader
 def past_others(
     distances: HeightField, views: Buffer[CastView], light: int, position: Vec3
 ) -> float:
-    """What the depth maps of this light leave of it."""
+    """How much of a light reaches a position past all other objects, as its depth maps have it."""
     share = 1.0
     for k in range(len(views)):
         if views[k].light == light:

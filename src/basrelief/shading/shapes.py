@@ -22,10 +22,10 @@ from basrelief.lang import (
     length,
     normalize,
     shader,
-    slot,
     sqrt,
     struct,
 )
+from basrelief.shading.variant import Variant
 
 PI = 3.14159265358979
 TWO_PI = 6.28318530717959
@@ -80,9 +80,16 @@ class Interval:
     leave: float
 
 
-@slot
-def shape(ray: ShapeRay) -> SurfacePoint:
+@shader
+def shape(ray: ShapeRay, variant: Variant) -> SurfacePoint:
     """The nearest point of the chosen shape's outside that the ray meets."""
+    if variant.shape == "box":
+        return box(ray)
+    if variant.shape == "sphere":
+        return sphere(ray)
+    if variant.shape == "cylinder":
+        return cylinder(ray)
+    return plane(ray)
 
 
 # --- the shapes ------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ UNIT = 1.0 / 65535.0
 def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
     """The four channels at texture coordinates, from one level."""
     extent = size(map, mip)
-    tile = in_tile(uv)
+    tile = in_tile(map, uv)
     x = tile.x * float(extent.x) - 0.5
     y = tile.y * float(extent.y) - 0.5
     left = floor(x)

@@ -3,21 +3,57 @@
 from __future__ import annotations
 
 from basrelief.lang import static
-from basrelief.shading.kinds import AlphaKind, FogKind, OcclusionKind, ShadingModel, ShadowsKind
+from basrelief.shading.kinds import (
+    AlphaKind,
+    EdgeKind,
+    FogKind,
+    MappingKind,
+    OcclusionKind,
+    Projection,
+    ShadingModel,
+    ShadowsKind,
+    ShadowsOnKind,
+    ShapeKind,
+    SurfaceKind,
+)
 
 
 @static
 class Variant:
     """What decides which code runs for a pixel, as `Object` and `Scene` have it.
 
-    Everything else is a number or a map, and turns no program into another. `displaced` says
-    whether there is a relief, `boxed` whether each texel of it is a box.
+    Everything else is a number or a map, and turns no program into another. Beside it a program has
+    its technique and surface, which are slots, and the edge and filter of its maps.
+
+    `displaced` says whether there is a relief, `boxed` whether each texel of it is a box, `fades`
+    whether it fades with distance; `apart` whether maps have tilings of their own, `layer` whether
+    there is a second one; `X_map` whether there is such a map; `casts` whether other objects cast
+    shadows on this one.
     """
 
+    # --- of the object
+    shape: ShapeKind = "plane"
     displaced: bool = False
     boxed: bool = False
+    projection: Projection = "full"
+    fades: bool = False
+    edge: EdgeKind = "wrap"
     alpha: AlphaKind = "blend"
+    # --- of its surface
+    surface: SurfaceKind = "standard"
+    mapping: MappingKind = "planar"
+    apart: bool = False
+    layer: bool = False
+    base_color_map: bool = False
+    normal_map: bool = False
+    response_map: bool = False
+    emission_map: bool = False
+    layer_color_map: bool = False
+    layer_normal_map: bool = False
+    # --- of the scene
     shadows: ShadowsKind = "none"
+    casts: bool = False
+    shadows_on: ShadowsOnKind = "relief"
     shading_model: ShadingModel = "ggx"
     occlusion_kind: OcclusionKind = "ambient"
     fog: FogKind = "none"

@@ -10,6 +10,7 @@ from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.intersection import Placement, View, meet
 from basrelief.shading.relief import Depth, beyond, depth_seen, relief_ray
+from basrelief.shading.variant import Variant
 from basrelief.techniques.ray import Hit
 
 
@@ -29,14 +30,16 @@ class ViewRay:
 
 
 @shader
-def view_ray(at: IVec2, view: View, placement: Placement, depth: Depth) -> ViewRay:
+def view_ray(
+    at: IVec2, view: View, placement: Placement, depth: Depth, variant: Variant
+) -> ViewRay:
     """The ray of one pixel."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
-    met = meet(ray, placement)
+    met = meet(ray, placement, variant)
     if not met.point.found:
         return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
-    deep = depth_seen(depth, met.point.distance)
-    seen = relief_ray(met, deep, 0.0, 0.0)
+    deep = depth_seen(depth, met.point.distance, variant)
+    seen = relief_ray(met, deep, 0.0, 0.0, variant)
     lowest = beyond(met, deep, Hit(seen.uv, 0.0, True, 0))
     highest = beyond(met, deep, Hit(seen.uv, 1.0, True, 0))
     return ViewRay(True, seen.uv, seen.fall, met.point.distance, lowest - highest)

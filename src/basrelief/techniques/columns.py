@@ -80,7 +80,7 @@ def within_box(line: Line, cell: IVec2, t: float) -> Vec2:
 @shader
 def top_of(field: HeightField, extent: IVec2, cell: IVec2) -> float:
     """The height of a box: its texel's, as it is stored."""
-    held = IVec2(cell_in_map(cell.x, extent.x), cell_in_map(cell.y, extent.y))
+    held = IVec2(cell_in_map(field, cell.x, extent.x), cell_in_map(field, cell.y, extent.y))
     return corners(field, held, 0).x
 
 

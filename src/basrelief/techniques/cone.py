@@ -83,7 +83,7 @@ def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
         if not found:
             # at its far wall the ray is still above this cell, and in its cone
             room = max(clearance_after(above, above.span), 0.0)
-            held = cell_of_map(line, cell, extent)
+            held = cell_of_map(baked, line, cell, extent)
             t = out + room * share_of_cone(baked, IVec2(int(held.x), int(held.y)), travel)
             cell = cell_after(line, cell, walls, t)
             reads = reads + 1
@@ -113,7 +113,7 @@ def relaxed_cone(field: HeightField, baked: Texture, ray: Ray, settings: Relaxed
     k = 0
     while k < settings.steps and clearance > 0.0 and t < 1.0:
         before = t
-        here = cell_of_baked(at(ray, 1.0 - t), extent)
+        here = cell_of_baked(field, at(ray, 1.0 - t), extent)
         t = min(t + max(clearance * share_of_cone(baked, here, travel), SHORTEST), 1.0)
         clearance = (1.0 - t) - height_at(field, at(ray, 1.0 - t))
         reads = reads + 2
@@ -129,10 +129,10 @@ def relaxed_cone(field: HeightField, baked: Texture, ray: Ray, settings: Relaxed
 
 
 @shader
-def cell_of_baked(uv: Vec2, extent: IVec2) -> IVec2:
+def cell_of_baked(field: HeightField, uv: Vec2, extent: IVec2) -> IVec2:
     """The cell of the map at texture coordinates."""
-    corner = cell_at(uv, extent).corner
-    return IVec2(cell_in_map(corner.x, extent.x), cell_in_map(corner.y, extent.y))
+    corner = cell_at(field, uv, extent).corner
+    return IVec2(cell_in_map(field, corner.x, extent.x), cell_in_map(field, corner.y, extent.y))
 
 
 @shader

@@ -22,8 +22,8 @@ from basrelief.lang import (
     floor,
     shader,
     size,
-    slot,
     sqrt,
+    static,
     struct,
 )
 from basrelief.techniques.bake import Bake
@@ -60,6 +60,13 @@ class Octave:
     last: Vec2
 
 
+@static
+class Search:
+    """Which windows are gone through: all, or those of one sector."""
+
+    by_sector: bool
+
+
 @struct
 class Slope:
     """A slope, squared."""
@@ -85,6 +92,7 @@ def steepest(
     field: HeightField,
     windows: Texture,
     so_far: HeightField,
+    search: Search,
 ) -> Slope:
     """The steepest line up from a vertex, among those so far and those of one octave."""
     own = corners(field, at, 0).x
@@ -100,49 +108,48 @@ def steepest(
             inner = min(i, j) >= half // 2 and max(i, j) < half + half // 2
             x = (i - half) * 2 * held.width
             y = (j - half) * 2 * held.width
-            if (held.width == 1 or not inner) and some_asked(octave, x, y, held.width):
+            if (held.width == 1 or not inner) and some_asked(octave, x, y, held.width, search):
                 four = windows_at(windows, held, at.x + x, at.y + y)
-                squared = max(squared, steepest_of(four, own, octave, held.width, x, y))
+                squared = max(squared, steepest_of(four, own, octave, held.width, x, y, search))
     return Slope(squared)
 
 
 @shader
-def steepest_of(four: Vec4, own: float, octave: Octave, width: int, x: int, y: int) -> float:
+def steepest_of(
+    four: Vec4, own: float, octave: Octave, width: int, x: int, y: int, search: Search
+) -> float:
     """The steepest line, squared, up to the four windows of a block that begins so far away."""
-    most = squared_slope(four.x, own, octave, width, x, y)
-    most = max(most, squared_slope(four.y, own, octave, width, x + width, y))
-    most = max(most, squared_slope(four.z, own, octave, width, x, y + width))
-    return max(most, squared_slope(four.w, own, octave, width, x + width, y + width))
+    most = squared_slope(four.x, own, octave, width, x, y, search)
+    most = max(most, squared_slope(four.y, own, octave, width, x + width, y, search))
+    most = max(most, squared_slope(four.z, own, octave, width, x, y + width, search))
+    return max(most, squared_slope(four.w, own, octave, width, x + width, y + width, search))
 
 
 @shader
-def squared_slope(code: float, own: float, octave: Octave, width: int, x: int, y: int) -> float:
+def squared_slope(
+    code: float, own: float, octave: Octave, width: int, x: int, y: int, search: Search
+) -> float:
     """The slope, squared, up to a window's highest height; 0 where it is lower, or not asked."""
     rise = max(min(code * UNIT, octave.highest) - own, 0.0)
     squared = rise * rise / apart_squared(away(x, width), away(y, width))
-    return squared if is_asked(octave, x, y, width) else 0.0
+    return squared if is_asked(octave, x, y, width, search) else 0.0
 
 
 @shader
-def some_asked(octave: Octave, x: int, y: int, width: int) -> bool:
+def some_asked(octave: Octave, x: int, y: int, width: int, search: Search) -> bool:
     """Whether any of the four windows of a block is asked."""
     return (
-        is_asked(octave, x, y, width)
-        or is_asked(octave, x + width, y, width)
-        or is_asked(octave, x, y + width, width)
-        or is_asked(octave, x + width, y + width, width)
+        is_asked(octave, x, y, width, search)
+        or is_asked(octave, x + width, y, width, search)
+        or is_asked(octave, x, y + width, width, search)
+        or is_asked(octave, x + width, y + width, width, search)
     )
 
 
-@slot
-def is_asked(octave: Octave, x: int, y: int, width: int) -> bool:
-    """Whether a window that begins so far away is asked."""
-
-
 @shader
-def everywhere(octave: Octave, x: int, y: int, width: int) -> bool:
-    """All are."""
-    return True
+def is_asked(octave: Octave, x: int, y: int, width: int, search: Search) -> bool:
+    """Whether a window that begins so far away is asked."""
+    return in_sector(octave, x, y, width) if search.by_sector else True
 
 
 @shader
@@ -195,7 +202,7 @@ class Height:
 def far_side(at: IVec2, sector: Sector, field: HeightField) -> Height:
     """A vertex's height where the surface beyond it falls in a direction of the sector, else 0."""
     extent = size(field, 0)
-    before = IVec2(cell_in_map(at.x - 1, extent.x), cell_in_map(at.y - 1, extent.y))
+    before = IVec2(cell_in_map(field, at.x - 1, extent.x), cell_in_map(field, at.y - 1, extent.y))
     upper_left = corners(field, before, 0)
     own = corners(field, at, 0)
     along_u = Vec2(upper_left.z, own.y) - own.x
@@ -231,7 +238,10 @@ def cone_of(at: IVec2, field: HeightField, slopes: HeightField) -> Stored:
     extent = size(field, 0)
     for j in range(3):
         for i in range(3):
-            beside = IVec2(cell_in_map(at.x + i - 1, extent.x), cell_in_map(at.y + j - 1, extent.y))
+            beside = IVec2(
+                cell_in_map(field, at.x + i - 1, extent.x),
+                cell_in_map(field, at.y + j - 1, extent.y),
+            )
             squared = max(squared, rise_within(corners(field, beside, 0), i - 1, j - 1))
     return as_stored(sqrt(squared))
 

@@ -67,7 +67,10 @@ def next_windows(at: IVec2, made: Windows, narrower: Windows, windows: Texture) 
 def windows_at(windows: Texture, held: Windows, x: int, y: int) -> Vec4:
     """The four windows, in 65535ths, of a texel of the map or near it."""
     extent = size(windows, 0)
-    place = IVec2(cell_in_map(x + held.before, extent.x), cell_in_map(y + held.before, extent.y))
+    place = IVec2(
+        cell_in_map(windows, x + held.before, extent.x),
+        cell_in_map(windows, y + held.before, extent.y),
+    )
     # before the first, where the border goes on, the first stands for all
     return stored(windows, IVec2(max(place.x, 0), max(place.y, 0)))
 

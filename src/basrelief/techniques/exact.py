@@ -10,6 +10,7 @@ from __future__ import annotations
 from basrelief.lang import (
     HeightField,
     IVec2,
+    Map,
     Texture,
     Vec2,
     clamp,
@@ -107,7 +108,7 @@ def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hi
     and Scalable Dynamic Height Field Rendering, 2008, with overlapping windows and planes in place
     of their pyramid.
     """
-    level = level_under(ray)
+    level = level_under(field, ray)
     extent = extent_of(field, level)
     line = line_of(ray, extent, level, first_row(field, level))
     walk = Walk(Vec2(0.0, 0.0), 0.0, False, Clearance(0.0, 0.0, 0.0, 0.0), 0)
@@ -178,9 +179,9 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
 
 
 @shader
-def cell_of_map(line: Line, cell: Vec2, extent: Vec2) -> Vec2:
+def cell_of_map(map: Map, line: Line, cell: Vec2, extent: Vec2) -> Vec2:
     """A cell of the line's as the map has it."""
-    return cells_in_map(line.first + line.sign * cell, extent)
+    return cells_in_map(map, line.first + line.sign * cell, extent)
 
 
 @shader
@@ -203,7 +204,7 @@ def cell_after(line: Line, cell: Vec2, walls: Vec2, t: float) -> Vec2:
 @shader
 def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, out: float) -> float:
     """How far along the line is proven free, seen from a cell from t until it leaves it."""
-    held = cell_of_map(line, cell, extent)
+    held = cell_of_map(baked, line, cell, extent)
     x = max(int(held.x), 0)
     y = max(int(held.y), 0)
     near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
@@ -213,7 +214,7 @@ def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, o
     free = max(free, min(far.y, out + line.brisk * float((FAR_2 - 1) * FAR_BLOCK)))
     free = max(free, min(far.z, out + line.brisk * float((FAR_3 - 1) * FAR_BLOCK)))
     free = max(free, min(far.w, out + line.brisk * float((FAR_4 - 1) * FAR_BLOCK)))
-    if cell_is_baked(held, extent):
+    if cell_is_baked(baked, held, extent):
         slope = near.yz * (2.0 * STEEPEST * UNIT) - STEEPEST
         room = LOWEST + near.x * ((HIGHEST - LOWEST) * UNIT) - line.doubt
         # which cell of its block the ray is in, from the block's back
@@ -232,7 +233,7 @@ def clearance(
     field: HeightField, line: Line, cell: Vec2, extent: Vec2, t: float, out: float
 ) -> Clearance:
     """The line above a cell's patch, from t until it leaves the cell."""
-    held = cell_of_map(line, cell, extent)
+    held = cell_of_map(field, line, cell, extent)
     four = patch_of(field, IVec2(int(held.x), int(held.y)), line.level)
     place = 0.5 + line.sign * (line.start + line.way * t - cell - 0.5)
     way = line.sign * line.way

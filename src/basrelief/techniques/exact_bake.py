@@ -215,7 +215,7 @@ def patch_ahead(field: HeightField, ahead: Ahead, cell: IVec2) -> Vec4:
 @shader
 def patch(field: HeightField, cell: IVec2) -> Vec4:
     """The four heights around any cell, beyond the edges too."""
-    held = cells_in_map(Vec2(float(cell.x), float(cell.y)), extent_of(field, 0))
+    held = cells_in_map(field, Vec2(float(cell.x), float(cell.y)), extent_of(field, 0))
     return corners(field, IVec2(int(held.x), int(held.y)), 0)
 
 

@@ -1,13 +1,11 @@
 """Reading the height field: the bilinear surface through its texel centres, sharp or smooth.
 
-A technique asks what lies under its ray with `height_under`. How that is read is a slot: from the
-finest level, exactly; or from lower levels of the map, which lets small features go that a few
-steps would miss here and hit there.
+A technique asks what lies under its ray with `height_under`. How that is read is the field's own
+`filter`: from the finest level, exactly; or from lower levels of the map, which lets small features
+go that a few steps would miss here and hit there.
 """
 
 from __future__ import annotations
-
-from typing import Any, Literal
 
 from basrelief.lang import (
     HeightField,
@@ -21,9 +19,9 @@ from basrelief.lang import (
     setting,
     shader,
     size,
-    slot,
     struct,
 )
+from basrelief.techniques.columns import top_at
 from basrelief.techniques.edge import in_tile
 from basrelief.techniques.ray import Ray, at
 
@@ -55,21 +53,17 @@ def height_under(field: HeightField, ray: Ray, height: float) -> float:
     return surface_height(field, at(ray, height), ray.lod, ray.fade)
 
 
-@slot
+@shader
 def surface_height(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
-    """The height, 0 to 1, at texture coordinates, as sharp as is asked for."""
-
-
-@shader
-def sharp(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
-    """The finest level's."""
+    """The height, 0 to 1, at texture coordinates: the finest level's, that of the one level which
+    the ray reads, or a smooth one's; of boxes that of the box's top."""
+    if field.filter == "boxes":
+        return top_at(field, uv)
+    if field.filter == "smooth":
+        return smooth(field, uv, lod, fade)
+    if field.filter == "mip":
+        return height_in(field, uv, int(lod))
     return height_at(field, uv)
-
-
-@shader
-def from_one_level(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
-    """That of the one level that the ray reads."""
-    return height_in(field, uv, int(lod))
 
 
 @shader
@@ -97,14 +91,14 @@ def height_at(field: HeightField, uv: Vec2) -> float:
 
     From the finest level, written out as 0: on a GPU that reads all four texels at once.
     """
-    cell = cell_at(uv, size(field, 0))
+    cell = cell_at(field, uv, size(field, 0))
     return within(corners(field, cell.corner, 0), cell.x, cell.y)
 
 
 @shader
 def height_in(field: HeightField, uv: Vec2, level: int) -> float:
     """The same from any level."""
-    cell = cell_at(uv, size(field, level))
+    cell = cell_at(field, uv, size(field, level))
     return within(corners(field, cell.corner, level), cell.x, cell.y)
 
 
@@ -112,7 +106,7 @@ def height_in(field: HeightField, uv: Vec2, level: int) -> float:
 def slope_at(field: HeightField, uv: Vec2) -> Vec2:
     """How the height changes over a tile, along u and along v: the bilinear surface's own slope."""
     extent = size(field, 0)
-    cell = cell_at(uv, extent)
+    cell = cell_at(field, uv, extent)
     four = corners(field, cell.corner, 0)
     along_u = mix(four.y - four.x, four.w - four.z, cell.y)
     along_v = mix(four.z - four.x, four.w - four.y, cell.x)
@@ -129,9 +123,9 @@ class Cell:
 
 
 @shader
-def cell_at(uv: Vec2, extent: IVec2) -> Cell:
+def cell_at(field: HeightField, uv: Vec2, extent: IVec2) -> Cell:
     """The cell of a level of some size that texture coordinates lie in."""
-    tile = in_tile(uv)
+    tile = in_tile(field, uv)
     x = tile.x * float(extent.x) - 0.5
     y = tile.y * float(extent.y) - 0.5
     left = floor(x)
@@ -155,48 +149,16 @@ def extent_of(field: HeightField, level: int) -> Vec2:
     return Vec2(float(count.x), float(count.y))
 
 
-@slot
-def level_under(ray: Ray) -> int:
+@shader
+def level_under(field: HeightField, ray: Ray) -> int:
     """The level whose bilinear surface a ray meets."""
+    return int(ray.lod) if field.filter == "mip" else 0
 
 
 @shader
-def finest_level(ray: Ray) -> int:
-    """The map as it is."""
-    return 0
-
-
-@shader
-def level_of_ray(ray: Ray) -> int:
-    """The one that the ray says."""
-    return int(ray.lod)
-
-
-@slot
 def patch_of(field: HeightField, cell: IVec2, level: int) -> Vec4:
     """The four heights around a cell of a level, as `corners` has them."""
-
-
-@shader
-def patch_of_finest(field: HeightField, cell: IVec2, level: int) -> Vec4:
-    """From the finest level, written out as 0: on a GPU that reads all four texels at once."""
+    if field.filter == "mip":
+        return corners(field, cell, level)
+    # written out as 0: on a GPU that reads all four texels at once
     return corners(field, cell, 0)
-
-
-@shader
-def patch_of_level(field: HeightField, cell: IVec2, level: int) -> Vec4:
-    """From any level."""
-    return corners(field, cell, level)
-
-
-# --- bound ----------------------------------------------------------------------------------------
-
-
-def heights_of(kind: Literal["sharp", "smooth", "mip"]) -> dict[Any, Any]:
-    """The slots of this module as a way to read heights binds them."""
-    each = {
-        "sharp": (sharp, finest_level, patch_of_finest),
-        "smooth": (smooth, finest_level, patch_of_finest),
-        "mip": (from_one_level, level_of_ray, patch_of_level),
-    }
-    return dict(zip((surface_height, level_under, patch_of), each[kind], strict=True))

@@ -145,7 +145,9 @@ def steepest(
     end = min(way.repeats, way.longest)
     # the cell that the line is in, counted from the texel, and as the map has it
     cell = IVec2(forth.x - 1, forth.y - 1)
-    mapped = IVec2(cell_in_map(at.x + cell.x, extent.x), cell_in_map(at.y + cell.y, extent.y))
+    mapped = IVec2(
+        cell_in_map(field, at.x + cell.x, extent.x), cell_in_map(field, at.y + cell.y, extent.y)
+    )
     top = sights.top
     best = sights.least
     s = 0.0
@@ -203,8 +205,8 @@ def steepest(
             )
             before = held
             mapped = IVec2(
-                cell_in_map(mapped.x + onward.x - cell.x, extent.x),
-                cell_in_map(mapped.y + onward.y - cell.y, extent.y),
+                cell_in_map(field, mapped.x + onward.x - cell.x, extent.x),
+                cell_in_map(field, mapped.y + onward.y - cell.y, extent.y),
             )
             cell = onward
             s = out

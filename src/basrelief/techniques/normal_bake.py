@@ -42,4 +42,6 @@ def normal_at(field: HeightField, at: IVec2, per_texel: float) -> Vec3:
 def texel_height(field: HeightField, x: int, y: int) -> float:
     """The height at a texel's centre; beyond the map as its edge says."""
     extent = size(field, 0)
-    return corners(field, IVec2(cell_in_map(x, extent.x), cell_in_map(y, extent.y)), 0).x
+    return corners(
+        field, IVec2(cell_in_map(field, x, extent.x), cell_in_map(field, y, extent.y)), 0
+    ).x

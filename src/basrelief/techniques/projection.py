@@ -1,20 +1,15 @@
 """How the view ray runs below the polygon: straight, or bent so that it never runs too far.
 
-Chosen before any technique, single reads and marches alike. `view` is the unit vector to the
-viewer in tangent space.
+Chosen before any technique, single reads and marches alike. Each takes the unit vector to the
+viewer in tangent space, and gives how far the ray moves towards the viewer while it falls by one.
 """
 
 from __future__ import annotations
 
-from basrelief.lang import Vec2, Vec3, shader, slot
+from basrelief.lang import Vec2, Vec3, shader
 
 SHALLOWEST = 1e-5
 """The least V · N that is divided by: a ray along the surface stays finite."""
-
-
-@slot
-def projection(view: Vec3, bias: float) -> Vec2:
-    """How far the ray moves along the surface while it falls by one, towards the viewer."""
 
 
 @shader

@@ -22,11 +22,6 @@ PROGRAMS: tuple[Shader[..., Any], ...] = (
 """The programs that bake something; a page finds them by their names."""
 
 
-def is_asked(choices: Any) -> Shader[..., Any]:
-    """Which windows `steepest` goes through: those of one sector, or all."""
-    return cone_bake.in_sector if choices.in_sector else cone_bake.everywhere
-
-
 def bake_numbers() -> dict[str, Any]:
     """The numbers of the steps: widths and margins in cells and blocks, sectors as directions."""
     return {

@@ -21,9 +21,9 @@ from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
 from basrelief.pages import check_ours, fill, write_page
 from basrelief.rendering import textures
+from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
-from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.techniques import RELAXED_CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
@@ -167,29 +167,13 @@ def _maps(thing: Object, engine: Engine) -> dict[str, Any]:
     field = textures.height_field(material, "wrap")
     if field is not None:
         found["field"] = packed(as_fractions(field.levels[0]))
-    if material.normal is not None:
-        normal = textures.normal(material, "wrap", thing.relief_scale, engine)
-        assert normal is not None
-        found["normal"] = packed(normal.levels[0])
-    glow = textures.emission(material, "wrap")
-    for name, map in (
-        ("base_color", textures.base_color(material, "wrap")),
-        ("response", textures.response(material, "wrap")),
-        ("emission", glow and glow[0]),
-    ):
+    for name, source, made_of, scale in surface_maps(thing):
+        # a page makes the normals of heights itself
+        own = name != "normal" or material.normal is not None
+        map = source.texture(made_of, "wrap", scale, engine) if own else None
         if map is not None:
             found[name] = packed(map.levels[0])
-    if thing.layer is not None:
-        found |= _layer_maps(thing.layer.material, engine)
     return found
-
-
-def _layer_maps(over: Material, engine: Engine) -> dict[str, Any]:
-    """What is read of a material that lies over another."""
-    color = textures.base_color(over, "wrap")
-    normal = textures.normal(over, "wrap", over.scale or DEFAULT_SCALE, engine)
-    both = {"layer_color": color, "layer_normal": normal}
-    return {name: packed(map.levels[0]) for name, map in both.items() if map is not None}
 
 
 def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:

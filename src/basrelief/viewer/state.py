@@ -132,7 +132,21 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "lightKinds": values_of(LightKind),
         "limits": LIMITS,
         "names": names(),
+        "slots": _slots(),
     }
+
+
+def _slots() -> dict[str, Any]:
+    """What a picture can be used as: which texture holds it, in which channels, and whether as
+    light."""
+    found: dict[str, Any] = {}
+    for name, source in textures.OF_MATERIAL.items():
+        for slot, channels in source.channels.items():
+            light = source.light and len(channels) == 3
+            found[slot] = {"held": name, "channels": channels, "light": light}
+        found["height"] = {"held": "field", "channels": (0,), "light": False}
+    del found["layer_mask"]  # a page's layer is that of its scene
+    return found
 
 
 def techniques_of(thing: Object) -> dict[str, Technique[..., Any]]:
@@ -187,13 +201,12 @@ def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
 
 def _constants(thing: Object) -> dict[str, Any]:
     """What the page's controls leave as it is."""
-    glow = textures.emission(thing.material, "wrap")
     over = thing.layer and thing.layer.material
     return {
         "proportion": thing.material.proportion,
         "layer": over is not None,
         "layerProportion": over.proportion if over else 1.0,
-        "glow": glow[1] if glow else 1.0,
+        "glow": textures.glow(thing.material),
     }
 
 

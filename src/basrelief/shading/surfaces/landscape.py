@@ -6,9 +6,18 @@ mountains, water in the lowest places, and a plain colour where the ray met noth
 
 from __future__ import annotations
 
-from basrelief.lang import Texture, Vec3, mix, setting, shader, slot, struct
+from basrelief.lang import Vec3, mix, setting, shader, struct
 from basrelief.shading.surfaces.standard import base_color_of, layer_color_of, normal_of
-from basrelief.shading.surfaces.surface import MapPlaces, Spot, Surface, apart, spot_of, turned
+from basrelief.shading.surfaces.surface import (
+    MapPlaces,
+    Spot,
+    Surface,
+    SurfaceMaps,
+    apart,
+    spot_of,
+    turned,
+)
+from basrelief.shading.variant import Variant
 
 
 @struct
@@ -27,40 +36,24 @@ class Landscape:
     )
 
 
-@slot
-def high_ground(low: Vec3, layer_color: Texture, spot: Spot, places: MapPlaces) -> Vec3:
-    """The linear colour of the mountains, given that of the valleys."""
-
-
-@shader
-def of_the_layer(layer_color: Texture, spot: Spot, places: MapPlaces) -> Vec3:
-    """The layer's."""
-    return layer_color_of(layer_color, apart(spot, places.layer))
-
-
-@shader
-def as_below(low: Vec3) -> Vec3:
-    """There is no layer: the same ground everywhere."""
-    return low
-
-
 @shader
 def landscape_surface(
     spot: Spot,
     finish: Landscape,
     places: MapPlaces,
-    base_color: Texture,
-    normal: Texture,
-    response: Texture,
-    emission: Texture,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
+    variant: Variant,
 ) -> Surface:
     """The base colour in the valleys, the layer's on the mountains, water, or nothing met."""
-    low = base_color_of(base_color, spot_of(spot, places.base_color)).xyz
-    color = mix(low, high_ground(low, layer_color, spot, places), spot.height)
-    leaning = normal_of(normal, spot_of(spot, places.normal), finish.normal_strength)
-    level = turned(leaning, places.normal)
+    low = base_color_of(maps.base_color, spot_of(spot, places.base_color, variant), variant).xyz
+    # without a layer there is the same ground everywhere
+    high = low
+    if variant.layer:
+        high = layer_color_of(maps.layer_color, apart(spot, places.layer), variant)
+    color = mix(low, high, spot.height)
+    at_normal = spot_of(spot, places.normal, variant)
+    leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
+    level = turned(leaning, places.normal, variant)
     if spot.height < finish.water_level:
         # a ray that has sunk so low has met the water, whether or not it came to the ground
         color = finish.water_color * spot.height

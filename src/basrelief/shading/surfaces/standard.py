@@ -1,17 +1,17 @@
-"""The standard surface: the maps of a metallic-roughness material, each read or left out.
+"""The standard surface: the maps of a metallic-roughness material.
 
-Each map has a slot with two answers: from the map, or the plain value that stands for a map which
-the material does not have. A program contains only the reads that it needs. A second layer of
-colours and normals, finer than the first, may lie over it.
+For a map that the material does not have a plain value stands, and nothing is read. A second layer
+of colours and normals, finer than the first, may lie over it.
 """
 
 from __future__ import annotations
 
-from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, slot, struct
+from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, struct
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
     Spot,
     Surface,
+    SurfaceMaps,
     apart,
     mirrored_with,
     spot_of,
@@ -54,32 +54,22 @@ class Finish:
 # --- base colour and opacity ------------------------------------------------------------------
 
 
-@slot
-def base_color_of(map: Texture, spot: Spot) -> Vec4:
-    """Linear colour, and opacity."""
-
-
 @shader
-def mapped_base_color(map: Texture, spot: Spot) -> Vec4:
-    """From the map."""
+def base_color_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
+    """Linear colour, and opacity."""
+    if not variant.base_color_map:
+        # light grey, so that a material of heights alone shows its relief
+        return Vec4(0.6, 0.6, 0.6, 1.0)
+    if variant.displaced and variant.mapping == "triplanar":
+        return triplanar(map, spot)
+    if variant.boxed:
+        return pixelated(map, spot.uv, spot.footprint)
     return trilinear(map, spot.uv, spot.footprint)
 
 
 @shader
-def pixelated_base_color(map: Texture, spot: Spot) -> Vec4:
-    """From the map, texel by texel, where texels are boxes."""
-    return pixelated(map, spot.uv, spot.footprint)
-
-
-@shader
-def plain_base_color(map: Texture, spot: Spot) -> Vec4:
-    """Light grey, so that a material of heights alone shows its relief."""
-    return Vec4(0.6, 0.6, 0.6, 1.0)
-
-
-@shader
-def triplanar_base_color(map: Texture, spot: Spot) -> Vec4:
-    """From the map laid on from three sides of tangent space, weighed by how they face the relief:
+def triplanar(map: Texture, spot: Spot) -> Vec4:
+    """A map laid on from three sides of tangent space, weighed by how they face the relief:
     on a steep slope its texels are no longer drawn out.
 
     S. Halliwell, Parallax Offset, 2014, suggests it; R. Geiss, Generating Complex Procedural
@@ -100,62 +90,37 @@ def triplanar_base_color(map: Texture, spot: Spot) -> Vec4:
 # --- normal -----------------------------------------------------------------------------------
 
 
-@slot
-def normal_of(map: Texture, spot: Spot, strength: float) -> Vec3:
-    """The unit normal in tangent space, green up."""
-
-
 @shader
-def mapped_normal(map: Texture, spot: Spot, strength: float) -> Vec3:
-    """From the map, leaning more or less than is stored."""
+def normal_of(map: Texture, spot: Spot, strength: float, variant: Variant) -> Vec3:
+    """The unit normal in tangent space, green up, leaning more or less than is stored; without a
+    map the surface's own."""
+    if not variant.normal_map:
+        return Vec3(0.0, 0.0, 1.0)
     stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
     leaning = stored.xy * strength
     return normalize(Vec3(leaning, max(stored.z, FLATTEST)))
 
 
-@shader
-def plain_normal(map: Texture, spot: Spot, strength: float) -> Vec3:
-    """The surface's own."""
-    return Vec3(0.0, 0.0, 1.0)
-
-
 # --- occlusion, roughness, metallic, the layer's mask ---------------------------------------------
 
 
-@slot
-def response_of(map: Texture, spot: Spot) -> Vec4:
-    """Occlusion, roughness, metallic, and how much of a second layer there is."""
-
-
 @shader
-def mapped_response(map: Texture, spot: Spot) -> Vec4:
-    """From the map in which they are packed, the first three as in glTF 2.0."""
-    return trilinear(map, spot.uv, spot.footprint)
-
-
-@shader
-def plain_response(map: Texture, spot: Spot) -> Vec4:
-    """Not occluded, fairly rough, no metal, the layer everywhere."""
+def response_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
+    """Occlusion, roughness, metallic, packed as in glTF 2.0, and how much of a second layer there
+    is. Without a map not occluded, fairly rough, no metal, the layer everywhere."""
+    if variant.response_map:
+        return trilinear(map, spot.uv, spot.footprint)
     return Vec4(1.0, 0.8, 0.0, 1.0)
 
 
 # --- emission ------------------------------------------------------------------------------------
 
 
-@slot
-def emission_of(map: Texture, spot: Spot) -> Vec3:
+@shader
+def emission_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
     """The light that the surface sends out by itself, linear."""
-
-
-@shader
-def mapped_emission(map: Texture, spot: Spot) -> Vec3:
-    """From the map."""
-    return trilinear(map, spot.uv, spot.footprint).xyz
-
-
-@shader
-def plain_emission(map: Texture, spot: Spot) -> Vec3:
-    """None."""
+    if variant.emission_map:
+        return trilinear(map, spot.uv, spot.footprint).xyz
     return Vec3(0.0)
 
 
@@ -179,66 +144,21 @@ def masked(opacity: float, finish: Finish) -> float:
 # --- a second layer ------------------------------------------------------------------------------
 
 
-@slot
-def layer_color_of(map: Texture, spot: Spot) -> Vec3:
-    """The layer's linear colour."""
-
-
 @shader
-def mapped_layer_color(map: Texture, spot: Spot) -> Vec3:
-    """From the map."""
-    return trilinear(map, spot.uv, spot.footprint).xyz
-
-
-@shader
-def plain_layer_color(map: Texture, spot: Spot) -> Vec3:
-    """The grey that leaves what lies below as it is."""
+def layer_color_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
+    """The layer's linear colour; without a map the grey that leaves what lies below as it is."""
+    if variant.layer_color_map:
+        return trilinear(map, spot.uv, spot.footprint).xyz
     return Vec3(MIDDLE_GREY)
 
 
-@slot
-def layer_normal_of(map: Texture, spot: Spot) -> Vec3:
-    """The unit normal of the layer in tangent space."""
-
-
 @shader
-def mapped_layer_normal(map: Texture, spot: Spot) -> Vec3:
-    """From the map."""
+def layer_normal_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
+    """The unit normal of the layer in tangent space."""
+    if not variant.layer_normal_map:
+        return Vec3(0.0, 0.0, 1.0)
     stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
     return normalize(Vec3(stored.xy, max(stored.z, FLATTEST)))
-
-
-@shader
-def plain_layer_normal(map: Texture, spot: Spot) -> Vec3:
-    """The surface's own."""
-    return Vec3(0.0, 0.0, 1.0)
-
-
-@slot
-def layered(
-    surface: Surface,
-    mask: float,
-    spot: Spot,
-    finish: Finish,
-    places: MapPlaces,
-    layer_color: Texture,
-    layer_normal: Texture,
-) -> Surface:
-    """The surface with what lies over it."""
-
-
-@shader
-def bare(
-    surface: Surface,
-    mask: float,
-    spot: Spot,
-    finish: Finish,
-    places: MapPlaces,
-    layer_color: Texture,
-    layer_normal: Texture,
-) -> Surface:
-    """Nothing lies over it."""
-    return surface
 
 
 @shader
@@ -248,8 +168,8 @@ def with_details(
     spot: Spot,
     finish: Finish,
     places: MapPlaces,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
+    variant: Variant,
 ) -> Surface:
     """Detail maps: a colour that multiplies, a normal that leans further, where the mask allows.
 
@@ -257,9 +177,9 @@ def with_details(
     (C. Barré-Brisebois and S. Hill, Blending in Detail, 2012, "whiteout").
     """
     over = apart(spot, places.layer)
-    tint = layer_color_of(layer_color, over) / MIDDLE_GREY
+    tint = layer_color_of(maps.layer_color, over, variant) / MIDDLE_GREY
     tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
-    finer = mirrored_with(layer_normal_of(layer_normal, over), places.layer)
+    finer = mirrored_with(layer_normal_of(maps.layer_normal, over, variant), places.layer)
     leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * finish.layer_normal)
     # of unit length again: what leans less is also flatter, and where nothing leans it is level
     over_it = normalize(Vec3(leaning, finer.z))
@@ -283,26 +203,24 @@ def standard_surface(
     spot: Spot,
     finish: Finish,
     places: MapPlaces,
-    base_color: Texture,
-    normal: Texture,
-    response: Texture,
-    emission: Texture,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
     """Read the maps at a place and apply the finish."""
-    color = base_color_of(base_color, spot_of(spot, places.base_color))
-    packed = response_of(response, spot_of(spot, places.response))
-    glow = emission_of(emission, spot_of(spot, places.emission))
-    leaning = normal_of(normal, spot_of(spot, places.normal), finish.normal_strength)
+    color = base_color_of(maps.base_color, spot_of(spot, places.base_color, variant), variant)
+    packed = response_of(maps.response, spot_of(spot, places.response, variant), variant)
+    glow = emission_of(maps.emission, spot_of(spot, places.emission, variant), variant)
+    at_normal = spot_of(spot, places.normal, variant)
+    leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
     surface = Surface(
         base_color=color.xyz * finish.base_color,
         opacity=opacity_of(color.w, finish, variant),
-        normal=turned(leaning, places.normal),
+        normal=turned(leaning, places.normal, variant),
         occlusion=mix(1.0, packed.x, finish.occlusion),
         roughness=packed.y * finish.roughness,
         metallic=packed.z * finish.metallic,
         emission=glow * finish.emission,
     )
-    return layered(surface, packed.w, spot, finish, places, layer_color, layer_normal)
+    if variant.layer:
+        return with_details(surface, packed.w, spot, finish, places, maps, variant)
+    return surface

@@ -6,7 +6,18 @@ technique's settings are.
 
 from __future__ import annotations
 
-from basrelief.lang import Texture, TypeSlot, Vec2, Vec3, Vec4, copysign, shader, slot, struct
+from basrelief.lang import (
+    Texture,
+    TypeSlot,
+    Vec2,
+    Vec3,
+    Vec4,
+    copysign,
+    resources,
+    shader,
+    slot,
+    struct,
+)
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.variant import Variant
 
@@ -58,6 +69,22 @@ class Surface:
     emission: Vec3
 
 
+@resources
+class SurfaceMaps:
+    """The maps of a material but for its heights, and of the layer over it.
+
+    Linear colour with opacity; tangent-space normals; occlusion, roughness, metallic and the mask
+    of the layer; the light that is sent out.
+    """
+
+    base_color: Texture
+    normal: Texture
+    response: Texture
+    emission: Texture
+    layer_color: Texture
+    layer_normal: Texture
+
+
 class SurfaceSettings(TypeSlot):
     """The numbers of whichever surface is bound."""
 
@@ -67,12 +94,7 @@ def surface_at(
     spot: Spot,
     finish: SurfaceSettings,
     places: MapPlaces,
-    base_color: Texture,
-    normal: Texture,
-    response: Texture,
-    emission: Texture,
-    layer_color: Texture,
-    layer_normal: Texture,
+    maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
     """What the surface is made of at a place."""
@@ -81,15 +103,10 @@ def surface_at(
 # --- where each map is read ----------------------------------------------------------------------
 
 
-@slot
-def spot_of(spot: Spot, place: Vec4) -> Spot:
-    """The same spot in the coordinates of one map."""
-
-
 @shader
-def together(spot: Spot, place: Vec4) -> Spot:
-    """All maps lie as the heights do."""
-    return spot
+def spot_of(spot: Spot, place: Vec4, variant: Variant) -> Spot:
+    """The same spot in the coordinates of one map."""
+    return apart(spot, place) if variant.apart else spot
 
 
 @shader
@@ -112,15 +129,10 @@ def apart(spot: Spot, place: Vec4) -> Spot:
     )
 
 
-@slot
-def turned(normal: Vec3, place: Vec4) -> Vec3:
-    """A normal of one map in the directions of the height map."""
-
-
 @shader
-def as_it_is(normal: Vec3, place: Vec4) -> Vec3:
-    """Both run the same way."""
-    return normal
+def turned(normal: Vec3, place: Vec4, variant: Variant) -> Vec3:
+    """A normal of one map in the directions of the height map."""
+    return mirrored_with(normal, place) if variant.apart else normal
 
 
 @shader

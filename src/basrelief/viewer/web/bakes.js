@@ -524,13 +524,17 @@ export class Bakes {
 
   /**
    * @param {string} entry
-   * @param {boolean} in_sector
+   * @param {boolean} by_sector
    */
-  async job(entry, in_sector) {
-    const name = `${entry} ${in_sector}`;
+  async job(entry, by_sector) {
+    const name = `${entry} ${by_sector}`;
     const known = this.jobs.get(name);
     if (known) return known;
-    const program = linked(this.data.programs, entry, { edge: this.edge, in_sector });
+    const program = linked(this.data.programs, entry, {
+      "map.edge": this.edge,
+      "map.filter": "sharp",
+      by_sector,
+    });
     const compiled = await this.gpu.pipeline(program);
     this.stay();
     const made = new Job(this.gpu, compiled, this.data);

@@ -129,17 +129,11 @@ export type Limits = {
 
 // --- maps
 
-/** The maps that a picture can be used as. */
-export type Slot =
-  | "base_color"
-  | "opacity"
-  | "height"
-  | "normal"
-  | "occlusion"
-  | "roughness"
-  | "metallic"
-  | "packed"
-  | "emission";
+/** A map that a picture can be used as; "packed" is several in one. */
+export type Slot = string;
+
+/** Which of the page's pictures holds it, in which channels, and whether as light. */
+export type Slots = { [slot: Slot]: { held: string; channels: number[]; light: boolean } };
 
 export type Green = "gl" | "dx";
 
@@ -172,9 +166,6 @@ export type Condition =
   | ["not", Condition]
   | ["and" | "or", Condition, Condition];
 
-/** A decision tree: a result, or a question and a tree for each answer. */
-export type Tree = string | [question: string, then: { [answer: string]: Tree }];
-
 export type Binding = {
   kind: "run" | "planes" | "sampler" | "uniform" | "buffer" | "map";
   name: string;
@@ -187,8 +178,8 @@ export type Programs = {
   entries: { [entry: string]: string };
   conditions: Condition[];
   bindings: { [entry: string]: Binding[] };
-  trees: { [slot: string]: Tree };
-  edge: string;
+  bound: { [menu: string]: { [chosen: string]: { [slot: string]: string } } };
+  maps: string[];
 };
 
 /** Sizes and offsets in words of four bytes. */
@@ -229,7 +220,8 @@ export type Data = {
   layerSource: string;
   scaledTo: Pair | null;
   hasHeights: boolean;
-  mapSources: { [Name in Slot]?: string };
+  mapSources: { [slot: Slot]: string | undefined };
+  slots: Slots;
   bakes: BakeNumbers;
   menus: Menus;
   techniques: { [technique: string]: Technique };

@@ -36,20 +36,18 @@ import { firstLine, words } from "view/text.js";
 /** @typedef {{ state: State, job: Job }} Side */
 /** @typedef {{ left: Side } & { [side in SideName]?: Side }} Shown */
 /**
- * Choices that bind the slots of a program.
- * @typedef {Choices & { technique: string, heights: Heights, edge: Edge, normal: boolean }}
+ * What a program depends on.
+ * @typedef {Choices & { technique: string, "map.filter": string, normal_map: boolean }}
  *   ProgramChoices
  */
 
 const JOBS = 8; // programs whose values are kept, beside those that are shown
-const NAMES = ["base_color", "normal", "response", "emission", "layer_color", "layer_normal"];
 const NOTHING = single([0, 0, 0, 65535]);
 /** @type {{ [name: string]: Picture }} */
 const MISSING = {
   field: single([65535]),
   distances: single([65535]),
   unbaked: single([0, 0, 0, 0]),
-  ...Object.fromEntries(NAMES.map((name) => [name, NOTHING])),
 };
 const HEIGHTS = ["field", "distances"];
 
@@ -117,7 +115,8 @@ export class Drawing {
    * @param {Pictures} pictures
    */
   async setMaps(pictures) {
-    const shown = Object.assign({ ...MISSING }, pictures);
+    const nothing = Object.fromEntries(this.data.programs.maps.map((name) => [name, NOTHING]));
+    const shown = Object.assign({ ...MISSING, ...nothing }, pictures);
     const held = this.taken;
     const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
     const levels = Object.fromEntries(
@@ -190,9 +189,10 @@ export class Drawing {
    * @param {State} state
    */
   bakeOf(state) {
-    const { technique, heights, edge } = this.choices(state);
-    const { bake } = this.data.techniques[technique];
-    return { name: bake && heights === "mip" ? `mip_${bake}` : (bake ?? ""), edge };
+    const choices = this.choices(state);
+    const { bake } = this.data.techniques[choices.technique];
+    const name = bake && choices["map.filter"] === "mip" ? `mip_${bake}` : (bake ?? "");
+    return { name, edge: choices["map.edge"] };
   }
 
   /**
@@ -228,8 +228,9 @@ export class Drawing {
    */
   normalsFor(state) {
     const { normal, field } = this.pictures;
-    if (normal || !field || !this.choices(state).normal) return null;
-    return `${state.scale} ${this.choices(state).edge}`;
+    const choices = this.choices(state);
+    if (normal || !field || !choices.normal_map) return null;
+    return `${state.scale} ${choices["map.edge"]}`;
   }
 
   /**
@@ -281,7 +282,7 @@ export class Drawing {
       const { field } = this.pictures;
       if (!field || wanted === null || wanted === this.bakedFor) return;
       const { width, height } = field;
-      const bakes = this.bakesFor(this.choices(state).edge, "normals ");
+      const bakes = this.bakesFor(this.choices(state)["map.edge"], "normals ");
       // another map may be dropped
       const still = () =>
         this.pictures.field === field && this.normalsFor(state) === wanted && needed();
@@ -316,7 +317,7 @@ export class Drawing {
   }
 
   /**
-   * What binds the slots of a program, as `programs.choices_of` has it.
+   * What a program depends on, as `programs.variant_of` has it, its technique and maps among it.
    * @param {State} state
    * @returns {ProgramChoices}
    */
@@ -329,27 +330,26 @@ export class Drawing {
     const tilings = [{ tiles: state.tiling, shift: state.shift }];
     if (state.apart) tilings.push(...Object.values(state.tilings));
     if (state.layer) tilings.push(state.layer_tiling);
-    const clipped = state.edge === "clip";
-    const wraps = state.edge === "wrap" || (clipped && tilings.some(repeats));
+    const wraps = state.edge === "wrap" || (state.edge === "clip" && tilings.some(repeats));
+    const filter = heights.includes(state.heights) ? state.heights : "sharp";
     /** @type {(name: string) => boolean} */
     const has = (name) => Boolean(pictures[name]);
     const layer = state.layer && data.constants.layer;
+    const there = data.programs.maps.map((name) => [
+      `${name}_map`,
+      has(name) && (layer || !name.startsWith("layer_")),
+    ]);
     return {
       ...state,
       technique,
       displaced: technique !== "flat",
       boxed: boxes,
-      heights: heights.includes(state.heights) ? state.heights : "sharp",
-      clipped,
-      edge: wraps ? "wrap" : "clamp",
-      base_color: has("base_color"),
-      // the tops of boxes are level, whatever the heights beside them
-      normal: has("normal") || (has("field") && state.scale > 0 && !boxes),
-      response: has("response"),
-      emission: has("emission"),
+      "map.edge": wraps ? "wrap" : "clamp",
+      "map.filter": boxes ? "boxes" : filter,
       layer,
-      layer_color: layer && has("layer_color"),
-      layer_normal: layer && has("layer_normal"),
+      ...Object.fromEntries(there),
+      // the tops of boxes are level, whatever the heights beside them
+      normal_map: has("normal") || (has("field") && state.scale > 0 && !boxes),
       shadows_on: "relief",
       casts: false,
     };

@@ -4,7 +4,7 @@ import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
 import { decoded as inLight } from "view/srgb.js";
 
-/** @import { Green, Slot } from "view/data" */
+/** @import { Slot, Slots } from "view/data" */
 /** @import { Picture } from "view/maps.js" */
 
 /**
@@ -21,12 +21,10 @@ import { decoded as inLight } from "view/srgb.js";
  * @typedef {{ [c: number]: Uint16Array }} Channels
  */
 
-/** @type {{ [slot: string]: number }} */
-const PLACES = { occlusion: 0, roughness: 1, metallic: 2 };
-/** @type {{ [slot: string]: string }} */
-const WHOLE = { height: "field", normal: "normal", emission: "emission" };
-/** @type {{ [slot: string]: number[] }} */
-const OF_COLOR = { base_color: [0, 1, 2], opacity: [3] };
+/**
+ * What stands in textures for maps that are missing.
+ * @type {{ [held: string]: Picture | undefined }}
+ */
 const PLAIN = {
   base_color: single([39321, 39321, 39321, 65535]),
   response: single([65535, 52428, 0, 65535]),
@@ -88,17 +86,16 @@ function check({ width, height }, most) {
 /**
  * The page's pictures with one map, or some channels of one, taken from a dropped picture.
  * @param {Pictures} pictures
+ * @param {Slots} slots
  * @param {Slot} slot
  * @param {Picture} picture
  * @param {Reading} how
  * @returns {Pictures}
  */
-export function replaced(pictures, slot, picture, { channel, polarity, green }) {
+export function replaced(pictures, slots, slot, picture, { channel, polarity, green }) {
+  const { held, channels, light } = slots[slot] ?? slots.occlusion;
   const one = () => channelOf(picture, channel, polarity === "depth");
-  const [old, response] = [
-    pictures.base_color ?? PLAIN.base_color,
-    pictures.response ?? PLAIN.response,
-  ];
+  const old = pictures[held] ?? PLAIN[held] ?? picture;
   const { width, height } = picture;
   switch (slot) {
     case "height":
@@ -116,36 +113,37 @@ export function replaced(pictures, slot, picture, { channel, polarity, green }) 
       const opacity = cutOut ? channelAt(picture, 3) : one();
       return { ...pictures, base_color: merged(old, picture, { 3: opacity }) };
     }
-    case "emission":
-      return { ...pictures, emission: { ...opaque(withLight(picture)), dropped: true } };
     case "normal":
       return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
     case "packed":
-      return { ...pictures, response: merged(response, picture, threeOf(picture)) };
-    case "occlusion":
-    case "roughness":
-    case "metallic":
-      return { ...pictures, response: merged(response, picture, { [PLACES[slot]]: one() }) };
+      return { ...pictures, [held]: merged(old, picture, threeOf(picture)) };
   }
+  if (channels.length === 1) {
+    return { ...pictures, [held]: merged(old, picture, { [channels[0]]: one() }) };
+  }
+  return {
+    ...pictures,
+    [held]: { ...opaque(light ? withLight(picture) : picture), dropped: true },
+  };
 }
 
 /**
  * The page's pictures without one map, or with some channels as they are where there is none.
  * @param {Pictures} pictures
+ * @param {Slots} slots
  * @param {Slot} slot
  * @returns {Pictures}
  */
-export function without(pictures, slot) {
+export function without(pictures, slots, slot) {
   const left = { ...pictures };
-  const whole = WHOLE[slot];
-  if (whole) {
-    delete left[whole];
-    return left;
+  const { held, channels } = slots[slot];
+  const plain = PLAIN[held];
+  if (plain) {
+    const none = Object.fromEntries(channels.map((c) => [c, channelAt(plain, c)]));
+    left[held] = merged(left[held] ?? plain, plain, none);
+  } else {
+    delete left[held];
   }
-  const color = OF_COLOR[slot];
-  const name = color ? "base_color" : "response";
-  const none = (color ?? [PLACES[slot]]).map((c) => [c, channelAt(PLAIN[name], c)]);
-  left[name] = merged(left[name] ?? PLAIN[name], PLAIN[name], Object.fromEntries(none));
   return left;
 }
 

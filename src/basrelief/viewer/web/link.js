@@ -1,10 +1,10 @@
 // Programs put together from their pieces, as `lang.library.linked` does it.
 
-/** @import { Binding, Condition, Programs, Tree } from "view/data" */
+/** @import { Binding, Condition, Programs } from "view/data" */
 
 /**
- * Answers to the questions of trees, and values of static fields.
- * @typedef {{ [question: string]: unknown }} Choices
+ * What static conditions read, by name; beside it what the slots go by.
+ * @typedef {{ [name: string]: unknown, "map.edge": Edge }} Choices
  */
 /**
  * A whole program.
@@ -16,20 +16,6 @@
 const STATIC = /\ue000(\d+)\ue001([^\ue000-\ue003]*)\ue002([^\ue000-\ue003]*)\ue003/g;
 // A name that is used: not a field, nor the name of a parameter.
 const NAME = /(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)/g;
-
-/**
- * What a decision tree says: a name, or a question and what follows from each answer.
- * @param {Tree} tree
- * @param {Choices} choices
- * @returns {string}
- */
-export function answered(tree, choices) {
-  while (Array.isArray(tree)) {
-    const [question, then] = tree;
-    tree = then[String(choices[question])];
-  }
-  return tree;
-}
 
 /**
  * Whether a static condition is true of choices.
@@ -85,26 +71,29 @@ function namesIn(text) {
  * @returns {Program}
  */
 export function linked(programs, entry, choices) {
-  const { entries, bindings, trees, edge, conditions } = programs;
-  // the sampler goes by the edge too, which no piece tells
-  const chosenEdge = /** @type {Edge} */ (answered(trees[edge], choices));
-  /** @type {Map<string, string>} */
-  const bound = new Map([[edge, chosenEdge]]);
+  const { entries, bindings, conditions } = programs;
+  const bound = new Map(
+    Object.entries(programs.bound).flatMap(([menu, of]) =>
+      Object.entries(of[String(choices[menu])] ?? {}),
+    ),
+  );
   const texts = new Map([["", decided(entries[entry], conditions, choices)]]);
   // those that are added while this goes on are gone through too
   for (const text of texts.values()) {
     for (const name of namesIn(text)) {
-      const piece = texts.has(name) ? undefined : pieceOf(programs, name, bound, choices);
+      const piece = texts.has(name) ? undefined : pieceOf(programs, name, bound);
       if (piece !== undefined) texts.set(name, decided(piece, conditions, choices));
     }
   }
   const code = [...texts.values()].join("\n");
+  const edge = choices["map.edge"];
   return {
-    key: [entry, chosenEdge, code].join("\n"),
+    // the sampler goes by the edge too, which no piece tells
+    key: [entry, edge, code].join("\n"),
     entry,
     code,
     bindings: bindings[entry].map((each) => ({ ...each, type: bound.get(each.type) ?? each.type })),
-    edge: chosenEdge,
+    edge,
   };
 }
 
@@ -112,14 +101,14 @@ export function linked(programs, entry, choices) {
  * A piece by its name, which may be any: those of a user's own shaders too.
  * @param {Programs} programs
  * @param {string} name
- * @param {Map<string, string>} bound the bindings of slots, extended here
- * @param {Choices} choices
+ * @param {Map<string, string>} bound what each slot is bound to
  * @returns {string | undefined}
  */
-function pieceOf({ pieces, slots, trees }, name, bound, choices) {
+function pieceOf({ pieces, slots }, name, bound) {
   if (!Object.hasOwn(slots, name)) return Object.hasOwn(pieces, name) ? pieces[name] : undefined;
-  const wanted = bound.get(name) ?? answered(trees[name], choices);
-  bound.set(name, wanted);
-  if (!Object.hasOwn(slots[name], wanted)) throw new Error(`the page has no ${name} as ${wanted}`);
+  const wanted = bound.get(name);
+  if (wanted === undefined || !Object.hasOwn(slots[name], wanted)) {
+    throw new Error(`the page has no ${name} as ${wanted}`);
+  }
   return slots[name][wanted];
 }

@@ -8,7 +8,7 @@ import { pictureOf, replaced, varies, without } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
 import { Host } from "view/host.js";
 import { listen } from "view/input.js";
-import { PACKED, SLOTS } from "view/mappanel.js";
+import { PACKED, slotName } from "view/mappanel.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
 import { build } from "view/panel.js";
@@ -483,7 +483,9 @@ export class View {
   async takeMap(file, wanted) {
     const { slot, ...how } = this.meant(file, wanted);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) => this.withoutBakes(replaced(held, slot, picture, how), slot));
+    await this.changeMaps((held) =>
+      this.withoutBakes(replaced(held, this.data.slots, slot, picture, how), slot),
+    );
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // what has opacity of its own brings that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
@@ -530,7 +532,9 @@ export class View {
    */
   async leaveMap(slot) {
     try {
-      await this.changeMaps((held) => this.withoutBakes(without(held, slot), slot));
+      await this.changeMaps((held) =>
+        this.withoutBakes(without(held, this.data.slots, slot), slot),
+      );
     } catch (error) {
       this.say(firstLine(error));
       return;
@@ -541,7 +545,7 @@ export class View {
       Object.assign(this.state, { technique: "flat", compare: "" });
       if (this.state.show === "missed") this.state.show = "color";
     }
-    this.mapSaid = `Drawn without ${SLOTS[slot].name}.`;
+    this.mapSaid = `Drawn without ${slotName(slot)}.`;
     this.changed(true);
   }
 
@@ -577,7 +581,7 @@ export class View {
       this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
     }
     const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", turned over" : "";
-    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${SLOTS[slot].name}${over}`;
+    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${slotName(slot)}${over}`;
   }
 
   // --- the picture

@@ -1,6 +1,7 @@
 // The panel's part on maps: each as a small picture on which another is dropped.
 
 import { button, element, section } from "view/controls.js";
+import { words } from "view/text.js";
 import { thumbnail } from "view/thumbs.js";
 
 /** @import { Slot } from "view/data" */
@@ -8,25 +9,22 @@ import { thumbnail } from "view/thumbs.js";
 /** @import { Reading } from "view/dropped.js" */
 /** @import { View } from "view/main.js" */
 
-/** @typedef {{ name: string, held: string, channels: number[], light?: boolean }} SlotOptions */
-
-/**
- * What a picture can be used as: its name, and where in the page's pictures it lies.
- * @type {{ [Name in Slot]: SlotOptions }}
- */
-export const SLOTS = {
-  base_color: { name: "colour", held: "base_color", channels: [0, 1, 2], light: true },
-  opacity: { name: "opacity", held: "base_color", channels: [3] },
-  height: { name: "heights", held: "field", channels: [0] },
-  normal: { name: "normals", held: "normal", channels: [0, 1, 2] },
-  occlusion: { name: "occlusion", held: "response", channels: [0] },
-  roughness: { name: "roughness", held: "response", channels: [1] },
-  metallic: { name: "metal", held: "response", channels: [2] },
-  packed: { name: "packed (ORM)", held: "response", channels: [0, 1, 2] },
-  emission: { name: "emission", held: "emission", channels: [0, 1, 2], light: true },
-};
 /** @type {Slot[]} */
 export const PACKED = ["occlusion", "roughness", "metallic"];
+/** @type {{ [slot: Slot]: string }} */
+const NAMES = {
+  base_color: "colour",
+  height: "heights",
+  normal: "normals",
+  metallic: "metal",
+  packed: "packed (ORM)",
+};
+
+/**
+ * What a map is called.
+ * @param {Slot} slot
+ */
+export const slotName = (slot) => NAMES[slot] ?? words(slot);
 
 /**
  * How a dropped picture is read; what is left to its name is what that says, if anything.
@@ -60,7 +58,10 @@ export function maps(view) {
     id: "map-file",
     multiple: true,
   });
-  const slots = /** @type {Slot[]} */ (Object.keys(SLOTS));
+  // beside the last of those that it holds
+  const slots = Object.keys(view.data.slots).flatMap((slot) =>
+    slot === PACKED.at(-1) ? [slot, "packed"] : [slot],
+  );
   const readings = /** @type {(keyof Reading)[]} */ (Object.keys(HOW));
   file.addEventListener("change", () => {
     view.takeMaps([...(file.files ?? [])]);
@@ -87,7 +88,9 @@ export function maps(view) {
  * @param {Slot} slot
  */
 function row(view, slot) {
-  const { name, held, channels, light } = SLOTS[slot];
+  const { held } = view.data.slots[slot] ?? view.data.slots[PACKED[0]];
+  const { channels, light } = view.data.slots[slot] ?? { channels: [0, 1, 2], light: false };
+  const name = slotName(slot);
   const picture = view.pictures[held];
   const source = view.sources[slot];
   // a map that nobody gave is what its place in another one is filled with
