@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from types import CodeType
-from typing import Any
+from typing import Any, NamedTuple
 
 from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
@@ -105,11 +105,31 @@ class Program:
     def key(self) -> str:
         """A digest of all that the program is made of: code, numbers, types, bindings, and of the
         variant what its shaders read."""
-        digest = hashlib.sha256()
-        for part in _Contents(self).parts():
-            digest.update(len(part).to_bytes(8, "little"))
-            digest.update(part)
-        return digest.hexdigest()
+        same = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
+        known = _keys.get(same)
+        if known is None or any(find(name) is not value for find, name, value in known.names):
+            contents = _Contents(self)
+            digest = hashlib.sha256()
+            for part in contents.parts():
+                digest.update(len(part).to_bytes(8, "little"))
+                digest.update(part)
+            known = _Key(digest.hexdigest(), contents.names)
+            while len(_keys) >= _MOST_KEYS:
+                del _keys[next(iter(_keys))]
+            _keys[same] = known
+        return known.text
+
+
+class _Key(NamedTuple):
+    """A program's key, and what the names in its shaders stood for."""
+
+    text: str
+    names: list[tuple[Callable[[str], Any], str, Any]]
+
+
+_keys: dict[Any, _Key] = {}
+"""Keys of the last programs: a picture's are asked for anew each time that it is drawn."""
+_MOST_KEYS = 256
 
 
 class _Contents:
@@ -119,6 +139,7 @@ class _Contents:
         self.program = program
         self.seen: dict[Any, int] = {}
         self.found: list[bytes] = [program.edge.encode()]
+        self.names: list[tuple[Callable[[str], Any], str, Any]] = []
 
     def parts(self) -> list[bytes]:
         self.visit(self.program.entry)
@@ -168,6 +189,8 @@ class _Contents:
                     self.found.append(f"{static.name} = {value!r}".encode())
         self.found.append(_code_text(code).encode())
         for name in (*code.co_names, *code.co_freevars):
+            find = shader.find if name in code.co_freevars else shader.function.__globals__.get
+            self.names.append((find, name, find(name)))
             try:
                 value = shader.lookup(name)
             except (KeyError, AttributeError):
