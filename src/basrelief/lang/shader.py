@@ -16,7 +16,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from types import CodeType
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -201,32 +201,31 @@ class Source:
     """A function's syntax tree, its comments, and how to point at a place in it."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self.file = function.__code__.co_filename
-        try:
-            lines, first = inspect.getsourcelines(function)
-        except OSError:
+        code = function.__code__
+        self.file, self.first = code.co_filename, code.co_firstlineno
+        linecache.checkcache(self.file)
+        self.lines = linecache.getlines(self.file, function.__globals__)
+        if not self.lines:
             raise ShaderError(
                 f"{self.file}: {function.__name__}: the source is not to be had; "
                 "write shaders in a file or a notebook cell"
-            ) from None
-        text = "".join(lines)
-        self.lines = text.splitlines()
-        self.first = first
-        # an indented function becomes the body of an `if`: text of its own may stand at the margin
-        indented = text[:1].isspace()
-        body = ast.parse("if True:\n" + text if indented else text).body
-        tree = body[0].body[0] if isinstance(body[0], ast.If) else body[0]
-        if not isinstance(tree, ast.FunctionDef):
-            what = lines[0].strip()
-            raise ShaderError(f"{self.file}:{first}: `{what}`: a shader is a plain `def`")
-        self.tree = tree
-        _check_unchanged(function)
-        ast.increment_lineno(tree, first - 1 - indented)
+            )
+        parsed = _parsed("".join(self.lines))
+        place = code.co_name, self.first
+        if code.co_code not in parsed.code.get(place, ()):
+            raise ShaderError(
+                f"{self.file}: {function.__name__}: the file has changed since it was loaded; "
+                "load it anew"
+            )
+        if place not in parsed.functions:
+            what = self.lines[self.first - 1].strip()
+            raise ShaderError(f"{self.file}:{self.first}: `{what}`: a shader is a plain `def`")
+        self.tree = parsed.functions[place]
 
     def comments_before(self, line: int) -> tuple[str, ...]:
         """The comment lines that stand directly above a line of the file."""
         found: list[str] = []
-        index = line - self.first - 1
+        index = line - 2
         while index >= 0 and self.lines[index].strip().startswith("#"):
             found.insert(0, self.lines[index].strip().lstrip("# "))
             index -= 1
@@ -239,28 +238,29 @@ class Source:
         return ShaderError(f"{self.file}:{line}: `{text}`: {message}")
 
 
-def _check_unchanged(function: Callable[..., Any]) -> None:
-    """Refuse a source that is no longer what the function was made from."""
-    code = function.__code__
-    text = "".join(linecache.getlines(code.co_filename))
-    if code.co_code not in _code_of(text).get((code.co_name, code.co_firstlineno), []):
-        raise ShaderError(
-            f"{code.co_filename}: {function.__name__}: the file has changed since it was loaded; "
-            "load it anew"
-        )
+class _Parsed(NamedTuple):
+    """The functions of a file by name and first line, decorators included: their syntax trees, and
+    the bytecode of all that stands there."""
+
+    functions: dict[tuple[str, int], ast.FunctionDef]
+    code: dict[tuple[str, int], list[bytes]]
 
 
 @functools.lru_cache(maxsize=64)
-def _code_of(text: str) -> dict[tuple[str, int], list[bytes]]:
-    """The bytecode of every function in a file, by name and first line."""
-    found: dict[tuple[str, int], list[bytes]] = {}
+def _parsed(text: str) -> _Parsed:
+    found = _Parsed({}, {})
     try:
-        left = [compile(text, "", "exec", dont_inherit=True)]
+        tree = ast.parse(text)
+        left = [compile(tree, "", "exec", dont_inherit=True)]
     except (SyntaxError, ValueError):
         return found
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            first = min([node.lineno, *(each.lineno for each in node.decorator_list)])
+            found.functions[node.name, first] = node
     while left:
         code = left.pop()
-        found.setdefault((code.co_name, code.co_firstlineno), []).append(code.co_code)
+        found.code.setdefault((code.co_name, code.co_firstlineno), []).append(code.co_code)
         left += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
     return found
 
