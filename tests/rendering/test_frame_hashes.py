@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from basrelief import Frame, InputError, Map, Material, Object, Scene
+from basrelief.engine.gpu import GpuEngine
+from basrelief.rendering.programs import program_of, reach_of
 from helpers.frame_cases import BESIDE, CASES, DRAWN_WITH, MENUS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 
@@ -30,6 +32,19 @@ def test_the_store_has_the_cases_and_no_others_in_order() -> None:
     assert len(set(CASES)) == len(CASES)
     assert sorted(CASES) == list(stored())
     assert STORE.read_text(encoding="utf-8") == text(stored())
+
+
+@pytest.mark.gpu
+def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
+    """Every two choices, then, compile on both engines: the CPU has drawn the cases."""
+    engine = GpuEngine()
+    scenes = [scene_of(case) for case in CASES]
+    programs = [program_of(thing, scene) for scene in scenes for thing in scene.objects]
+    programs += [reach_of(thing) for scene in scenes if scene.casts for thing in scene.objects]
+    found = {program.key: program for program in programs}
+    assert len(found) > 140
+    for program in found.values():
+        engine.compile(program)
 
 
 # --- the digests ----------------------------------------------------------------------------------
