@@ -25,7 +25,6 @@ from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.presets import Preset, preset
-from basrelief.scene.transforms import OUTLINES
 from basrelief.shading import kinds
 from basrelief.shading.kinds import LightKind, light_kind, values_of
 from basrelief.viewer.printed import MENUS
@@ -101,7 +100,6 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
         (SURFACE_SHADERS, kinds.SurfaceKind),
         (SHAPES, kinds.ShapeKind),
         (SURFACES, kinds.SurfaceKind),
-        (OUTLINES, kinds.ShapeKind),
         (LIGHTS, LightKind),
         *((MENUS[name], OPTIONS[name]) for name in MENUS),
     ],

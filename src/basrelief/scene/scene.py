@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from basrelief.errors import InputError
 from basrelief.scene.checks import FAR, one_of, record_of, within
 from basrelief.scene.lights import directional
 from basrelief.scene.objects import Object
+from basrelief.scene.shapes import SHAPES
 from basrelief.scene.views import LookAt, Orbit
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import Camera
@@ -140,24 +140,12 @@ class Scene:
         for thing in self.objects:
             x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
             advice = "move it away, for example --camera distance=3"
-            if _inside(thing, x, y, z):
+            facts = SHAPES[thing.shape]
+            # within a flat shape is within its raised relief
+            if facts.contains(x, y, z) and (not facts.flat or 0.0 <= z <= thing.raised):
                 raise InputError(f"the camera is inside the {thing.shape}; {advice}")
-            if thing.shape == "plane" and z <= 0.0 and len(self.objects) == 1:
+            if facts.flat and z <= 0.0 and len(self.objects) == 1:
                 raise InputError(
-                    "the camera is behind the plane, which has no back; lift it to the other "
-                    "side, for example --camera elevation=35"
+                    f"the camera is behind the {thing.shape}, which has no back; lift it to the "
+                    "other side, for example --camera elevation=35"
                 )
-
-
-def _inside(thing: Object, x: float, y: float, z: float) -> bool:
-    match thing.shape:
-        case "plane":
-            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= thing.raised
-        case "box":
-            return max(abs(x), abs(y), abs(z)) <= 0.5
-        case "sphere":
-            return math.hypot(x, y, z) <= 0.5
-        case "cylinder":
-            return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
-        case _:
-            assert_never(thing.shape)

@@ -185,15 +185,18 @@ def _called(made: Technique[..., Any]) -> str:
 
 
 def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
-    """Where a shape stands, how many tiles it has, and the points that it lies between."""
+    """Where a shape stands, how many tiles it has, and how far it reaches."""
     # a scene's own transform is that of its own shape
     placed = thing.transform if shape == thing.shape else None
     stands = Object(thing.material, shape=shape, technique="flat", transform=placed)
     placement = plain(stands.placement())
+    facts = SHAPES[shape]
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
         "tiling": list(map(float, stands.tiles)),
+        "flat": facts.flat,
+        "radius": round(float(np.linalg.norm(facts.outline, axis=1).max()), 2),
         "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
         "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }

@@ -7,7 +7,6 @@ export type Vec3 = [number, number, number];
 
 // --- the state
 
-export type Shape = "plane" | "box" | "sphere" | "cylinder";
 export type Projection = "full" | "biased" | "limited";
 export type Heights = "sharp" | "smooth" | "mip";
 export type LightKind = "directional" | "point" | "spot";
@@ -44,7 +43,7 @@ export type Light = {
 /** The settings of menus. */
 export type Chosen = {
   technique: string;
-  shape: Shape;
+  shape: string;
   projection: Projection;
   heights: Heights;
   edge: "wrap" | "clamp" | "clip";
@@ -105,11 +104,13 @@ export type Technique = {
   settings: Setting[];
 };
 
-/** The placement of a shape and the corners of its hull. */
+/** The placement of a shape and how far it reaches: the ball around it, the corners of its hull. */
 export type ShapeData = {
   origin: Vec3;
   to_object: number[];
   tiling: Pair;
+  flat: boolean;
+  radius: number;
   outline: Vec3[];
   world: number[][] | null;
 };
@@ -225,7 +226,7 @@ export type Data = {
   bakes: BakeNumbers;
   menus: Menus;
   techniques: { [technique: string]: Technique };
-  shapes: { [Name in Shape]: ShapeData };
+  shapes: { [shape: string]: ShapeData };
   settings: {
     finish: { [surface: string]: Setting[] };
     shading: Setting[];

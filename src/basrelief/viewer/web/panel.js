@@ -4,7 +4,7 @@ import { button, check, color, element, menu, number, section } from "view/contr
 import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
-/** @import { Menus, Setting, Shape } from "view/data" */
+/** @import { Menus, Setting } from "view/data" */
 /** @import { NumberOptions, Option, Path } from "view/controls.js" */
 /** @import { View } from "view/main.js" */
 
@@ -186,7 +186,7 @@ function relief(view) {
       : []),
     menu(view, ["heights"], "Heights", reads),
     ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
-    named(view, "shape", "Shape", (shape) => view.reshaped(/** @type {Shape} */ (shape))),
+    named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
     named(view, "edge", "Edge"),
     ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1, soft: true }),
     ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01, soft: true }),
@@ -308,7 +308,7 @@ function camera(view) {
     number(view, path("elevation"), {
       ...degrees,
       label: "camera elevation",
-      low: view.state.shape === "plane" ? 2 : -89,
+      low: view.data.shapes[view.state.shape].flat ? 2 : -89,
       high: 89,
     }),
     number(view, path("distance"), {
