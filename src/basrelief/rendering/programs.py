@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, assert_never
 
 from basrelief.engine import Engine
@@ -66,26 +66,23 @@ def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Progra
 
 def variant_of(thing: Object, scene: Scene) -> Variant:
     """What an object's program depends on, beside its technique and surface."""
-    return Variant(
-        shape=thing.shape,
-        displaced=thing.has_relief,
-        boxed=displaced_by(thing).boxes,
-        projection=thing.relief_projection,
-        fades=thing.fade is not None,
-        edge=thing.edge,
-        alpha=thing.alpha,
-        surface=thing.surface,
-        mapping=thing.mapping,
-        apart=bool(thing.tilings),
-        layer=thing.layer is not None,
-        shadows=scene.shadows,
-        casts=scene.casts,
-        shadows_on=scene.shadows_on,
-        shading_model=scene.shading_model,
-        occlusion_kind=scene.occlusion_kind,
-        fog=scene.fog,
+    # what the object or the scene has by the same name; `casts` is the scene's
+    named = {
+        each.name: getattr(owner, each.name)
+        for owner in (thing, scene)
+        for each in fields(Variant)
+        if hasattr(owner, each.name)
+    }
+    made = {
+        "displaced": thing.has_relief,
+        "boxed": displaced_by(thing).boxes,
+        "projection": thing.relief_projection,
+        "fades": thing.fade is not None,
+        "apart": bool(thing.tilings),
+        "layer": thing.layer is not None,
         **{f"{name}_map": there for name, there in mapped(thing).items()},
-    )
+    }
+    return Variant(**named | made)
 
 
 def reach_of(thing: Object) -> Program:

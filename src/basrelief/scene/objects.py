@@ -23,10 +23,9 @@ from basrelief.shading.kinds import (
     EdgeKind,
     HeightsKind,
     MappingKind,
-    Projection,
     ShapeKind,
     SurfaceKind,
-    values_of,
+    menus_of,
 )
 from basrelief.shading.relief import Depth
 from basrelief.shading.surfaces.landscape import Landscape
@@ -35,6 +34,7 @@ from basrelief.shading.surfaces.surface import MapPlaces
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import technique_from_file
+from basrelief.techniques.technique import Projection
 
 DEFAULT_SCALE = 0.05
 """The depth of a relief whose material does not say: 5 % of a tile's width."""
@@ -137,17 +137,8 @@ class Object:
     def __post_init__(self) -> None:
         self._check_kinds()
         self._choose_technique()
-        one_of("projection", self.projection, (None, *values_of(Projection)))
-        for name, kinds in (
-            ("shape", ShapeKind),
-            ("heights", HeightsKind),
-            ("edge", EdgeKind),
-            ("mapping", MappingKind),
-            ("alpha", AlphaKind),
-            ("casts", CastsKind),
-            ("surface", SurfaceKind),
-        ):
-            one_of(name, getattr(self, name), values_of(kinds))
+        for name, values in menus_of(Object).items():
+            one_of(name, getattr(self, name), values)
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)

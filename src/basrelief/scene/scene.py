@@ -9,7 +9,7 @@ import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.scene.checks import FAR, one_of, record_of, within
-from basrelief.scene.lights import directional
+from basrelief.scene.lights import MAKERS, directional, light_kind
 from basrelief.scene.objects import Object
 from basrelief.scene.shapes import SHAPES
 from basrelief.scene.views import LookAt, Orbit
@@ -22,8 +22,7 @@ from basrelief.shading.kinds import (
     ShadingModel,
     ShadowsKind,
     ShadowsOnKind,
-    light_kind,
-    values_of,
+    menus_of,
 )
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
@@ -74,14 +73,8 @@ class Scene:
         objects = tuple(self.objects) if np.iterable(self.objects) else (self.objects,)
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
-        for name, kinds in (
-            ("shading_model", ShadingModel),
-            ("shadows", ShadowsKind),
-            ("shadows_on", ShadowsOnKind),
-            ("occlusion_kind", OcclusionKind),
-            ("fog", FogKind),
-        ):
-            one_of(name, getattr(self, name), values_of(kinds))
+        for name, values in menus_of(Scene).items():
+            one_of(name, getattr(self, name), values)
         self._check_lights()
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (
@@ -106,9 +99,7 @@ class Scene:
         object.__setattr__(self, "lights", tuple(self.lights))
         for light in self.lights:
             if not isinstance(light, Light):
-                raise InputError(
-                    f"a light is {light!r}: give one made by directional, point or spot"
-                )
+                raise InputError(f"a light is {light!r}: give one made by {MAKERS}")
             light_kind(light)
 
     @property

@@ -9,7 +9,6 @@ export type Vec3 = [number, number, number];
 
 export type Projection = "full" | "biased" | "limited";
 export type Heights = "sharp" | "smooth" | "mip";
-export type LightKind = "directional" | "point" | "spot";
 export type Show = "color" | "reads" | "missed" | "depth";
 
 /** Numbers and vectors of a record by field. */
@@ -29,7 +28,7 @@ export type Orbit = {
 
 /** A light with the numbers of all kinds; angles in degrees. */
 export type Light = {
-  kind: LightKind;
+  kind: string;
   position: Vec3;
   azimuth: number;
   elevation: number;
@@ -247,7 +246,7 @@ export type Data = {
   colors: DebugColors;
   presets: { [preset: string]: Preset };
   shows: Show[];
-  lightKinds: LightKind[];
+  lightKinds: { [kind: string]: string[] }; // the numbers that make a light
   limits: Limits;
   names: Names;
   maps: { [map: string]: PackedMap };

@@ -404,7 +404,9 @@ export class View {
    * @param {number} elevation
    */
   turnLight(azimuth, elevation) {
-    const light = this.state.lights.find(({ kind }) => kind === "directional");
+    const light = this.state.lights.find(({ kind }) =>
+      this.data.lightKinds[kind].includes("azimuth"),
+    );
     if (!light) return;
     light.azimuth = wrapped(light.azimuth + azimuth);
     light.elevation = Math.max(-90, Math.min(90, light.elevation + elevation));

@@ -205,7 +205,7 @@ function relief(view) {
  * @param {number} k
  */
 function lamp(view, k) {
-  const { kind } = view.state.lights[k];
+  const numbers = view.data.lightKinds[view.state.lights[k].kind];
   const path = ["lights", k];
   const name = `light ${k + 1}`;
   /** @type {(part: string, low: number, high: number, label?: string) => HTMLElement} */
@@ -217,22 +217,24 @@ function lamp(view, k) {
       view,
       [...path, "kind"],
       `Light ${k + 1}`,
-      view.data.lightKinds.map((each) => [each, each]),
+      Object.keys(view.data.lightKinds).map((each) => [each, each]),
     ),
   ];
-  if (kind !== "point") {
+  if (numbers.includes("azimuth") || numbers.includes("target")) {
     made.push(degrees("azimuth", -180, 180), degrees("elevation", -90, 90));
   }
-  if (kind !== "directional") {
+  if (numbers.includes("position")) {
     for (const c of [0, 1, 2]) {
       const range = { label: `${name} ${"xyz"[c]}`, low: -4, high: 4, step: 0.05, soft: true };
       made.push(number(view, [...path, "position", c], range));
     }
+  }
+  if (numbers.includes("falloff")) {
     made.push(
       number(view, [...path, "falloff"], { label: `${name} falloff`, low: 0, high: 8, step: 0.1 }),
     );
   }
-  if (kind === "spot") {
+  if (numbers.includes("angle")) {
     made.push(
       degrees("angle", 1, 179, "cone"),
       number(view, [...path, "softness"], {
