@@ -143,17 +143,24 @@ def maps_of(thing: Object, engine: Engine) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
-    """The values of an object's program, all but the place of the sample and what others cast."""
+def own_values(thing: Object, engine: Engine) -> dict[str, Any]:
+    """The values of an object's programs that are its own: maps, place, relief and surface."""
     return {
         **maps_of(thing, engine),
-        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "placement": thing.placement(),
         "depth": thing.depth(),
         "smoothing": thing.smoothing,
         "settings": thing.settings if thing.has_relief else Nothing(),
         "finish": _finish(thing),
         "places": thing.map_places(),
+    }
+
+
+def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
+    """The values of an object's program, all but the place of the sample and what others cast."""
+    return {
+        **own_values(thing, engine),
+        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "shading": scene.shading,
         "shadowing": scene.shadowing,
         "fog": scene.air,

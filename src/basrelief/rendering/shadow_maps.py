@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine
 from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
-from basrelief.rendering.programs import map_edge, maps_of, reach_of
+from basrelief.rendering.programs import map_edge, own_values, reach_of
 from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
 from basrelief.scene.lights import numbers_of
@@ -21,7 +21,6 @@ from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import FAR_AWAY, Light
 from basrelief.shading.shadow_map import CastView
-from basrelief.techniques import Nothing
 
 _WIDEST = 100.0
 """The widest angle, in degrees, of one depth map; a lamp that needs more has six, all around."""
@@ -146,15 +145,7 @@ def _distances(
     """How far each view of each light reaches until it meets an object."""
     if thing.casts == "none" or not views:
         return None
-    program = reach_of(thing)
-    values = maps_of(thing, engine) | {
-        "placement": thing.placement(),
-        "depth": thing.depth(),
-        "smoothing": thing.smoothing,
-        "settings": thing.settings if thing.has_relief else Nothing(),
-        "finish": thing.finish,
-        "places": thing.map_places(),
-    }
+    program, values = reach_of(thing), own_values(thing, engine)
     made = []
     for view in views:
         seen = View(view.camera, Vec2(0.5, 0.5))
