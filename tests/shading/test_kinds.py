@@ -27,7 +27,6 @@ from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion
 from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
 from basrelief.scene.presets import Preset, preset
 from basrelief.shading import kinds
-from basrelief.shading.kinds import values_of
 from basrelief.shading.lights import Light
 from basrelief.techniques.technique import Projection
 from basrelief.viewer.printed import MENUS
@@ -54,7 +53,7 @@ OF_SCENE = {
     "fog": kinds.FogKind,
 }
 OPTIONS = {**OF_OBJECT, **OF_SCENE}
-EACH = [(name, value) for name, kind in OPTIONS.items() for value in values_of(kind)]
+EACH = [(name, value) for name, kind in OPTIONS.items() for value in get_args(kind)]
 BRICKS = sample("bricks", 16)
 UNKNOWN = ("torus", "", "Plane", "none ")
 
@@ -73,7 +72,7 @@ def refusal(make: Any) -> str:
 
 def told(name: str, value: str) -> str:
     """The line that refuses an unknown value: what is wrong, and what to write."""
-    return f"{name} is one of {', '.join(values_of(OPTIONS[name]))}, not {value!r}"
+    return f"{name} is one of {', '.join(get_args(OPTIONS[name]))}, not {value!r}"
 
 
 # --- known values ---------------------------------------------------------------------------------
@@ -85,7 +84,7 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
     others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard", "casts": "shape"}
     ball = Object(BRICKS, "sphere")
     keys = {}
-    for each in values_of(OPTIONS[name]):
+    for each in get_args(OPTIONS[name]):
         made = scene(**{**others, name: each})
         made = replace(made, objects=(*made.objects, ball))
         keys[each] = program_of(made.objects[0], made).key
@@ -107,7 +106,7 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
     ],
 )
 def test_tables_have_every_kind(table: Any, kind: Any) -> None:
-    assert tuple(table) == values_of(kind)
+    assert tuple(table) == get_args(kind)
 
 
 def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
@@ -145,10 +144,10 @@ def test_the_numbers_of_a_light_say_what_it_is() -> None:
 
 def test_menus_are_the_fields_that_are_one_of_a_few_values() -> None:
     for owner, wanted in ((Object, OF_OBJECT), (Scene, OF_SCENE)):
-        expected = {name: values_of(kind) for name, kind in wanted.items()}
+        expected = {name: get_args(kind) for name, kind in wanted.items()}
         if owner is Object:
             # None is the technique's own
-            expected["projection"] = (*values_of(Projection), None)
+            expected["projection"] = (*get_args(Projection), None)
         assert kinds.menus_of(owner) == expected
     assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on"}
     assert kinds.either(["a", "b", "c"]) == "a, b or c"

@@ -10,7 +10,7 @@ import functools
 import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
@@ -42,7 +42,7 @@ def _option(help: str, metavar: str | None = None, name: str | None = None) -> A
 
 
 def _choice(kind: Any, lead: str = "") -> Any:
-    return _option(f"{lead}{kinds.either(kinds.values_of(kind))}.")
+    return _option(f"{lead}{kinds.either(get_args(kind))}.")
 
 
 class Relief:

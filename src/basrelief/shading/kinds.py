@@ -28,11 +28,6 @@ OcclusionKind = Literal["ambient", "directional"]
 FogKind = Literal["none", "linear", "exponential", "exponential_squared"]
 
 
-def values_of(kind: Any) -> tuple[str, ...]:
-    """The values of one of the types above, in order."""
-    return get_args(kind)
-
-
 def either(values: Iterable[str]) -> str:
     """Values in a sentence: a, b or c."""
     *others, last = values
