@@ -67,13 +67,13 @@ def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Progra
 def variant_of(thing: Object, scene: Scene) -> Variant:
     """What an object's program depends on, beside its technique and surface."""
     # what the object or the scene has by the same name; `casts` is the scene's
-    named = {
+    shared = {
         each.name: getattr(owner, each.name)
         for owner in (thing, scene)
         for each in fields(Variant)
         if hasattr(owner, each.name)
     }
-    made = {
+    derived = {
         "displaced": thing.has_relief,
         "boxed": displaced_by(thing).boxes,
         "projection": thing.relief_projection,
@@ -82,7 +82,7 @@ def variant_of(thing: Object, scene: Scene) -> Variant:
         "layer": thing.layer is not None,
         **{f"{name}_map": there for name, there in mapped(thing).items()},
     }
-    return Variant(**named | made)
+    return Variant(**shared | derived)
 
 
 def reach_of(thing: Object) -> Program:
