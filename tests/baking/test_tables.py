@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from basrelief.baking import passes
-from basrelief.baking.files import OPTIONS
+from basrelief.baking.files import OPTIONS, Baking
 from basrelief.baking.horizon import ambient_occlusion, horizon_map
 from basrelief.baking.normal import normal_map
-from basrelief.baking.tables import FUNCTIONS, table
+from basrelief.baking.tables import TABLES, function_of, table
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.material import Material
@@ -25,8 +25,10 @@ CPU = choose_engine("cpu")
 
 
 def test_every_declared_bake_has_a_function() -> None:
-    assert set(FUNCTIONS) == set(BAKES.values())
-    assert all(bake.name == name for name, bake in BAKES.items())
+    assert set(TABLES) == set(BAKES)
+    for name, bake in BAKES.items():
+        assert bake.name == name
+        assert function_of(bake).__name__ == name
 
 
 @pytest.mark.parametrize("name", BAKES)
@@ -39,7 +41,7 @@ def test_a_declaration_names_the_passes_that_run(name: str) -> None:
 @pytest.mark.parametrize("name", BAKES)
 def test_tables_are_what_the_functions_give(name: str) -> None:
     made = table(BAKES[name], HEIGHTS, "clamp", CPU)
-    np.testing.assert_array_equal(made, FUNCTIONS[BAKES[name]](HEIGHTS, "clamp"))
+    np.testing.assert_array_equal(made, function_of(BAKES[name])(HEIGHTS, "clamp"))
     if BAKES[name].all_levels:
         whole = table(BAKES[name], HEIGHTS, "clamp", CPU, all_levels=True)
         np.testing.assert_array_equal(whole[: len(made)], made)
@@ -47,9 +49,12 @@ def test_tables_are_what_the_functions_give(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BAKES)
-def test_the_command_line_says_of_it_what_its_declaration_says(name: str) -> None:
-    """Its option is listed apart, for a quick start."""
-    assert OPTIONS[name.removesuffix("_map")].help == BAKES[name].about
+def test_the_command_line_has_an_option_for_it(name: str) -> None:
+    option = OPTIONS[name.removesuffix("_map")]
+    assert option.help == TABLES[name][1]
+    made = option.make(Baking(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8))
+    assert set(made.files) == {name.removesuffix("_map")}
+    np.testing.assert_array_equal(*made.files.values(), table(BAKES[name], HEIGHTS, "wrap", CPU))
 
 
 def test_a_technique_reads_lower_levels_where_its_bake_covers_them() -> None:
@@ -73,7 +78,7 @@ def test_a_bake_by_its_name_is_refused_where_it_is_written() -> None:
 def test_a_bake_that_no_function_runs_is_refused_before_anything_is_drawn() -> None:
     """By the declaration itself: another of the same name is another bake."""
     material = Material("bumps", height=map_of(HEIGHTS))
-    mine = technique(bake=Bake("cone_map", "Mine.", CONE_MAP.programs))(exact.function)
+    mine = technique(bake=Bake("cone_map", CONE_MAP.programs))(exact.function)
     with pytest.raises(InputError, match=r"exact: .* the bake cone_map .*import BOUNDS, CONE_MAP"):
         Object(material, technique=mine)
 

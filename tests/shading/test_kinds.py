@@ -14,6 +14,7 @@ from basrelief import baking
 from basrelief.errors import InputError
 from basrelief.images import Picture
 from basrelief.lang import HeightField, Texture
+from basrelief.lang.types import leaf_values
 from basrelief.material import channels, sample
 from basrelief.measure.boxes import first_box_hits
 from basrelief.measure.debug import SHOWN, debug_picture
@@ -23,11 +24,11 @@ from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
-from basrelief.scene.lights import LIGHTS
+from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
 from basrelief.scene.presets import Preset, preset
-from basrelief.scene.transforms import OUTLINES
 from basrelief.shading import kinds
-from basrelief.shading.kinds import LightKind, light_kind, values_of
+from basrelief.shading.lights import Light
+from basrelief.techniques.technique import Projection
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import light_of, said_light
 from basrelief.viewer.state import plain_light
@@ -36,7 +37,7 @@ from helpers.command_line import write_heights
 
 OF_OBJECT = {
     "shape": kinds.ShapeKind,
-    "projection": kinds.Projection,
+    "projection": Projection,
     "heights": kinds.HeightsKind,
     "edge": kinds.EdgeKind,
     "mapping": kinds.MappingKind,
@@ -52,7 +53,7 @@ OF_SCENE = {
     "fog": kinds.FogKind,
 }
 OPTIONS = {**OF_OBJECT, **OF_SCENE}
-EACH = [(name, value) for name, kind in OPTIONS.items() for value in values_of(kind)]
+EACH = [(name, value) for name, kind in OPTIONS.items() for value in get_args(kind)]
 BRICKS = sample("bricks", 16)
 UNKNOWN = ("torus", "", "Plane", "none ")
 
@@ -71,7 +72,7 @@ def refusal(make: Any) -> str:
 
 def told(name: str, value: str) -> str:
     """The line that refuses an unknown value: what is wrong, and what to write."""
-    return f"{name} is one of {', '.join(values_of(OPTIONS[name]))}, not {value!r}"
+    return f"{name} is one of {', '.join(get_args(OPTIONS[name]))}, not {value!r}"
 
 
 # --- known values ---------------------------------------------------------------------------------
@@ -83,7 +84,7 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
     others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard", "casts": "shape"}
     ball = Object(BRICKS, "sphere")
     keys = {}
-    for each in values_of(OPTIONS[name]):
+    for each in get_args(OPTIONS[name]):
         made = scene(**{**others, name: each})
         made = replace(made, objects=(*made.objects, ball))
         keys[each] = program_of(made.objects[0], made).key
@@ -101,19 +102,17 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
         (SURFACE_SHADERS, kinds.SurfaceKind),
         (SHAPES, kinds.ShapeKind),
         (SURFACES, kinds.SurfaceKind),
-        (OUTLINES, kinds.ShapeKind),
-        (LIGHTS, LightKind),
         *((MENUS[name], OPTIONS[name]) for name in MENUS),
     ],
 )
 def test_tables_have_every_kind(table: Any, kind: Any) -> None:
-    assert tuple(table) == values_of(kind)
+    assert tuple(table) == get_args(kind)
 
 
 def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
     """The page counts them in the same order."""
     lights = (directional(), point((1.0, 2.0, 3.0)), spot((1.0, 2.0, 3.0)))
-    assert [light_kind(light) for light in lights] == list(values_of(LightKind))
+    assert [light_kind(light) for light in lights] == list(LIGHTS)
     assert [int(light.kind) for light in lights] == [0, 1, 2]
     # a directional light has one view, one that lights all around six
     around = Scene((Object(BRICKS, "sphere"),), lights=lights, shadow_map=16)
@@ -126,6 +125,32 @@ def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
         (spot(place, angle=150.0), 6),
     ):
         assert len(light_views(replace(around, lights=(light,)))) == count
+
+
+def test_the_numbers_of_a_light_say_what_it_is() -> None:
+    found = {
+        name: {kind for kind in LIGHTS if name in numbers_of(kind)}
+        for name in ("position", "azimuth", "target", "angle", "falloff")
+    }
+    assert found == {
+        "position": {"point", "spot"},
+        "azimuth": {"directional"},
+        "target": {"spot"},
+        "angle": {"spot"},
+        "falloff": {"point", "spot"},
+    }
+    assert numbers_of(spot((1.0, 2.0, 3.0))) == numbers_of("spot")
+
+
+def test_menus_are_the_fields_that_are_one_of_a_few_values() -> None:
+    for owner, wanted in ((Object, OF_OBJECT), (Scene, OF_SCENE)):
+        expected = {name: get_args(kind) for name, kind in wanted.items()}
+        if owner is Object:
+            # None is the technique's own
+            expected["projection"] = (*get_args(Projection), None)
+        assert kinds.menus_of(owner) == expected
+    assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on"}
+    assert kinds.either(["a", "b", "c"]) == "a, b or c"
 
 
 # --- unknown values -------------------------------------------------------------------------------
@@ -185,8 +210,27 @@ def test_objects_and_lights_may_come_one_by_one() -> None:
     assert (len(made.objects), len(made.lights)) == (2, 3)
 
 
+@pytest.mark.parametrize(
+    "light",
+    [
+        directional(20.0, -35.0, (1.0, 0.5, 0.25), 3.0),
+        point((1.0, 2.0, 3.0), (0.5, 1.0, 0.25), 2.0, falloff=1.0),
+        spot((1.0, 2.0, 3.0), (0.5, 0.0, -1.0), (1.0, 0.5, 0.25), 2.0, 1.5, 50.0, 0.5),
+        spot((0.0, 1.0, 0.0), angle=100.0, softness=0.0),
+    ],
+)
+def test_a_light_comes_back_from_a_page(light: Light) -> None:
+    plain = plain_light(light)
+    back = light_of(plain)
+    was, now = (list(map(float, leaf_values(each, Light))) for each in (light, back))
+    np.testing.assert_allclose(now, was, atol=2e-6)
+    # what a kind has no use for changes nothing
+    unread = set(plain) - {*numbers_of(light), "kind", "azimuth", "elevation"}
+    assert light_of({**plain, **dict.fromkeys(unread)}) == back
+
+
 def test_a_page_takes_lights_of_all_kinds_and_no_others() -> None:
-    for kind in values_of(LightKind):
+    for kind in LIGHTS:
         assert light_kind(light_of(said_light({"kind": kind}))) == kind
     said = {**plain_light(point((1.0, 2.0, 3.0))), "kind": "lamp"}
     line = "the kind of a light is one of directional, point, spot, not 'lamp'"

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
-from basrelief.baking.tables import FUNCTIONS
+from basrelief.baking.tables import function_of
 from basrelief.engine import choose_engine
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
@@ -289,7 +289,7 @@ def landed(
     """How many texels behind the first hit each of many rays ends; whether it says that it has
     found it; its reads."""
     heights = np.asarray(heights, np.float32)
-    baked = FUNCTIONS[technique.bake](heights, edge, engine)
+    baked = function_of(technique.bake)(heights, edge, engine)
     program = Program(ended, {displace: technique}, edge)
     given = {
         "fan": Fan(reach, 0),

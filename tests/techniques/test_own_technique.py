@@ -144,7 +144,7 @@ def test_a_bake_that_there_is_not_is_told(here: Path) -> None:
     own(head + by_name)
     line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
     assert re.search(r"my\.py:3: `@technique\(bake=\"cone_map\"\)`: .*as CONE_MAP of", line), line
-    other = 'MINE = Bake("heaps", "Heaps.", ())\nmine = technique(bake=MINE)(TECHNIQUES["cone"])\n'
+    other = 'MINE = Bake("heaps", ())\nmine = technique(bake=MINE)(TECHNIQUES["cone"])\n'
     own(head + other)
     line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
     assert "no function runs the bake heaps" in line

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import base64
-import itertools
+import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,13 +24,15 @@ from basrelief.measure.truth import truth
 from basrelief.rendering import textures
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
-from basrelief.techniques import BAKES, TECHNIQUES
-from basrelief.viewer import write_view
+from basrelief.techniques import BAKES, TECHNIQUES, Bake
+from basrelief.viewer import page, write_view
 from helpers.agreement import assert_agree
 from helpers.browser import SOFTWARE, chromium
 from helpers.pngs import png
+from helpers.repository import REPOSITORY
 
 TEXELS = 64
+WEB = "src/basrelief/viewer/web"
 
 
 @pytest.fixture(scope="module")
@@ -113,12 +115,36 @@ READ = """async ([codes, height, width, name, edge]) => {
 }"""
 
 
+STEPS = re.findall(r'case "(\w+)":', (REPOSITORY / WEB / "bakes.js").read_text())
+"""The tables that the page can bake."""
+
+
+def test_the_page_bakes_what_it_is_not_given() -> None:
+    def names(bakes: Collection[Bake]) -> set[str]:
+        mips = {f"mip_{bake.name}" for bake in bakes if bake.all_levels}
+        return mips | {bake.name for bake in bakes}
+
+    assert names(page._BAKED_BY_PAGES) <= set(STEPS) <= names(BAKES.values())
+
+
+def test_a_page_is_given_the_tables_that_it_does_not_bake(
+    material: Material, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(page, "_BAKED_BY_PAGES", ())
+    engine = choose_engine("cpu")
+    made = page._bakes(material, 10**7, engine)
+    assert set(made) == set(BAKES)
+    # as many as there is room for
+    first, *_ = made
+    assert set(page._bakes(material, len(made[first]["content"]), engine)) == {first}
+
+
 @pytest.mark.parametrize("shape", [(64, 96), (50, 37), (5, 3), (1, 1)])
 @pytest.mark.parametrize(
     ("name", "edge"),
     [
-        *itertools.product(BAKES, ("wrap", "clamp")),
-        *((f"mip_{name}", "wrap") for name, bake in BAKES.items() if bake.all_levels),
+        *((name, edge) for name in STEPS for edge in ("wrap", "clamp") if name in BAKES),
+        *((name, "wrap") for name in STEPS if name not in BAKES),
     ],
 )
 def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, int]) -> None:

@@ -1,6 +1,7 @@
 """Baking a material's maps to files: which bakes there are, and how each is stored.
 
-A bake more is a line in `OPTIONS`. `docs/bake.md` says what is in each file.
+A bake more is a line in `OPTIONS`; one that techniques declare, in `tables.TABLES`. `docs/bake.md`
+says what is in each file.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, assert_never
 
+from basrelief.baking.tables import TABLES, table
 from basrelief.errors import InputError
 
 if TYPE_CHECKING:
@@ -71,16 +73,16 @@ class Option:
     make: Callable[[Baking], Made]
 
 
-def _table(name: str, end: str) -> Callable[[Baking], Made]:
+def _table(name: str, about: str) -> Option:
     """The table of a bake that techniques declare: four 16-bit channels already."""
 
     def make(baking: Baking) -> Made:
-        from basrelief.baking.tables import table
         from basrelief.techniques import BAKES
 
-        return Made({end: table(BAKES[name], baking.heights(), baking.edge, baking.engine)})
+        made = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
+        return Made({name.removesuffix("_map"): made})
 
-    return make
+    return Option(about, make)
 
 
 def _horizon(baking: Baking) -> Made:
@@ -139,12 +141,7 @@ OPTIONS: dict[str, Option] = {
     "height": Option("Heights, from normals.", _height),
     "occlusion": Option("Ambient occlusion: the sky that each texel sees.", _occlusion),
     "horizon": Option("The elevation of the horizon in 8 directions.", _horizon),
-    # what techniques declare; said again here, so that listing it loads no shaders
-    "cone": Option("Cones that the surface does not rise into.", _table("cone_map", "cone")),
-    "relaxed_cone": Option(
-        "Wider cones, for a search after each leap.", _table("relaxed_cone_map", "relaxed_cone")
-    ),
-    "bounds": Option("What the technique exact goes by.", _table("bounds", "bounds")),
+    **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
 }
 """What `basrelief bake` makes, by the name of its option."""
 

@@ -1,36 +1,48 @@
-"""The tables that techniques declare: which function runs the passes of each.
+"""The tables that techniques declare: what each is, and which function runs its passes.
 
-A declaration (`basrelief.techniques.bake`) that is not listed here cannot be baked.
+A declaration (`basrelief.techniques.bake`) that is not listed here cannot be baked. Listing them
+loads no shaders: the command line names them in its help.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from basrelief.baking.cache import kept
-from basrelief.baking.cone import cone_map, relaxed_cone_map
-from basrelief.baking.exact import bounds
-from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.lang.resources import Edge
-from basrelief.techniques import BOUNDS, CONE_MAP, RELAXED_CONE_MAP, Bake
 
-FUNCTIONS: dict[Bake, Callable[..., NDArray[np.uint16]]] = {
-    BOUNDS: bounds,
-    CONE_MAP: cone_map,
-    RELAXED_CONE_MAP: relaxed_cone_map,
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from basrelief.engine import Engine
+    from basrelief.lang.resources import Edge
+    from basrelief.techniques import Bake
+
+TABLES: dict[str, tuple[str, str]] = {
+    "cone_map": ("cone", "Cones that the surface does not rise into."),
+    "relaxed_cone_map": ("cone", "Wider cones, for a search after each leap."),
+    "bounds": ("exact", "What the technique exact goes by."),
 }
-"""What bakes each table from heights (h, w) float32, an edge and an engine: (rows, columns, 4)."""
+"""By the name of the declaration: the module beside this one whose function of the same name bakes
+it from heights (h, w) float32, an edge and an engine, (rows, columns, 4); what it is, in a line."""
+
+
+def function_of(bake: Bake) -> Callable[..., NDArray[np.uint16]]:
+    """The function that runs the passes of a declared bake."""
+    made: Callable[..., Any] = getattr(
+        import_module(f"basrelief.baking.{TABLES[bake.name][0]}"), bake.name
+    )
+    return made
 
 
 def check_bake(bake: Bake | None, technique: str) -> None:
     """Raise InputError where nothing bakes what a technique declares."""
-    if bake is not None and bake not in FUNCTIONS:
-        known = ", ".join(each.name.upper() for each in FUNCTIONS)
+    from basrelief.techniques import BAKES
+
+    if bake is not None and not (bake.name in TABLES and BAKES.get(bake.name) is bake):
+        known = ", ".join(sorted(name.upper() for name in TABLES))
         raise InputError(
             f"{technique}: no function runs the bake {bake.name} that it declares; "
             f"import {known} from basrelief.techniques"
@@ -49,5 +61,7 @@ def table(
 
     `all_levels` is for bakes that cover the lower levels too.
     """
+    from basrelief.baking.cache import kept
+
     parameters: dict[str, Any] = {"all_levels": True} if all_levels else {}
-    return kept(FUNCTIONS[bake], heights, edge, engine, **parameters)
+    return kept(function_of(bake), heights, edge, engine, **parameters)

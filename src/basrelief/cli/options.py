@@ -10,11 +10,12 @@ import functools
 import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
 from basrelief.baking.files import OPTIONS
+from basrelief.shading import kinds
 
 __all__ = [
     "Bakes",
@@ -40,6 +41,10 @@ def _option(help: str, metavar: str | None = None, name: str | None = None) -> A
     return typer.Option(*names, help=help, metavar=metavar)
 
 
+def _choice(kind: Any, lead: str = "") -> Any:
+    return _option(f"{lead}{kinds.either(get_args(kind))}.")
+
+
 class Relief:
     """How the relief is drawn."""
 
@@ -51,17 +56,17 @@ class Relief:
     scale: Annotated[Number, _option("Depth as a fraction of a tile's width.")]
     level: Annotated[Number, _option("The height on the polygon: 1 pushes the relief in.")]
     projection: Annotated[Text, _option("full, biased or limited.")]
-    heights: Annotated[Text, _option("How they are read: sharp, smooth or mip.")]
+    heights: Annotated[Text, _choice(kinds.HeightsKind, "How they are read: ")]
     fade: Annotated[Text, _option("Whole up to a distance, gone from another.", "NEAR,FAR")]
-    edge: Annotated[Text, _option("Beyond the map: wrap, clamp or clip.")]
-    shape: Annotated[Text, _option("plane, box, sphere or cylinder.")]
+    edge: Annotated[Text, _choice(kinds.EdgeKind, "Beyond the map: ")]
+    shape: Annotated[Text, _choice(kinds.ShapeKind)]
     stretch: Annotated[Text, _option("Stretch the shape along the world's axes.", "X,Y,Z")]
 
 
 class Surface:
     """What the relief is covered with."""
 
-    surface: Annotated[Text, _option("standard or landscape.")]
+    surface: Annotated[Text, _choice(kinds.SurfaceKind)]
     tiling: Annotated[Text, _option("Tiles along u and v.", "UxV")]
     shift: Annotated[Text, _option("Move all maps, in tiles.", "U,V")]
     map_tiling: Annotated[
@@ -69,7 +74,7 @@ class Surface:
     ]
     map_shift: Annotated[Texts, _option("Move one map, in its tiles.", "MAP=U,V")]
     mapping: Annotated[Text, _option("Colour laid on: planar, triplanar.")]
-    alpha: Annotated[Text, _option("What opacity means: blend, mask or opaque.")]
+    alpha: Annotated[Text, _choice(kinds.AlphaKind, "What opacity means: ")]
     layer: Annotated[Text, _option("A second material over it.", "FOLDER|sample:NAME")]
     layer_tiling: Annotated[Text, _option("Its tiles (10x10).", "UxV")]
     layer_shift: Annotated[Text, _option("Move it, in its tiles.", "U,V")]
@@ -87,12 +92,12 @@ class Light:
             "--light",
         ),
     ]
-    shading_model: Annotated[Text, _option("ggx or phong.")]
-    shadows: Annotated[Text, _option("none, hard or soft.")]
-    shadows_on: Annotated[Text, _option("Other objects' fall on: relief or polygon.")]
-    casts: Annotated[Text, _option("What throws a shadow: shape, opaque or none.")]
+    shading_model: Annotated[Text, _choice(kinds.ShadingModel)]
+    shadows: Annotated[Text, _choice(kinds.ShadowsKind)]
+    shadows_on: Annotated[Text, _choice(kinds.ShadowsOnKind, "Other objects' fall on: ")]
+    casts: Annotated[Text, _choice(kinds.CastsKind, "What throws a shadow: ")]
     occlusion_kind: Annotated[Text, _option("It acts on: ambient light, or every (directional).")]
-    fog: Annotated[Text, _option("none, linear, exponential or exponential_squared.")]
+    fog: Annotated[Text, _choice(kinds.FogKind)]
     background: Annotated[Text, _option("A linear colour, or none.", "R,G,B")]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, assert_never
 
 from basrelief.engine import Engine
@@ -66,26 +66,23 @@ def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Progra
 
 def variant_of(thing: Object, scene: Scene) -> Variant:
     """What an object's program depends on, beside its technique and surface."""
-    return Variant(
-        shape=thing.shape,
-        displaced=thing.has_relief,
-        boxed=displaced_by(thing).boxes,
-        projection=thing.relief_projection,
-        fades=thing.fade is not None,
-        edge=thing.edge,
-        alpha=thing.alpha,
-        surface=thing.surface,
-        mapping=thing.mapping,
-        apart=bool(thing.tilings),
-        layer=thing.layer is not None,
-        shadows=scene.shadows,
-        casts=scene.casts,
-        shadows_on=scene.shadows_on,
-        shading_model=scene.shading_model,
-        occlusion_kind=scene.occlusion_kind,
-        fog=scene.fog,
+    # what the object or the scene has by the same name; `casts` is the scene's
+    shared = {
+        each.name: getattr(owner, each.name)
+        for owner in (thing, scene)
+        for each in fields(Variant)
+        if hasattr(owner, each.name)
+    }
+    derived = {
+        "displaced": thing.has_relief,
+        "boxed": displaced_by(thing).boxes,
+        "projection": thing.relief_projection,
+        "fades": thing.fade is not None,
+        "apart": bool(thing.tilings),
+        "layer": thing.layer is not None,
         **{f"{name}_map": there for name, there in mapped(thing).items()},
-    )
+    }
+    return Variant(**shared | derived)
 
 
 def reach_of(thing: Object) -> Program:
@@ -146,17 +143,24 @@ def maps_of(thing: Object, engine: Engine) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
-    """The values of an object's program, all but the place of the sample and what others cast."""
+def own_values(thing: Object, engine: Engine) -> dict[str, Any]:
+    """The values of an object's programs that are its own: maps, place, relief and surface."""
     return {
         **maps_of(thing, engine),
-        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "placement": thing.placement(),
         "depth": thing.depth(),
         "smoothing": thing.smoothing,
         "settings": thing.settings if thing.has_relief else Nothing(),
         "finish": _finish(thing),
         "places": thing.map_places(),
+    }
+
+
+def values_of(thing: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
+    """The values of an object's program, all but the place of the sample and what others cast."""
+    return {
+        **own_values(thing, engine),
+        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "shading": scene.shading,
         "shadowing": scene.shadowing,
         "fog": scene.air,

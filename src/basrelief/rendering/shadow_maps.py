@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine
 from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
-from basrelief.rendering.programs import map_edge, maps_of, reach_of
+from basrelief.rendering.programs import map_edge, own_values, reach_of
 from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
+from basrelief.scene.lights import numbers_of
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
-from basrelief.shading.kinds import light_kind
 from basrelief.shading.lights import FAR_AWAY, Light
 from basrelief.shading.shadow_map import CastView
-from basrelief.techniques import Nothing
 
 _WIDEST = 100.0
 """The widest angle, in degrees, of one depth map; a lamp that needs more has six, all around."""
@@ -67,22 +66,17 @@ def _cameras(
 ) -> Iterator[Camera]:
     position = np.array([*light.position], np.float64)
     way = np.array([*light.direction], np.float64)
-    kind = light_kind(light)
-    match kind:
-        case "directional":
-            yield _looking(center - way * 2.0 * radius, way, side, orthographic_height=2.0 * radius)
+    numbers = numbers_of(light)
+    if "position" not in numbers:
+        yield _looking(center - way * 2.0 * radius, way, side, orthographic_height=2.0 * radius)
+        return
+    if "angle" in numbers:
+        half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
+        if 2.0 * half <= _WIDEST:
+            wide = math.tan(math.radians(half)) * side[0] / (side[0] - 2.0)
+            degrees = max(2.0 * math.degrees(math.atan(wide)), _NARROWEST)
+            yield _looking(position, way, side, field_of_view=degrees)
             return
-        case "spot":
-            half = math.degrees(math.acos(max(-1.0, min(1.0, float(light.cos_outer)))))
-            if 2.0 * half <= _WIDEST:
-                wide = math.tan(math.radians(half)) * side[0] / (side[0] - 2.0)
-                degrees = max(2.0 * math.degrees(math.atan(wide)), _NARROWEST)
-                yield _looking(position, way, side, field_of_view=degrees)
-                return
-        case "point":
-            pass
-        case _:
-            assert_never(kind)
     # all that a lamp lights, or a cone too wide for one depth map
     away = float(np.linalg.norm(center - position))
     half = math.degrees(math.asin(min(1.0, radius / max(away, 1e-9))))
@@ -151,15 +145,7 @@ def _distances(
     """How far each view of each light reaches until it meets an object."""
     if thing.casts == "none" or not views:
         return None
-    program = reach_of(thing)
-    values = maps_of(thing, engine) | {
-        "placement": thing.placement(),
-        "depth": thing.depth(),
-        "smoothing": thing.smoothing,
-        "settings": thing.settings if thing.has_relief else Nothing(),
-        "finish": thing.finish,
-        "places": thing.map_places(),
-    }
+    program, values = reach_of(thing), own_values(thing, engine)
     made = []
     for view in views:
         seen = View(view.camera, Vec2(0.5, 0.5))

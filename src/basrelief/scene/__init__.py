@@ -9,7 +9,6 @@ from basrelief.scene.checks import checked_record
 from basrelief.scene.lights import directional, point, spot
 from basrelief.scene.objects import (
     OWN_TILINGS,
-    SHAPES,
     SURFACES,
     Layer,
     Object,
@@ -17,6 +16,7 @@ from basrelief.scene.objects import (
     technique_named,
 )
 from basrelief.scene.scene import BACKGROUND, Scene
+from basrelief.scene.shapes import SHAPES
 from basrelief.scene.transforms import LYING, placed, turned
 from basrelief.scene.views import LookAt, Orbit
 

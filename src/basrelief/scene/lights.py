@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.scene.checks import FAR, within
+from basrelief.shading.kinds import either
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
 
 _Color = Sequence[float]
@@ -72,7 +74,27 @@ LIGHTS: dict[str, Callable[..., Light]] = {
     "point": point,
     "spot": spot,
 }
-"""What makes a light of each kind."""
+"""What makes a light of each kind, by name, in the order of the shaders' numbers."""
+MAKERS = either(LIGHTS)
+
+
+def light_kind(light: Light) -> str:
+    """The kind of a light, by its name; raises InputError for a number that stands for none."""
+    kinds = dict(enumerate(LIGHTS))
+    if int(light.kind) not in kinds:
+        known = ", ".join(f"{number} ({name})" for number, name in kinds.items())
+        raise InputError(f"the kind of a light is one of {known}, not {light.kind}")
+    return kinds[int(light.kind)]
+
+
+def numbers_of(kind: str | Light) -> tuple[str, ...]:
+    """The numbers that make a light of a kind, or one as a light is.
+
+    A kind with a `position` is placed, one with an `azimuth` or a `target` aimed; one with an
+    `angle` has a cone.
+    """
+    name = kind if isinstance(kind, str) else light_kind(kind)
+    return tuple(inspect.signature(LIGHTS[name]).parameters)
 
 
 def _light(

@@ -12,14 +12,14 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, assert_never
+from typing import Protocol
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, turned
 from basrelief.scene.checks import within
-from basrelief.shading.kinds import light_kind
+from basrelief.scene.lights import numbers_of
 from basrelief.shading.lights import Light
 
 __all__ = [
@@ -182,15 +182,10 @@ def _turned_round(camera: LookAt, degrees: float) -> LookAt:
 
 def _light_round(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
     direction = Vec3(*_round_y([*light.direction], degrees))
-    kind = light_kind(light)
-    match kind:
-        case "directional":
-            return replace(light, direction=direction)
-        case "point" | "spot":
-            position = Vec3(*_round_target([*light.position], camera.target, degrees))
-            return replace(light, position=position, direction=direction)
-        case _:
-            assert_never(kind)
+    if "position" not in numbers_of(light):
+        return replace(light, direction=direction)
+    position = Vec3(*_round_target([*light.position], camera.target, degrees))
+    return replace(light, position=position, direction=direction)
 
 
 def _dust_for(cracks: Material) -> Material:

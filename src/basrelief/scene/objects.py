@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, assert_never, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,8 @@ from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
 from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
-from basrelief.scene.transforms import LYING, OUTLINES, Transform, placed, sound
+from basrelief.scene.shapes import SHAPES
+from basrelief.scene.transforms import LYING, Transform, placed, sound
 from basrelief.shading.intersection import Placement
 from basrelief.shading.kinds import (
     AlphaKind,
@@ -23,10 +23,9 @@ from basrelief.shading.kinds import (
     EdgeKind,
     HeightsKind,
     MappingKind,
-    Projection,
     ShapeKind,
     SurfaceKind,
-    values_of,
+    menus_of,
 )
 from basrelief.shading.relief import Depth
 from basrelief.shading.surfaces.landscape import Landscape
@@ -35,18 +34,10 @@ from basrelief.shading.surfaces.surface import MapPlaces
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import technique_from_file
+from basrelief.techniques.technique import Projection
 
-SHAPES: tuple[ShapeKind, ...] = get_args(ShapeKind)
 DEFAULT_SCALE = 0.05
 """The depth of a relief whose material does not say: 5 % of a tile's width."""
-
-_TILING: dict[ShapeKind, tuple[float, float]] = {
-    "plane": (1.0, 1.0),
-    "box": (1.0, 1.0),
-    "sphere": (4.0, 2.0),
-    "cylinder": (3.0, 1.0),
-}
-"""Tiles around and along each shape so that a square tile stays about square."""
 
 
 @dataclass(frozen=True)
@@ -146,17 +137,8 @@ class Object:
     def __post_init__(self) -> None:
         self._check_kinds()
         self._choose_technique()
-        one_of("projection", self.projection, (None, *values_of(Projection)))
-        for name, kinds in (
-            ("shape", ShapeKind),
-            ("heights", HeightsKind),
-            ("edge", EdgeKind),
-            ("mapping", MappingKind),
-            ("alpha", AlphaKind),
-            ("casts", CastsKind),
-            ("surface", SurfaceKind),
-        ):
-            one_of(name, getattr(self, name), values_of(kinds))
+        for name, values in menus_of(Object).items():
+            one_of(name, getattr(self, name), values)
         within("scale", self.relief_scale, 0.0, 10.0)
         within("level", self.relief_level, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
@@ -252,8 +234,8 @@ class Object:
         """How far the relief stands above the polygon at most, in lengths of object space."""
         if not self.has_relief:
             return 0.0
-        around = _width_around(self.shape)
-        return (1.0 - self.relief_level) * self.relief_scale * around / abs(self.tiles[0])
+        width = SHAPES[self.shape].width
+        return (1.0 - self.relief_level) * self.relief_scale * width / abs(self.tiles[0])
 
     @property
     def relief_projection(self) -> Projection:
@@ -265,24 +247,19 @@ class Object:
         """Tiles along u and v; more along v where a tile is wider than high."""
         if self.tiling is not None:
             return self.tiling
-        u, v = _TILING[self.shape]
-        match self.shape:
-            case "plane" | "box":
-                return u, v
-            case "sphere" | "cylinder":
-                return u, v * self.material.proportion
-            case _:
-                assert_never(self.shape)
+        facts = SHAPES[self.shape]
+        u, v = facts.tiles
+        return u, v * self.material.proportion if facts.round else v
 
     @property
     def to_world(self) -> Transform:
         """The transform in use.
 
-        Without one a plane lies flat, with the proportions of the maps; other shapes stand.
+        Without one a flat shape lies, with the proportions of the maps; other shapes stand.
         """
         if self.transform is not None:
             return np.asarray(self.transform, np.float64)
-        if self.shape != "plane":
+        if not SHAPES[self.shape].flat:
             return np.eye(4)
         proportion = self.material.proportion
         # as deep as it is wide: the depth of a relief is a share of a tile's width
@@ -292,7 +269,7 @@ class Object:
     def outline(self) -> NDArray[np.float64]:
         """Points of world space, (n, 3), that the object lies between."""
         matrix = self.to_world
-        return OUTLINES[self.shape] @ matrix[:3, :3].T + matrix[:3, 3]
+        return SHAPES[self.shape].outline @ matrix[:3, :3].T + matrix[:3, 3]
 
     def placement(self) -> Placement:
         """The shaders' record of where the object is."""
@@ -343,17 +320,6 @@ class Object:
             tilings={name: each.moved(u, v) for name, each in self.tilings.items()},
             layer=layer and replace(layer, tiling=layer.tiling.moved(u, v)),
         )
-
-
-def _width_around(shape: ShapeKind) -> float:
-    """The length of u from 0 to 1 in object space: a side, or the circumference."""
-    match shape:
-        case "plane" | "box":
-            return 1.0
-        case "sphere" | "cylinder":
-            return math.pi
-        case _:
-            assert_never(shape)
 
 
 def _columns(matrix: NDArray[Any]) -> Mat3:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.scene.checks import FAR, one_of, record_of, within
-from basrelief.scene.lights import directional
+from basrelief.scene.lights import MAKERS, directional, light_kind
 from basrelief.scene.objects import Object
+from basrelief.scene.shapes import SHAPES
 from basrelief.scene.views import LookAt, Orbit
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import Camera
@@ -22,8 +22,7 @@ from basrelief.shading.kinds import (
     ShadingModel,
     ShadowsKind,
     ShadowsOnKind,
-    light_kind,
-    values_of,
+    menus_of,
 )
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
@@ -74,14 +73,8 @@ class Scene:
         objects = tuple(self.objects) if np.iterable(self.objects) else (self.objects,)
         if not all(isinstance(thing, Object) for thing in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
-        for name, kinds in (
-            ("shading_model", ShadingModel),
-            ("shadows", ShadowsKind),
-            ("shadows_on", ShadowsOnKind),
-            ("occlusion_kind", OcclusionKind),
-            ("fog", FogKind),
-        ):
-            one_of(name, getattr(self, name), values_of(kinds))
+        for name, values in menus_of(Scene).items():
+            one_of(name, getattr(self, name), values)
         self._check_lights()
         within("shadow_map", self.shadow_map, 16, 8192)
         for name, record, owner in (
@@ -106,9 +99,7 @@ class Scene:
         object.__setattr__(self, "lights", tuple(self.lights))
         for light in self.lights:
             if not isinstance(light, Light):
-                raise InputError(
-                    f"a light is {light!r}: give one made by directional, point or spot"
-                )
+                raise InputError(f"a light is {light!r}: give one made by {MAKERS}")
             light_kind(light)
 
     @property
@@ -140,24 +131,12 @@ class Scene:
         for thing in self.objects:
             x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
             advice = "move it away, for example --camera distance=3"
-            if _inside(thing, x, y, z):
+            facts = SHAPES[thing.shape]
+            # within a flat shape is within its raised relief
+            if facts.contains(x, y, z) and (not facts.flat or 0.0 <= z <= thing.raised):
                 raise InputError(f"the camera is inside the {thing.shape}; {advice}")
-            if thing.shape == "plane" and z <= 0.0 and len(self.objects) == 1:
+            if facts.flat and z <= 0.0 and len(self.objects) == 1:
                 raise InputError(
-                    "the camera is behind the plane, which has no back; lift it to the other "
-                    "side, for example --camera elevation=35"
+                    f"the camera is behind the {thing.shape}, which has no back; lift it to the "
+                    "other side, for example --camera elevation=35"
                 )
-
-
-def _inside(thing: Object, x: float, y: float, z: float) -> bool:
-    match thing.shape:
-        case "plane":
-            return max(abs(x), abs(y)) <= 0.5 and 0.0 <= z <= thing.raised
-        case "box":
-            return max(abs(x), abs(y), abs(z)) <= 0.5
-        case "sphere":
-            return math.hypot(x, y, z) <= 0.5
-        case "cylinder":
-            return math.hypot(x, z) <= 0.5 and abs(y) <= 0.5
-        case _:
-            assert_never(thing.shape)

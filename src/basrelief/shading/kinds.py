@@ -1,22 +1,15 @@
 """Kinds: the values of each option of a scene that is one of a few.
 
-Each is a `Literal`, so that a type checker sees where code forgets one of its values. `values_of`
-lists them. Objects and scenes refuse any other value when they are made.
+Each is a `Literal`, so that a type checker sees where code forgets one of its values. Records have
+them as the types of their fields, and `menus_of` lists those: objects and scenes refuse any other
+value, and programs and pages have the same choices. Nothing heavy is imported: help lists them too.
 """
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
-
-from basrelief.errors import InputError
-from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
-from basrelief.techniques.technique import Projection
-
-__all__ = [
-    "AlphaKind", "CastsKind", "EdgeKind", "FogKind", "HeightsKind", "LightKind", "MappingKind",
-    "OcclusionKind", "Projection", "ShadingModel", "ShadowsKind", "ShadowsOnKind", "ShapeKind",
-    "SurfaceKind", "light_kind", "values_of",
-]  # fmt: skip
+import functools
+from collections.abc import Iterable
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 # --- of an object
 ShapeKind = Literal["plane", "box", "sphere", "cylinder"]
@@ -28,25 +21,25 @@ CastsKind = Literal["shape", "opaque", "none"]
 SurfaceKind = Literal["standard", "landscape"]
 
 # --- of a scene
-LightKind = Literal["directional", "point", "spot"]
 ShadingModel = Literal["ggx", "phong"]
 ShadowsKind = Literal["none", "hard", "soft"]
 ShadowsOnKind = Literal["relief", "polygon"]
 OcclusionKind = Literal["ambient", "directional"]
 FogKind = Literal["none", "linear", "exponential", "exponential_squared"]
 
-_OF_LIGHTS: dict[int, LightKind] = {DIRECTIONAL: "directional", POINT: "point", SPOT: "spot"}
+
+def either(values: Iterable[str]) -> str:
+    """Values in a sentence: a, b or c."""
+    *others, last = values
+    return f"{', '.join(others)} or {last}"
 
 
-def values_of(kind: Any) -> tuple[str, ...]:
-    """The values of one of the types above, in order."""
-    return get_args(kind)
-
-
-def light_kind(light: Light) -> LightKind:
-    """The kind of a light, by its name; raises InputError for a number that stands for none."""
-    found = _OF_LIGHTS.get(int(light.kind))
-    if found is None:
-        known = ", ".join(f"{number} ({name})" for number, name in _OF_LIGHTS.items())
-        raise InputError(f"the kind of a light is one of {known}, not {light.kind}")
-    return found
+@functools.cache
+def menus_of(record: type) -> dict[str, tuple[Any, ...]]:
+    """The fields of a record that are one of a few values, with these; None where it may be."""
+    return {
+        name: (*get_args(kind), None) if kind is not hint else get_args(kind)
+        for name, hint in get_type_hints(record).items()
+        for kind in (hint, *get_args(hint))
+        if get_origin(kind) is Literal
+    }

@@ -26,6 +26,7 @@ from basrelief.shading.lights import Light, arriving
 from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, past_others
+from basrelief.shading.shapes import inside
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
     Spot,
@@ -212,21 +213,6 @@ def facing(normal: Vec3, slope: Vec3, variant: Variant) -> Vec3:
     if variant.boxed and slope.z < 0.5:
         return slope
     return normal
-
-
-# --- the edge of the object ----------------------------------------------------------------------
-
-
-@shader
-def inside(place: Vec2, variant: Variant) -> bool:
-    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape: where maps
-    are clipped, what is displaced beyond the shape's own edge is not drawn."""
-    if variant.edge != "clip":
-        return True
-    if variant.shape in ("sphere", "cylinder"):
-        # it goes round: it has rims above and below, and none along u
-        return place.y >= 0.0 and place.y <= 1.0
-    return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
 
 
 # --- where other objects' shadows fall -----------------------------------------------------------

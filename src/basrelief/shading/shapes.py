@@ -145,21 +145,21 @@ def sphere(ray: ShapeRay) -> SurfacePoint:
 
     At the poles ∂P/∂u vanishes; closer to them than an angle of 1e-4 its length is held there.
     """
-    inside = ball(ray.origin, ray.direction)
-    if inside.enter <= 0.0 or inside.enter > inside.leave:
+    span = ball(ray.origin, ray.direction)
+    if span.enter <= 0.0 or span.enter > span.leave:
         return nothing()
-    normal = normalize(ray.origin + ray.direction * inside.enter)
+    normal = normalize(ray.origin + ray.direction * span.enter)
     ring = sqrt(normal.x * normal.x + normal.z * normal.z)
     east = east_of(normal, ring)
     return SurfacePoint(
         found=True,
-        distance=inside.enter,
+        distance=span.enter,
         position=normal * 0.5,
         normal=normal,
         along_u=east * (PI * max(ring, NARROWEST)),
         along_v=Vec3(normal.y * -east.z, -ring, normal.y * east.x) * (0.5 * PI),
         uv=Vec2(around(normal), atan2(ring, normal.y) / PI),
-        leave=inside.leave,
+        leave=span.leave,
         radius=0.5,
     )
 
@@ -205,6 +205,18 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
         leave=leave,
         radius=0.5,
     )
+
+
+@shader
+def inside(place: Vec2, variant: Variant) -> bool:
+    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape: where maps
+    are clipped, what is displaced beyond the shape's own edge is not drawn."""
+    if variant.edge != "clip":
+        return True
+    if variant.shape in ("sphere", "cylinder"):
+        # it goes round: it has rims above and below, and none along u
+        return place.y >= 0.0 and place.y <= 1.0
+    return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
 
 
 # --- what they are made of -------------------------------------------------------------------

@@ -9,13 +9,13 @@ from basrelief.shading.kinds import (
     FogKind,
     MappingKind,
     OcclusionKind,
-    Projection,
     ShadingModel,
     ShadowsKind,
     ShadowsOnKind,
     ShapeKind,
     SurfaceKind,
 )
+from basrelief.techniques.technique import Projection
 
 
 @static

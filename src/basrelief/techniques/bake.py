@@ -18,8 +18,6 @@ class Bake:
 
     name: str
     """Its name on the command line, in the viewer and in messages."""
-    about: str
-    """What the table holds, in one line."""
     programs: tuple[Shader[..., Any], ...]
     """The entry of each pass, from the first on."""
     all_levels: bool = False

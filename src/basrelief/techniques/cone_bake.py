@@ -281,11 +281,9 @@ def as_stored(slope: float) -> Stored:
 
 CONE_MAP = Bake(
     "cone_map",
-    "Cones that the surface does not rise into.",
     (first_windows, next_windows, steepest, cone_of),
 )
 RELAXED_CONE_MAP = Bake(
     "relaxed_cone_map",
-    "Wider cones, for a search after each leap.",
     (far_side, first_windows, next_windows, steepest, relaxed_cone_of),
 )

@@ -250,7 +250,6 @@ def packed(codes: Vec4) -> Packed:
 
 BOUNDS = Bake(
     "bounds",
-    "What the technique exact goes by.",
     (block_top, window_top, near_record, far_record),
     all_levels=True,
 )

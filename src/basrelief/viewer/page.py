@@ -24,7 +24,7 @@ from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Scene
-from basrelief.techniques import RELAXED_CONE_MAP, Nothing
+from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import printed
@@ -42,8 +42,9 @@ _REST = 400_000
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """The techniques of the still pictures, for browsers that cannot draw."""
-_LONG_BAKE = RELAXED_CONE_MAP
-"""What the page is given though it could bake it: without a GPU that takes it minutes."""
+_BAKED_BY_PAGES = (BOUNDS, CONE_MAP)
+"""What pages soon bake themselves; other tables come with them. `web/bakes.js` bakes relaxed cones
+too, but without a GPU that takes it minutes."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
     "text", "colors", "missed", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs",
@@ -177,14 +178,18 @@ def _maps(thing: Object, engine: Engine) -> dict[str, Any]:
 
 
 def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
-    """What takes a page long to bake, where it fits in so many bytes."""
+    """What pages do not bake themselves, where it fits in so many bytes."""
     found: dict[str, Any] = {}
-    if material.height is not None and room > material.height.width * material.height.height:
-        baked = textures.baked(material, "wrap", _LONG_BAKE, engine)
+    height = material.height
+    for name, bake in BAKES.items():
+        if bake in _BAKED_BY_PAGES or height is None or room <= height.width * height.height:
+            continue
+        baked = textures.baked(material, "wrap", bake, engine)
         assert baked is not None
         made = packed(baked.levels[0])
         if len(made["content"]) <= room:
-            found[_LONG_BAKE.name] = made
+            found[name] = made
+            room -= len(made["content"])
     return found
 
 

@@ -13,38 +13,20 @@ from basrelief.lang import Shader
 from basrelief.lang.library import Library, library_of
 from basrelief.lang.resources import buffer_record, members_of
 from basrelief.rendering.programs import SURFACES
-from basrelief.shading.kinds import (
-    AlphaKind,
-    EdgeKind,
-    FogKind,
-    HeightsKind,
-    MappingKind,
-    OcclusionKind,
-    Projection,
-    ShadingModel,
-    ShadowsKind,
-    ShapeKind,
-    SurfaceKind,
-    values_of,
-)
+from basrelief.scene import Object
+from basrelief.shading.kinds import menus_of
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
+from basrelief.shading.variant import Variant
 from basrelief.techniques import TECHNIQUES, Technique, displace
 from basrelief.viewer.bakes import PROGRAMS
 
 MENUS: dict[str, tuple[str, ...]] = {
-    "shape": values_of(ShapeKind),
-    "projection": values_of(Projection),
-    "heights": values_of(HeightsKind),
-    "edge": values_of(EdgeKind),
-    "mapping": values_of(MappingKind),
-    "alpha": values_of(AlphaKind),
-    "surface": values_of(SurfaceKind),
-    "shadows": values_of(ShadowsKind),
-    "shading_model": values_of(ShadingModel),
-    "occlusion_kind": values_of(OcclusionKind),
-    "fog": values_of(FogKind),
+    name: values
+    for name, values in (menus_of(Object) | menus_of(Variant)).items()
+    # shadows on one another are those of several objects, of which a page has one
+    if name not in ("casts", "shadows_on")
 }
 """What a page chooses by name, as `Object` and `Scene` have it."""
 AnyShader = Shader[..., Any]

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, assert_never
+from typing import Any
 
 from basrelief.errors import InputError
-from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional, point, spot
+from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
 from basrelief.scene.checks import one_of, within
-from basrelief.shading.kinds import LightKind, values_of
+from basrelief.scene.lights import LIGHTS, MAKERS, numbers_of
 from basrelief.shading.lights import Light
+from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
-OF_OBJECT = (
-    "shape", "projection", "scale", "level", "bias", "heights", "smoothing", "edge", "tiling",
-    "shift", "mapping", "alpha", "surface",
+_SHARED = (
+    *MENUS, "scale", "level", "bias", "smoothing", "tiling", "shift", "shading", "shadowing", "air"
 )  # fmt: skip
-OF_SCENE = (
-    "shadows", "shading_model", "shading", "shadowing", "occlusion_kind", "fog", "air",
-)  # fmt: skip
-"""The settings that objects and scenes have by the same names."""
-_LIGHTS: dict[LightKind, Callable[[], Light]] = {
-    "directional": directional,
-    "point": lambda: point((0.0, 1.0, 0.0)),
-    "spot": lambda: spot((0.0, 1.0, 0.0)),
-}
-"""The kinds, and what a light of each has where nothing is said."""
+"""The settings that an object or a scene has by the same names."""
 
 
 def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
@@ -38,7 +29,9 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
     technique = techniques_of(thing)[state["technique"]]
     over = thing.layer and replace(thing.layer, tiling=tiling_of(state["layer_tiling"]))
     own = {name: tiling_of(each) for name, each in state["tilings"].items()}
-    of_object = {name: state[name] for name in OF_OBJECT}
+    of_object, of_scene = (
+        {name: state[name] for name in _SHARED if hasattr(owner, name)} for owner in (thing, scene)
+    )
     if state["heights"] not in technique.takes_heights:
         of_object["heights"] = "sharp"
     shown = replace(
@@ -62,7 +55,7 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
         camera=camera_of(state["camera"]),
         lights=tuple(light_of(each) for each in state["lights"]),
         background=None if none else behind,
-        **{name: state[name] for name in OF_SCENE},
+        **of_scene,
     )
 
 
@@ -101,23 +94,14 @@ def camera_of(said: Any) -> Orbit:
 
 def light_of(said: Mapping[str, Any]) -> Light:
     """A light from a page's. Raises InputError for numbers that make none."""
-    color, intensity, falloff = said["color"], said["intensity"], said["falloff"]
-    within("intensity", float(intensity), 0.0, None)
-    one_of("the kind of a light", said["kind"], values_of(LightKind))
-    kind: LightKind = said["kind"]
-    match kind:
-        case "directional":
-            return directional(said["azimuth"], said["elevation"], color, intensity)
-        case "point":
-            return point(said["position"], color, intensity, falloff)
-        case "spot":
-            # the way is that of a light from far away at these angles
-            way = directional(said["azimuth"], said["elevation"]).direction
-            target = [p + float(d) for p, d in zip(said["position"], way, strict=True)]
-            angle, softness = said["angle"], said["softness"]
-            return spot(said["position"], target, color, intensity, falloff, angle, softness)
-        case _:
-            assert_never(kind)
+    within("intensity", float(said["intensity"]), 0.0, None)
+    one_of("the kind of a light", said["kind"], tuple(LIGHTS))
+    names, numbers = numbers_of(said["kind"]), {**said}
+    if "target" in names:
+        # the way is that of a light from far away at these angles
+        way = directional(said["azimuth"], said["elevation"]).direction
+        numbers["target"] = [p + float(d) for p, d in zip(said["position"], way, strict=True)]
+    return LIGHTS[said["kind"]](**{name: numbers[name] for name in names})
 
 
 def said_light(given: Any) -> dict[str, Any]:
@@ -129,10 +113,11 @@ def said_light(given: Any) -> dict[str, Any]:
     if isinstance(given, Light):
         return plain_light(given)
     if not isinstance(given, Mapping):
-        raise InputError(f"a light is {given!r}: give one made by directional, point or spot")
+        raise InputError(f"a light is {given!r}: give one made by {MAKERS}")
     kind = given.get("kind", "directional")
-    one_of("the kind of a light", kind, values_of(LightKind))
-    usual = plain_light(_LIGHTS[kind]())
+    one_of("the kind of a light", kind, tuple(LIGHTS))
+    place = {"position": (0.0, 1.0, 0.0)} if "position" in numbers_of(kind) else {}
+    usual = plain_light(LIGHTS[kind](**place))
     for name in given:
         one_of("a light's number", name, tuple(usual))
     made = {**usual, **given}

@@ -19,13 +19,14 @@ from basrelief.rendering import textures
 from basrelief.rendering.render import sample_places
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
 from basrelief.scene.checks import FAR, NEAR
+from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
 from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.scene import BACKGROUND
 from basrelief.scene.views import FILLED
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
-from basrelief.shading.kinds import LightKind, ShapeKind, light_kind, values_of
+from basrelief.shading.kinds import ShapeKind
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques import TECHNIQUES, Technique
@@ -129,7 +130,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, thing, techniques),
         "shows": SHOWS,
-        "lightKinds": values_of(LightKind),
+        "lightKinds": {kind: numbers_of(kind) for kind in LIGHTS},
         "limits": LIMITS,
         "names": names(),
         "slots": _slots(),
@@ -185,15 +186,18 @@ def _called(made: Technique[..., Any]) -> str:
 
 
 def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
-    """Where a shape stands, how many tiles it has, and the points that it lies between."""
+    """Where a shape stands, how many tiles it has, and how far it reaches."""
     # a scene's own transform is that of its own shape
     placed = thing.transform if shape == thing.shape else None
     stands = Object(thing.material, shape=shape, technique="flat", transform=placed)
     placement = plain(stands.placement())
+    facts = SHAPES[shape]
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
         "tiling": list(map(float, stands.tiles)),
+        "flat": facts.flat,
+        "radius": round(float(np.linalg.norm(facts.outline, axis=1).max()), 2),
         "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
         "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }
@@ -219,24 +223,17 @@ def state_of(
     main = thing.main_tiling
     made = {
         "technique": name,
-        "shape": thing.shape,
-        "shadows": scene.shadows,
+        **{each: getattr(thing if hasattr(thing, each) else scene, each) for each in MENUS},
         "projection": thing.relief_projection,
-        "shading_model": scene.shading_model,
         "scale": thing.relief_scale,
         "level": thing.relief_level,
         "bias": float(thing.bias),
-        "heights": thing.heights,
-        "edge": thing.edge,
         "fades": thing.fade is not None,
         "fade": list(map(float, thing.fade or (2.0, 4.0))),
         "tiling": list(map(float, thing.tiles)),
         "shift": list(map(float, thing.shift)),
         "apart": bool(thing.tilings),
         "tilings": {each: plain_tiling(thing.tilings.get(each, main)) for each in OWN_TILINGS},
-        "mapping": thing.mapping,
-        "alpha": thing.alpha,
-        "surface": thing.surface,
         "layer": thing.layer is not None,
         "layer_tiling": plain_tiling(thing.layer.tiling if thing.layer else Tiling((10.0, 10.0))),
         "settings": {name: _defaults(each) for name, each in techniques.items()},
@@ -244,8 +241,6 @@ def state_of(
         "smoothing": plain(thing.smoothing),
         "shading": plain(scene.shading),
         "shadowing": plain(scene.shadowing),
-        "occlusion_kind": scene.occlusion_kind,
-        "fog": scene.fog,
         "air": plain(scene.air),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
         "lights": [plain_light(each) for each in scene.lights],
@@ -307,12 +302,11 @@ def plain_light(light: Light) -> dict[str, Any]:
     said = plain(light)
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
-    # a light of another kind has the cone that it would get as a spot
-    kind = light_kind(light)
-    cone = light if kind == "spot" else spot((0.0, 1.0, 0.0))
+    # a light without a cone has the one that it would get as a spot
+    cone = light if "angle" in numbers_of(light) else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
-        "kind": kind,
+        "kind": light_kind(light),
         "position": said["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),

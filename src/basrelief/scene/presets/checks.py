@@ -13,8 +13,9 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import MAPS
-from basrelief.scene import LookAt, Orbit
+from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.scene.lights import LIGHTS
+from basrelief.shading.kinds import menus_of
 
 TEXT, SWITCH, NUMBER, WHOLE = "a text", "true or false", "a number", "a whole number"
 PAIR, TRIPLE = "two numbers, as [1, 2]", "three numbers, as [1, 2, 3]"
@@ -29,20 +30,16 @@ OF_MAPS: dict[str, str] = {
     **dict.fromkeys(MAPS, TEXT),
 }
 OF_OBJECT: dict[str, str] = {
-    **dict.fromkeys(
-        ("technique", "shape", "projection", "heights", "edge", "mapping", "alpha", "casts",
-         "surface", "lengths"),
-        TEXT,
-    ),
+    **dict.fromkeys(("technique", *menus_of(Object), "lengths"), TEXT),
     **dict.fromkeys(("scale", "level", "bias"), NUMBER),
     **dict.fromkeys(("fade", "tiling", "shift"), PAIR),
     **dict.fromkeys(("settings", "smoothing", "finish"), NUMBERS),
     **dict.fromkeys(("tilings", "layer"), TABLE),
-}  # fmt: skip
+}
 OF_TILING = {"tiles": PAIR, "shift": PAIR}
 OF_LAYER = {"material": TEXT, **OF_TILING}
 OF_SCENE: dict[str, str] = {
-    **dict.fromkeys(("shading_model", "shadows", "shadows_on", "occlusion_kind", "fog"), TEXT),
+    **dict.fromkeys(menus_of(Scene), TEXT),
     **dict.fromkeys(("shading", "shadowing", "air"), NUMBERS),
     "shadow_map": WHOLE,
     "background": TRIPLE,

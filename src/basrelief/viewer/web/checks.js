@@ -61,7 +61,7 @@ function fits(mine, value, open) {
 function lightOf(said, data) {
   const [usual] = data.defaults.lights;
   const made = merged(usual, said, data);
-  return data.lightKinds.includes(made.kind) ? made : { ...made, kind: usual.kind };
+  return Object.hasOwn(data.lightKinds, made.kind) ? made : { ...made, kind: usual.kind };
 }
 
 /**

@@ -7,10 +7,8 @@ export type Vec3 = [number, number, number];
 
 // --- the state
 
-export type Shape = "plane" | "box" | "sphere" | "cylinder";
 export type Projection = "full" | "biased" | "limited";
 export type Heights = "sharp" | "smooth" | "mip";
-export type LightKind = "directional" | "point" | "spot";
 export type Show = "color" | "reads" | "missed" | "depth";
 
 /** Numbers and vectors of a record by field. */
@@ -30,7 +28,7 @@ export type Orbit = {
 
 /** A light with the numbers of all kinds; angles in degrees. */
 export type Light = {
-  kind: LightKind;
+  kind: string;
   position: Vec3;
   azimuth: number;
   elevation: number;
@@ -44,7 +42,7 @@ export type Light = {
 /** The settings of menus. */
 export type Chosen = {
   technique: string;
-  shape: Shape;
+  shape: string;
   projection: Projection;
   heights: Heights;
   edge: "wrap" | "clamp" | "clip";
@@ -105,11 +103,13 @@ export type Technique = {
   settings: Setting[];
 };
 
-/** The placement of a shape and the corners of its hull. */
+/** The placement of a shape and how far it reaches: the ball around it, the corners of its hull. */
 export type ShapeData = {
   origin: Vec3;
   to_object: number[];
   tiling: Pair;
+  flat: boolean;
+  radius: number;
   outline: Vec3[];
   world: number[][] | null;
 };
@@ -225,7 +225,7 @@ export type Data = {
   bakes: BakeNumbers;
   menus: Menus;
   techniques: { [technique: string]: Technique };
-  shapes: { [Name in Shape]: ShapeData };
+  shapes: { [shape: string]: ShapeData };
   settings: {
     finish: { [surface: string]: Setting[] };
     shading: Setting[];
@@ -246,7 +246,7 @@ export type Data = {
   colors: DebugColors;
   presets: { [preset: string]: Preset };
   shows: Show[];
-  lightKinds: LightKind[];
+  lightKinds: { [kind: string]: string[] }; // the numbers that make a light
   limits: Limits;
   names: Names;
   maps: { [map: string]: PackedMap };

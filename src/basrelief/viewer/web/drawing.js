@@ -9,7 +9,7 @@ import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
 import { MissedHits } from "view/missed.js";
 import { firstLine, words } from "view/text.js";
 
-/** @import { Data, Heights, Light, LightKind, Pair, Tiling, Values } from "view/data" */
+/** @import { Data, Heights, Light, Pair, Tiling, Values } from "view/data" */
 /** @import { PlacedOrbit } from "view/camera.js" */
 /** @import { Figures } from "view/colors.js" */
 /** @import { Pictures } from "view/dropped.js" */
@@ -383,7 +383,7 @@ export class Drawing {
       fog: state.air,
       lights: state.lights
         .filter((light) => light.intensity > 0)
-        .map((light) => lightRecord(light, data.lightKinds)),
+        .map((light) => lightRecord(light, Object.keys(data.lightKinds))),
       views: [],
       ...textures,
       baked: this.baked(state) ?? textures.unbaked,
@@ -608,20 +608,19 @@ export class Drawing {
 }
 
 /**
- * A light as `scene.lights` makes it.
+ * A light as `scene.lights` makes it; shaders leave unread what a kind has no use for.
  * @param {Light} light
- * @param {LightKind[]} kinds
+ * @param {string[]} kinds
  */
 function lightRecord(light, kinds) {
   const half = ((light.angle / 2) * Math.PI) / 180;
-  const spot = light.kind === "spot";
   return {
     kind: kinds.indexOf(light.kind),
     position: light.position,
-    direction: light.kind === "point" ? [0, -1, 0] : travelling(light.azimuth, light.elevation),
+    direction: travelling(light.azimuth, light.elevation),
     color: light.color.map((c) => c * light.intensity),
     falloff: light.falloff,
-    cos_inner: spot ? Math.cos(half * (1 - light.softness)) : 1,
-    cos_outer: spot ? Math.cos(half) : 0,
+    cos_inner: Math.cos(half * (1 - light.softness)),
+    cos_outer: Math.cos(half),
   };
 }

@@ -15,7 +15,7 @@ import { build } from "view/panel.js";
 import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
 import { firstLine, words } from "view/text.js";
 
-/** @import { Data, Pair, Shape, Slot } from "view/data" */
+/** @import { Data, Pair, Slot } from "view/data" */
 /** @import { Figures } from "view/colors.js" */
 /** @import { News } from "view/drawing.js" */
 /** @import { FilePicture, Pictures, Reading } from "view/dropped.js" */
@@ -32,7 +32,6 @@ const MESSAGES = 8; // that are shown at once
 const READ = 8000; // milliseconds for which a message that is only told stays
 const AS_NAMED = { channel: "luminance", polarity: "", green: "" };
 const FURTHEST = 20; // widths of a shape that zooming goes away
-const RADII = { box: 0.87, sphere: 0.5, cylinder: 0.71 }; // of balls that hold the solids
 
 /**
  * Degrees as −180 to 180.
@@ -329,7 +328,7 @@ export class View {
     if (found && difference(rest, found)) this.state.preset = "";
   }
 
-  /** @param {Shape} shape */
+  /** @param {string} shape */
   reshaped(shape) {
     this.state.tiling = copyOf(this.data.shapes[shape].tiling);
     this.reframe();
@@ -405,7 +404,9 @@ export class View {
    * @param {number} elevation
    */
   turnLight(azimuth, elevation) {
-    const light = this.state.lights.find(({ kind }) => kind === "directional");
+    const light = this.state.lights.find(({ kind }) =>
+      this.data.lightKinds[kind].includes("azimuth"),
+    );
     if (!light) return;
     light.azimuth = wrapped(light.azimuth + azimuth);
     light.elevation = Math.max(-90, Math.min(90, light.elevation + elevation));
@@ -436,19 +437,19 @@ export class View {
     this.changed();
   }
 
-  // Never behind a plane, nor within a shape.
+  // Never behind a flat shape, nor within a shape.
   holdCamera() {
     const { camera, shape } = this.state;
-    const plane = shape === "plane";
-    const least = plane ? 2 : -89;
+    const { flat, radius, outline } = this.data.shapes[shape];
+    const least = flat ? 2 : -89;
     camera.elevation = Math.max(least, Math.min(89, camera.elevation));
-    if (plane) camera.target[1] = Math.max(0, camera.target[1]);
+    if (flat) camera.target[1] = Math.max(0, camera.target[1]);
     if (camera.distance !== null) {
       const away = Math.hypot(...camera.target);
-      camera.distance = Math.max(camera.distance, plane ? 0.15 : RADII[shape] + away + 0.05);
+      camera.distance = Math.max(camera.distance, flat ? 0.15 : radius + away + 0.05);
       // an orthographic one sees nothing that is behind it
       if (camera.orthographic_height !== null) {
-        const all = framing(camera, this.data.shapes[shape].outline, [1, 1], 1) - 1;
+        const all = framing(camera, outline, [1, 1], 1) - 1;
         camera.distance = Math.max(camera.distance, all + 0.05);
       }
     }

@@ -4,7 +4,7 @@ import { button, check, color, element, menu, number, section } from "view/contr
 import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
-/** @import { Menus, Setting, Shape } from "view/data" */
+/** @import { Menus, Setting } from "view/data" */
 /** @import { NumberOptions, Option, Path } from "view/controls.js" */
 /** @import { View } from "view/main.js" */
 
@@ -186,7 +186,7 @@ function relief(view) {
       : []),
     menu(view, ["heights"], "Heights", reads),
     ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
-    named(view, "shape", "Shape", (shape) => view.reshaped(/** @type {Shape} */ (shape))),
+    named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
     named(view, "edge", "Edge"),
     ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1, soft: true }),
     ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01, soft: true }),
@@ -205,60 +205,39 @@ function relief(view) {
  * @param {number} k
  */
 function lamp(view, k) {
-  const { kind } = view.state.lights[k];
+  const kinds = view.data.lightKinds;
+  const numbers = kinds[view.state.lights[k].kind];
   const path = ["lights", k];
   const name = `light ${k + 1}`;
-  /** @type {(part: string, low: number, high: number, label?: string) => HTMLElement} */
-  const degrees = (part, low, high, label = part) =>
-    number(view, [...path, part], { label: `${name} ${label}`, low, high, step: 1 });
-  /** @type {HTMLElement[]} */
-  const made = [
+  // a row where a light is made by such a number
+  /** @type {(part: string, range: Range, label?: string, by?: string[], rest?: Path) => HTMLElement[]} */
+  const row = (part, range, label = part, by = [part], rest = []) =>
+    by.some((each) => numbers.includes(each))
+      ? [number(view, [...path, part, ...rest], { ...range, label: `${name} ${label}` })]
+      : [];
+  const aimed = ["azimuth", "target"];
+  const place = { low: -4, high: 4, step: 0.05, soft: true };
+  return [
     menu(
       view,
       [...path, "kind"],
       `Light ${k + 1}`,
-      view.data.lightKinds.map((each) => [each, each]),
+      Object.keys(kinds).map((each) => [each, each]),
     ),
-  ];
-  if (kind !== "point") {
-    made.push(degrees("azimuth", -180, 180), degrees("elevation", -90, 90));
-  }
-  if (kind !== "directional") {
-    for (const c of [0, 1, 2]) {
-      const range = { label: `${name} ${"xyz"[c]}`, low: -4, high: 4, step: 0.05, soft: true };
-      made.push(number(view, [...path, "position", c], range));
-    }
-    made.push(
-      number(view, [...path, "falloff"], { label: `${name} falloff`, low: 0, high: 8, step: 0.1 }),
-    );
-  }
-  if (kind === "spot") {
-    made.push(
-      degrees("angle", 1, 179, "cone"),
-      number(view, [...path, "softness"], {
-        label: `${name} softness`,
-        low: 0,
-        high: 1,
-        step: 0.01,
-      }),
-    );
-  }
-  made.push(
-    number(view, [...path, "intensity"], {
-      label: `${name} intensity`,
-      low: 0,
-      high: 10,
-      step: 0.1,
-      soft: true,
-    }),
+    ...row("azimuth", { low: -180, high: 180, step: 1 }, "azimuth", aimed),
+    ...row("elevation", { low: -90, high: 90, step: 1 }, "elevation", aimed),
+    ...[0, 1, 2].flatMap((c) => row("position", place, "xyz"[c], ["position"], [c])),
+    ...row("falloff", { low: 0, high: 8, step: 0.1 }),
+    ...row("angle", { low: 1, high: 179, step: 1 }, "cone"),
+    ...row("softness", { low: 0, high: 1, step: 0.01 }),
+    ...row("intensity", { low: 0, high: 10, step: 0.1, soft: true }),
     color(view, [...path, "color"], `${name} color`),
     element(
       "div",
       { class: "buttons" },
       button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
     ),
-  );
-  return made;
+  ];
 }
 
 /** @param {View} view */
@@ -308,7 +287,7 @@ function camera(view) {
     number(view, path("elevation"), {
       ...degrees,
       label: "camera elevation",
-      low: view.state.shape === "plane" ? 2 : -89,
+      low: view.data.shapes[view.state.shape].flat ? 2 : -89,
       high: 89,
     }),
     number(view, path("distance"), {

@@ -127,16 +127,15 @@ function cameraOf(camera, usual) {
 
 /**
  * @param {Light} light
- * @returns {Values}
+ * @param {Data} data
+ * @returns {Fields}
  */
-function lightOf(light) {
-  const made = { color: light.color, intensity: light.intensity };
-  const { azimuth, elevation, position, falloff, angle, softness } = light;
-  if (light.kind === "directional") return { azimuth, elevation, ...made };
-  const lamp = { position, ...made, falloff };
-  if (light.kind === "point") return lamp;
+function lightOf(light, { lightKinds }) {
+  const { azimuth, elevation, position } = light;
   const target = travelling(azimuth, elevation).map((x, k) => position[k] + x);
-  return { ...lamp, target, angle, softness };
+  /** @type {Fields} */
+  const numbers = { ...light, target };
+  return Object.fromEntries(lightKinds[light.kind].map((name) => [name, numbers[name]]));
 }
 
 /**
@@ -188,7 +187,7 @@ export function toCommand(state, data) {
   parts.push("--camera", values(said.camera, "/").join(","));
   if (said.lights?.length === 0) parts.push("--light", "none");
   for (const light of said.lights ?? []) {
-    parts.push("--light", [light.kind, ...values(lightOf(light), "/")].join(","));
+    parts.push("--light", [light.kind, ...values(lightOf(light, data), "/")].join(","));
   }
   return parts.map(quoted).join(" ");
 }
@@ -231,7 +230,7 @@ export function toPython(state, data) {
   if (world) given.push(`transform=${value(world)}`);
   given.push(`camera=${call("Orbit", said.camera)}`);
   if (said.lights) {
-    const each = said.lights.map((l) => `${call(l.kind, lightOf(l))},`);
+    const each = said.lights.map((l) => `${call(l.kind, lightOf(l, data))},`);
     given.push(`lights=(${each.join(" ")})`);
   }
   const source = JSON.stringify(data.source);
