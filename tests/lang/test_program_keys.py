@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from basrelief.lang.program import Program
-from helpers.comparing import write_module
+from helpers.comparing import cpu, write_module
 
 SOURCE = '''
 SCALE = 2.0
@@ -190,3 +190,79 @@ print(hashlib.sha256(text.encode()).hexdigest())
         found.add(done.stdout)
     assert len(found) == 1
     assert found.pop().splitlines()[0] == key
+
+
+# --- what names stand for -------------------------------------------------------------------------
+
+
+def test_a_global_of_a_fields_name_is_no_part_of_a_program(folder):
+    """`x` is a component here, whatever else is called so where the shader stands."""
+    module = write_module(folder, SOURCE)
+    before = key_of(module)
+    for value in (1.0, 2.0):
+        module.x = value
+        assert key_of(module) == before
+
+
+def test_a_number_that_changes_changes_key_and_value_everywhere(folder):
+    text = (
+        SOURCE.replace("SCALE = 2.0", "")
+        + """
+def enclosed():
+    SCALE = 3.0
+
+    @shader
+    def first(x: float) -> float:
+        return x * SCALE
+
+    @shader
+    def entry(pixel: IVec2) -> Found:
+        return Found(first(5.0), 0)
+
+    def set_to(value):
+        nonlocal SCALE
+        SCALE = value
+
+    return entry, set_to
+"""
+    )
+    entry, set_to = write_module(folder, text).enclosed()
+    keys = set()
+    for value in (3.0, 7.0, 3.0):
+        set_to(value)
+        program = Program(entry)
+        keys.add(program.key)
+        assert entry((0, 0)).x == 5.0 * value
+        assert cpu().run(program, {}, (1, 1))["x"] == 5.0 * value
+    assert len(keys) == 2
+
+
+def test_what_a_shader_encloses_may_be_set_later(folder):
+    text = (
+        SOURCE
+        + """
+def enclosed():
+    @shader
+    def entry(pixel: IVec2) -> Found:
+        return Found(later, 0)
+
+    early = Program(entry).key
+    later = 4.0
+    return entry, early
+"""
+    )
+    text = "from basrelief.lang.program import Program\n" + text
+    entry, early = write_module(folder, text).enclosed()
+    assert Program(entry).key != early
+    assert entry((0, 0)).x == 4.0
+
+
+def test_keys_are_those_of_their_programs_however_many_there_are(folder):
+    module = write_module(folder, SOURCE)
+    keys = {}
+    for number in range(300):
+        module.SCALE = float(number)
+        keys[number] = key_of(module)
+    assert len(set(keys.values())) == 300
+    module.SCALE = 7.0
+    assert key_of(module) == keys[7]

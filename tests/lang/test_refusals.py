@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import asyncio
 import linecache
 import re
 from pathlib import Path
@@ -231,7 +233,7 @@ HEADS = {
     "def wrong(x: Holding) -> float:": ("HeightField is no type", "return 1.0"),
     "async def wrong(x: float) -> float:": ("a plain `def`", "return x"),
     "def wrong(f: HeightField, g: HeightField) -> int:": (
-        "a resource is not chosen", "return levels(f if True else g)",
+        "a texture or buffer cannot be selected", "return levels(f if True else g)",
     ),
     "def wrong(f: HeightField) -> int:": ("passed on, not assigned", "g = f\n    return levels(g)"),
     "def wrong(f: Texture) -> Vec4:": ("takes (HeightField, IVec2, int)",
@@ -324,12 +326,24 @@ def no_record(pixel: IVec2) -> float:
             Program(wrong)
 
 
-def test_source_that_is_not_to_be_had():
+def test_source_that_is_not_available():
     scope: dict = {}
     text = "from basrelief.lang import *\n@shader\ndef f(x: float) -> float:\n    return x\n"
     exec(text, scope)
     with pytest.raises(ShaderError, match="write shaders in a file or a notebook cell"):
         analyse(scope["f"])
+
+
+def test_a_cell_of_a_notebook_may_await_something(monkeypatch):
+    text = (
+        "import asyncio\nfrom basrelief.lang import *\nawait asyncio.sleep(0)\n"
+        "@shader\ndef f(x: float) -> float:\n    return x\n"
+    )
+    scope: dict = {}
+    cell = compile(text, "<cell 1>", "exec", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+    monkeypatch.setitem(linecache.cache, "<cell 1>", (len(text), None, text.splitlines(True), ""))
+    asyncio.run(eval(cell, scope))
+    assert analyse(scope["f"]).entry.name == "f"
 
 
 def test_a_number_that_is_too_large_in_plain_python_too(folder):
@@ -345,11 +359,12 @@ def wrong(n: int) -> int:
         module.wrong(1)
 
 
-def test_a_file_that_changed_since_it_was_loaded_is_refused(folder):
+@pytest.mark.parametrize("now", ["x + 2.0", "x * 3.0"])
+def test_a_file_that_changed_since_it_was_loaded_is_refused(folder, now):
     """Else what is stored under the old code's key would be the new code."""
     module = write_module(folder, "@shader\ndef f(x: float) -> float:\n    return x * 2.0\n")
     path = Path(module.__file__)
-    path.write_text(path.read_text().replace("x * 2.0", "x + 2.0"))
+    path.write_text(path.read_text().replace("x * 2.0", now))
     linecache.checkcache(str(path))
     with pytest.raises(ShaderError, match="has changed since it was loaded"):
         analyse(module.f)

@@ -429,7 +429,7 @@ REFUSED = {
     ),
     "levels(f if variant.deep and x > 0.0 else f)": ("levels(", "an expression alone"),
     "y = levels(f if variant.deep and x > 0.0 else f)": (
-        "f if variant.deep and x > 0.0 else f", "not chosen but by a static condition",
+        "f if variant.deep and x > 0.0 else f", "cannot be selected but by a static condition",
     ),
 }  # fmt: skip
 HALF = "@shader\ndef half(x: float) -> float:\n    return x * 0.5\n\n"

@@ -260,10 +260,10 @@ def test_without_a_layer_and_tilings_there_is_no_code_for_them() -> None:
     bare = text(Object(material))
     layered = text(Object(material, layer=Layer(detail)))
     apart = text(Object(material, tilings={"normal": Tiling((2.0, 2.0))}))
-    for word in ("with_details", "layer_color_of(map: ", "MapPlaces", "apart", "mirrored_with"):
+    for word in ("with_details", "layer_color_of(map: ", "MapPlaces", "retiled", "mirrored_with"):
         assert word not in bare
         assert word in layered
-    for word in ("apart", "mirrored_with", "MapPlaces"):
+    for word in ("retiled", "mirrored_with", "MapPlaces"):
         assert word in apart
     assert "with_details" not in apart
 

@@ -88,7 +88,7 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
         step = 1e-3
         dx = (uv(x + step, y) - uv(x - step, y)) / (2 * step)
         dy = (uv(x, y + step) - uv(x, y - step)) / (2 * step)
-        np.testing.assert_allclose(a(met.point.uv), uv(x, y), atol=1e-5)
+        np.testing.assert_allclose(a(met.uv), uv(x, y), atol=1e-5)
         size = max(np.abs(dx).max(), np.abs(dy).max())
         np.testing.assert_allclose(a(met.footprint.dx), dx, atol=2e-4 * size)
         np.testing.assert_allclose(a(met.footprint.dy), dy, atol=2e-4 * size)
@@ -107,8 +107,8 @@ def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
         middle = met(x, y)
         assert middle.point.found
-        dx = a(met(x + 0.5, y).point.uv) - a(met(x - 0.5, y).point.uv)
-        dy = a(met(x, y + 0.5).point.uv) - a(met(x, y - 0.5).point.uv)
+        dx = a(met(x + 0.5, y).uv) - a(met(x - 0.5, y).uv)
+        dy = a(met(x, y + 0.5).uv) - a(met(x, y - 0.5).uv)
         size = max(np.abs(dx).max(), np.abs(dy).max())
         np.testing.assert_allclose(a(middle.footprint.dx), dx, atol=0.02 * size)
         np.testing.assert_allclose(a(middle.footprint.dy), dy, atol=0.02 * size)

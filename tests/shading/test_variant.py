@@ -8,7 +8,7 @@ import pytest
 
 from basrelief.lang import static_fields
 from basrelief.material import sample
-from basrelief.rendering.programs import variant_of
+from basrelief.rendering.programs import program_of, variant_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.variant import Variant
 
@@ -19,10 +19,22 @@ CASES = [(name, value) for name, menu in MENUS.items() for value in menu]
 
 @pytest.mark.parametrize(("name", "value"), CASES)
 def test_every_value_of_every_menu_comes_from_a_scene(name: str, value: str) -> None:
-    options: dict[str, Any] = {name: value}
+    # with shadows, which some are about
+    options: dict[str, Any] = {"shadows": "hard", name: value}
     of_object = {k: options.pop(k) for k in list(options) if k in Object.__dataclass_fields__}
-    thing = Object(sample("tiles", 16), **of_object)
-    assert getattr(variant_of(thing, Scene((thing,), **options)), name) == value
+    thing, other = Object(sample("tiles", 16), **of_object), Object(sample("tiles", 16), "sphere")
+    assert getattr(variant_of(thing, Scene((thing, other), **options)), name) == value
+
+
+def test_what_is_not_asked_makes_no_program_of_its_own() -> None:
+    def key(scene: dict[str, Any], **options: Any) -> str:
+        thing = Object(sample("tiles", 16), **options)
+        return program_of(thing, Scene((thing,), **scene)).key
+
+    flat = key({}, technique="flat")
+    assert key({"shadows": "soft"}, technique="flat", projection="limited", fade=(1, 2)) == flat
+    assert key({"shadows_on": "polygon"}) == key({})
+    assert key({"shadows": "soft"}) != key({"shadows": "hard"}) != key({})
 
 
 @pytest.mark.parametrize("name", MENUS)

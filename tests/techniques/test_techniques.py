@@ -621,7 +621,7 @@ def meeting(view, aspect: float = 1.0) -> Meeting:
     up, u, v = Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, -1 / aspect, 0)
     point = SurfacePoint(True, 2.0, Vec3(0.0), up, u, v, Vec2(0.31, 0.64), FAR, FAR)
     frame = Frame(u, Vec3(0, 1, 0), up, 1.0, aspect)
-    return Meeting(point, frame, Vec3(*view), 1.0, Footprint(Vec2(0.0), Vec2(0.0)))
+    return Meeting(point, point.uv, frame, Vec3(*view), 1.0, Footprint(Vec2(0.0), Vec2(0.0)))
 
 
 @pytest.mark.parametrize("view", VIEWS)

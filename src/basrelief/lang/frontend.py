@@ -421,8 +421,8 @@ class _FunctionAnalysis:
                 chosen = self.condition(test)
                 if is_handle(a.type) and not isinstance(chosen, tree.Static):
                     raise self.source.error(
-                        node, "a resource is not chosen but by a static condition; choose what is "
-                        "read"
+                        node, "a texture or buffer cannot be selected but by a static condition; "
+                        "select between the values read"
                     )  # fmt: skip
                 self.expect(otherwise, b.type, a.type, "the other choice")
                 return conditions.split(chosen, a, b, conditions.choice)

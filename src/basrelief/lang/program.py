@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from types import CodeType
 from typing import Any, NamedTuple
 
 from basrelief.lang import tree
@@ -23,7 +22,7 @@ from basrelief.lang.resources import (
     flattened,
     members_of,
 )
-from basrelief.lang.shader import Shader
+from basrelief.lang.shader import Shader, code_text
 from basrelief.lang.types import (
     SCALARS,
     ShaderError,
@@ -107,15 +106,15 @@ class Program:
         variant what its shaders read."""
         same = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
         known = _keys.get(same)
-        if known is None or any(find(name) is not value for find, name, value in known.names):
+        if known is None or any(each.find(name) is not value for each, name, value in known.names):
             contents = _Contents(self)
             digest = hashlib.sha256()
             for part in contents.parts():
                 digest.update(len(part).to_bytes(8, "little"))
                 digest.update(part)
             known = _Key(digest.hexdigest(), contents.names)
-            while len(_keys) >= _MOST_KEYS:
-                del _keys[next(iter(_keys))]
+            if len(_keys) >= _MOST_KEYS:
+                _keys.pop(next(iter(_keys)), None)
             _keys[same] = known
         return known.text
 
@@ -124,11 +123,11 @@ class _Key(NamedTuple):
     """A program's key, and what the names in its shaders stood for."""
 
     text: str
-    names: list[tuple[Callable[[str], Any], str, Any]]
+    names: list[tuple[Shader[..., Any], str, Any]]
 
 
 _keys: dict[Any, _Key] = {}
-"""Keys of the last programs: a picture's are asked for anew each time that it is drawn."""
+"""Keys by what programs are made of: a picture asks for them each time that it is drawn."""
 _MOST_KEYS = 256
 
 
@@ -139,7 +138,7 @@ class _Contents:
         self.program = program
         self.seen: dict[Any, int] = {}
         self.found: list[bytes] = [program.edge.encode()]
-        self.names: list[tuple[Callable[[str], Any], str, Any]] = []
+        self.names: list[tuple[Shader[..., Any], str, Any]] = []
 
     def parts(self) -> list[bytes]:
         self.visit(self.program.entry)
@@ -187,14 +186,11 @@ class _Contents:
                 if attribute in code.co_names:
                     value = self.program.known(static.name)
                     self.found.append(f"{static.name} = {value!r}".encode())
-        self.found.append(_code_text(code).encode())
-        for name in (*code.co_names, *code.co_freevars):
-            find = shader.find if name in code.co_freevars else shader.function.__globals__.get
-            self.names.append((find, name, find(name)))
-            try:
-                value = shader.lookup(name)
-            except (KeyError, AttributeError):
-                continue  # a field, not a global; or an unknown name, which the front end reports
+        self.found.append(code_text(code).encode())
+        for name in shader.names:
+            # None where it is unknown, which the front end reports
+            value = shader.find(name)
+            self.names.append((shader, name, value))
             self.found.append(name.encode())
             self.visit(value)
 
@@ -205,12 +201,3 @@ class _Contents:
             self.visit(fields_of(record)[f.name])
             if f.default is not MISSING:
                 self.found.append(repr(f.default).encode())
-
-
-def _code_text(code: CodeType) -> str:
-    """What code does, without files and lines, so that moving a file changes no key.
-
-    Not `marshal`, whose bytes depend on how often objects are referred to in this process.
-    """
-    parts = (code.co_code, code.co_consts, code.co_names, code.co_varnames, code.co_freevars)
-    return repr(parts)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import copy
+import dis
 import functools
 import inspect
 import linecache
@@ -26,6 +27,7 @@ from basrelief.lang.types import ShaderError, coerce, is_record, is_type_slot
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
 _running = threading.local()
+_LOAD_GLOBAL, _EXTENDED = dis.opmap["LOAD_GLOBAL"], dis.opmap["EXTENDED_ARG"]
 
 
 class Shader(Generic[P, R]):
@@ -74,10 +76,12 @@ class Shader(Generic[P, R]):
 
     def lookup(self, name: str) -> Any:
         """What a global or enclosing name stands for; raises KeyError where it is unknown."""
-        if self.function.__closure__:
-            closure = inspect.getclosurevars(self.function).nonlocals
-            if name in closure:
-                return closure[name]
+        enclosing = self.function.__code__.co_freevars
+        if name in enclosing:
+            try:
+                return (self.function.__closure__ or ())[enclosing.index(name)].cell_contents
+            except ValueError:
+                raise KeyError(name) from None  # it is set after the shader is made
         if name in self.function.__globals__:
             return self.function.__globals__[name]
         return vars(__import__("builtins"))[name]
@@ -89,12 +93,24 @@ class Shader(Generic[P, R]):
         except KeyError:
             return None
 
+    @functools.cached_property
+    def names(self) -> tuple[str, ...]:
+        """The global and enclosing names that the function reads."""
+        code = self.function.__code__
+        found: dict[str, None] = {}
+        # `dis.get_instructions` takes a third of a millisecond, and there are a hundred shaders
+        high = 0
+        for operation, low in zip(code.co_code[::2], code.co_code[1::2], strict=True):
+            if operation == _LOAD_GLOBAL:
+                found[code.co_names[(high | low) >> 1]] = None
+            high = (high | low) << 8 if operation == _EXTENDED else 0
+        return (*found, *code.co_freevars)
+
     @property
     def _plain(self) -> Callable[..., Any]:
         """The function in 32 bits, made anew where a number that it names has changed."""
         made, numbers = self._made
-        known = self.function.__globals__
-        if any(known.get(name) is not value for name, value in numbers.items()):
+        if any(self.find(name) is not value for name, value in numbers.items()):
             del self._made
             made, _ = self._made
         return made
@@ -207,12 +223,12 @@ class Source:
         self.lines = linecache.getlines(self.file, function.__globals__)
         if not self.lines:
             raise ShaderError(
-                f"{self.file}: {function.__name__}: the source is not to be had; "
+                f"{self.file}: {function.__name__}: its source is not available; "
                 "write shaders in a file or a notebook cell"
             )
         parsed = _parsed("".join(self.lines))
         place = code.co_name, self.first
-        if code.co_code not in parsed.code.get(place, ()):
+        if code_text(code) not in parsed.code.get(place, ()):
             raise ShaderError(
                 f"{self.file}: {function.__name__}: the file has changed since it was loaded; "
                 "load it anew"
@@ -240,10 +256,10 @@ class Source:
 
 class _Parsed(NamedTuple):
     """The functions of a file by name and first line, decorators included: their syntax trees, and
-    the bytecode of all that stands there."""
+    what the code of all that stands there does."""
 
     functions: dict[tuple[str, int], ast.FunctionDef]
-    code: dict[tuple[str, int], list[bytes]]
+    code: dict[tuple[str, int], list[str]]
 
 
 @functools.lru_cache(maxsize=64)
@@ -251,7 +267,9 @@ def _parsed(text: str) -> _Parsed:
     found = _Parsed({}, {})
     try:
         tree = ast.parse(text)
-        left = [compile(tree, "", "exec", dont_inherit=True)]
+        # a cell of a notebook may await something
+        flags = ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
+        left = [compile(tree, "", "exec", flags, dont_inherit=True)]
     except (SyntaxError, ValueError):
         return found
     for node in ast.walk(tree):
@@ -260,15 +278,25 @@ def _parsed(text: str) -> _Parsed:
             found.functions[node.name, first] = node
     while left:
         code = left.pop()
-        found.code.setdefault((code.co_name, code.co_firstlineno), []).append(code.co_code)
+        found.code.setdefault((code.co_name, code.co_firstlineno), []).append(code_text(code))
         left += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
     return found
+
+
+def code_text(code: CodeType) -> str:
+    """What code does, without files and lines, so that moving a file changes no key.
+
+    Not `marshal`, whose bytes depend on how often objects are referred to in this process.
+    """
+    within = [code_text(each) if isinstance(each, CodeType) else each for each in code.co_consts]
+    parts = (code.co_code, within, code.co_names, code.co_varnames, code.co_freevars)
+    return repr(parts)
 
 
 def _as_32_bits(shader_: Shader[..., Any]) -> tuple[Callable[..., Any], dict[str, Any]]:
     """The same function with literals, conversions and loop counters 32 bits wide.
 
-    And the global numbers that it names, with the values that they had.
+    And what is put into it, by name: the numbers that it names, and all that encloses it.
     """
     source = shader_.source
     rewriting = _Rewriting(shader_)
@@ -328,13 +356,13 @@ class _Rewriting(ast.NodeTransformer):
         except KeyError:
             return node
         if type(value) in (float, int):
-            if node.id in self.shader.function.__globals__:
-                self.numbers[node.id] = value
+            self.numbers[node.id] = value
             return self._number(value, node)
         if value is range:
             return self._capture("_range", _int_range, node)
         if any(value is known for known in (float, int, len, min, max)):
             return self._capture(f"_{node.id}", INTRINSICS[node.id].python, node)
         if node.id in self.shader.function.__code__.co_freevars:
+            self.numbers[node.id] = value
             return self._capture(node.id, value, node)
         return node

@@ -66,37 +66,53 @@ def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Progra
 
 def variant_of(thing: Object, scene: Scene) -> Variant:
     """What an object's program depends on, beside its technique and surface."""
-    # what the object or the scene has by the same name; `casts` is the scene's
+    # what the object or the scene has by the same name
     shared = {
         each.name: getattr(owner, each.name)
         for owner in (thing, scene)
         for each in fields(Variant)
         if hasattr(owner, each.name)
     }
-    derived = {
+    derived: dict[str, Any] = {
         "displaced": thing.has_relief,
         "boxed": displaced_by(thing).boxes,
         "projection": thing.relief_projection,
         "fades": thing.fade is not None,
-        "apart": bool(thing.tilings),
+        "own_tilings": bool(thing.tilings),
         "layer": thing.layer is not None,
+        "shadow_maps": scene.casts,
         **{f"{name}_map": there for name, there in mapped(thing).items()},
     }
+    # what is not asked is as nobody chose it, so that equal programs have equal keys
+    if not thing.has_relief:
+        derived |= {"projection": "full", "fades": False, "shadows": "none"}
+    if not scene.casts:
+        derived |= {"shadows_on": "relief"}
     return Variant(**shared | derived)
 
 
 def reach_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
-    # a relief that fades does so with the distance from the camera, not from a light
-    variant = replace(variant_of(thing, Scene((thing,))), fades=False)
-    if thing.casts == "opaque":
-        variant = replace(variant, alpha="opaque")
+    opaque = thing.casts == "opaque"
+    variant = variant_of(thing, Scene((thing,)))
+    variant = replace(
+        variant,
+        # a relief fades with the distance from the camera, not from a light
+        fades=False,
+        # of the surface only the opacity matters
+        alpha="opaque" if opaque else variant.alpha,
+        base_color_map=variant.base_color_map and not opaque,
+        normal_map=False,
+        response_map=False,
+        emission_map=False,
+        layer=False,
+    )
     return _program(pixel.reach, thing, variant)
 
 
 def rays_of(thing: Object) -> Program:
     """The program that gives the true view ray of each pixel, whatever the technique."""
-    variant = Variant(shape=thing.shape, fades=thing.fade is not None, projection="full")
+    variant = Variant(shape=thing.shape, fades=thing.fade is not None)
     return Program(view_ray, edge=map_edge(thing), variant=variant)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from basrelief.lang import Mat3, Vec2, Vec3, length, shader, struct
 from basrelief.shading.camera import Camera, CameraRay
 from basrelief.shading.ray_differentials import Footprint, along, transferred
-from basrelief.shading.shapes import ShapeRay, SurfacePoint, shape
+from basrelief.shading.shapes import ShapeRay, SurfacePoint, on_shape, shape
 from basrelief.shading.tangent_frame import Frame, frame_of, to_tangent
 from basrelief.shading.variant import Variant
 
@@ -36,9 +36,11 @@ class Placement:
 
 @struct
 class Meeting:
-    """Where the view ray meets the object: the polygon's point, its frame, the view, the pixel."""
+    """Where the view ray meets the object: the polygon's point, texture coordinates there, frame,
+    view, the pixel."""
 
     point: SurfacePoint
+    uv: Vec2
     frame: Frame
     view: Vec3
     falling: float
@@ -72,22 +74,19 @@ def meet(ray: CameraRay, placement: Placement, variant: Variant) -> Meeting:
         placement.to_object @ ray.origin_dy,
         placement.to_object @ ray.direction_dy / falling,
     )
-    tiled = met.uv * placement.tiling + placement.shift
-    point = SurfacePoint(
-        found=met.found,
-        distance=met.distance,
-        position=met.position,
-        normal=met.normal,
-        along_u=along_u,
-        along_v=along_v,
-        uv=tiled,
-        leave=met.leave,
-        radius=met.radius,
-    )
     return Meeting(
-        point=point,
+        point=met,
+        uv=met.uv * placement.tiling + placement.shift,
         frame=frame,
         view=to_tangent(frame, -unit),
         falling=falling,
         footprint=Footprint(along(right, along_u, along_v), along(down, along_u, along_v)),
     )
+
+
+@shader
+def clipped(uv: Vec2, placement: Placement, variant: Variant) -> bool:
+    """Whether displaced coordinates have left the shape, where the relief ends at its edge."""
+    if variant.edge != "clip":
+        return False
+    return not on_shape((uv - placement.shift) / placement.tiling, variant)

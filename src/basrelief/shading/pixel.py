@@ -21,12 +21,11 @@ from basrelief.lang import (
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, reflectance
 from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.fog import Fog, fogged
-from basrelief.shading.intersection import Meeting, Placement, View, meet
+from basrelief.shading.intersection import Meeting, Placement, View, clipped, meet
 from basrelief.shading.lights import Light, arriving
 from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, past_others
-from basrelief.shading.shapes import inside
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
     Spot,
@@ -84,9 +83,9 @@ def pixel(
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
     moved = displaced(field, baked, met, depth, smoothing, settings, variant)
     distance = met.point.distance + moved.further
-    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling, variant):
+    if distance <= 0.0 or clipped(moved.uv, placement, variant):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    spot = spot_on(field, met, moved, depth, variant)
+    spot = spot_on(field, met, moved, variant)
     surface = surface_at(spot, finish, places, maps, variant)
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
@@ -101,18 +100,15 @@ def pixel(
         # what gives no light throws no shadow either
         if max(max(light.x, light.y), light.z) > 0.0:
             share = 1.0
-            if variant.casts:
+            if variant.shadow_maps:
                 share = past_others(distances, views, k, receiving)
-            if variant.shadows != "none" and variant.displaced:
+            if variant.shadows != "none":
                 towards = placement.to_object @ incoming.direction
-                reaching = self_shadowed(
-                    field, met, moved, depth, smoothing, towards, shadowing, variant
-                )
+                reaching = self_shadowed(field, met, moved, smoothing, towards, shadowing, variant)
                 share = share * reaching.share
                 reads = reads + reaching.reads
             if variant.occlusion_kind == "directional":
-                open = open_from_above(point, moved.height, incoming.direction, shading)
-                share = share * open
+                share = share * open_from_above(point, moved.height, incoming.direction, shading)
             color = color + light * share
     if variant.fog != "none":
         color = fogged(color, distance, fog, variant)
@@ -152,9 +148,9 @@ def reach(
         return Reach(0.0, False)
     moved = displaced(field, baked, met, depth, smoothing, settings, variant)
     distance = met.point.distance + moved.further
-    if distance <= 0.0 or not inside((moved.uv - placement.shift) / placement.tiling, variant):
+    if distance <= 0.0 or clipped(moved.uv, placement, variant):
         return Reach(0.0, False)
-    spot = spot_on(field, met, moved, depth, variant)
+    spot = spot_on(field, met, moved, variant)
     surface = surface_at(spot, finish, places, maps, variant)
     return Reach(distance, surface.opacity >= SOLID)
 
@@ -163,11 +159,9 @@ def reach(
 
 
 @shader
-def spot_on(
-    field: HeightField, met: Meeting, moved: Displaced, depth: Depth, variant: Variant
-) -> Spot:
+def spot_on(field: HeightField, met: Meeting, moved: Displaced, variant: Variant) -> Spot:
     """The place on the relief where the ray ended."""
-    slope = slope_of(field, moved, met, depth, variant)
+    slope = slope_of(field, moved, met, variant)
     return Spot(
         uv=moved.uv,
         footprint=met.footprint,

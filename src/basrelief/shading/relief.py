@@ -48,13 +48,16 @@ class Depth:
 @struct
 class Displaced:
     """Where the ray ends: texture coordinates, how far beyond the polygon, the height there,
-    whether anything was met, heights read."""
+    whether anything was met, heights read. And how the relief is drawn there: its `scale` (0 where
+    it is flat), and the level `lod` that heights are read from."""
 
     uv: Vec2
     further: float
     height: float
     found: bool
     reads: int
+    scale: float = 0.0
+    lod: float = 0.0
 
 
 # --- how deep, seen from here --------------------------------------------------------------------
@@ -100,21 +103,22 @@ def displaced(
 ) -> Displaced:
     """Where the ray ends: on the relief, as the technique says, or on the polygon itself."""
     if not variant.displaced:
-        return Displaced(met.point.uv, 0.0, 1.0, True, 0)
+        return Displaced(met.uv, 0.0, 1.0, True, 0)
     deep = depth_seen(depth, met.point.distance, variant)
-    # with no depth not one height is read
+    # where it is flat the technique reads nothing
     if deep.scale <= 0.0:
-        return Displaced(met.point.uv, 0.0, flat_height(field, met.point.uv, variant), True, 0)
+        return Displaced(met.uv, 0.0, flat_height(field, met.uv, variant), True, 0)
     lod = lod_seen(field, met.footprint, smoothing)
     ray = relief_ray(met, deep, lod, smoothing.mip_fade, variant)
     hit = displace(field, baked, ray, settings)
-    return Displaced(hit.uv, beyond(met, deep, hit), hit.height, hit.found, hit.reads)
+    further = beyond(met, deep, hit)
+    return Displaced(hit.uv, further, hit.height, hit.found, hit.reads, deep.scale, lod)
 
 
 @shader
 def flat_height(field: HeightField, uv: Vec2, variant: Variant) -> float:
-    """The height of a relief that is drawn flat, for what goes by it: a landscape keeps its water,
-    and a pit its shade, where the relief has faded."""
+    """The height that a flat relief reports: the map's, where a landscape's water or the shade of a
+    pit go by it."""
     if variant.surface == "landscape" or variant.occlusion_kind == "directional":
         return top_at(field, uv) if field.filter == "boxes" else height_at(field, uv)
     return 1.0
@@ -125,7 +129,7 @@ def relief_ray(met: Meeting, depth: Depth, lod: float, fade: float, variant: Var
     """The ray that a technique follows: the chosen projection, in texture coordinates."""
     falling = move_of(met.view, depth.bias, variant) * -depth.scale
     fall = to_texture(falling, met.frame.aspect)
-    return Ray(met.point.uv, fall, depth.level, met.view.z, depth.scale, lod, fade)
+    return Ray(met.uv, fall, depth.level, met.view.z, depth.scale, lod, fade)
 
 
 @shader
@@ -165,38 +169,30 @@ class Slope:
 
 
 @shader
-def slope_of(
-    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
-) -> Slope:
+def slope_of(field: HeightField, moved: Displaced, met: Meeting, variant: Variant) -> Slope:
     """How the relief lies where the ray ended, for what asks: the sides of boxes, and colours that
     are laid on from three sides."""
     if variant.boxed:
-        return of_boxes(field, moved, met, depth, variant)
+        return of_boxes(field, moved, met)
     if variant.displaced and variant.mapping == "triplanar" and variant.base_color_map:
-        return of_heights(field, moved, met, depth, variant)
+        return of_heights(field, moved, met)
     return Slope(Vec3(0.0, 0.0, 1.0), 0.0)
 
 
 @shader
-def of_heights(
-    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
-) -> Slope:
+def of_heights(field: HeightField, moved: Displaced, met: Meeting) -> Slope:
     """As the bilinear surface lies."""
-    scale = depth_seen(depth, met.point.distance, variant).scale
-    slope = slope_at(field, moved.uv) * scale
+    slope = slope_at(field, moved.uv) * moved.scale
     # v runs down where y runs up, and a tile is as high as it is wide ÷ aspect
     normal = normalize(Vec3(-slope.x, slope.y * met.frame.aspect, 1.0))
-    return Slope(normal, moved.height * scale)
+    return Slope(normal, moved.height * moved.scale)
 
 
 @shader
-def of_boxes(
-    field: HeightField, moved: Displaced, met: Meeting, depth: Depth, variant: Variant
-) -> Slope:
+def of_boxes(field: HeightField, moved: Displaced, met: Meeting) -> Slope:
     """Level on the top of a box; on its side, as the side faces."""
-    scale = depth_seen(depth, met.point.distance, variant).scale
-    deep = moved.height * scale
-    if scale <= 0.0 or not moved.found:
+    deep = moved.height * moved.scale
+    if moved.scale <= 0.0 or not moved.found:
         return Slope(Vec3(0.0, 0.0, 1.0), deep)
     way = to_texture(-met.view.xy, met.frame.aspect)
     side = side_at(field, moved.uv, moved.height, way)
@@ -207,35 +203,11 @@ def of_boxes(
 # --- what it hides from a light ------------------------------------------------------------------
 
 
-@struct
-class Start:
-    """Where the way to a light starts: texture coordinates, and a height."""
-
-    uv: Vec2
-    height: float
-
-
-@shader
-def on_the_surface(field: HeightField, moved: Displaced, lod: float, fade: float) -> Start:
-    """On the surface itself: a technique may end the view ray below it."""
-    return Start(moved.uv, surface_height(field, moved.uv, lod, fade))
-
-
-@shader
-def on_the_box(field: HeightField, met: Meeting, moved: Displaced) -> Start:
-    """On the box's top, or as far before its side as the view ray was put within it."""
-    side = side_at(field, moved.uv, moved.height, to_texture(-met.view.xy, met.frame.aspect))
-    extent = size(field, 0)
-    texels = Vec2(float(extent.x), float(extent.y))
-    return Start(moved.uv + side * (2.0 * INSET) / texels, moved.height)
-
-
 @shader
 def self_shadowed(
     field: HeightField,
     met: Meeting,
     moved: Displaced,
-    depth: Depth,
     smoothing: Smoothing,
     towards: Vec3,
     shadowing: Shadowing,
@@ -246,15 +218,19 @@ def self_shadowed(
     light = to_tangent(met.frame, normalize(towards))
     if light.z <= SHALLOWEST:
         return Reaching(0.0, 0)
-    scale = depth_seen(depth, met.point.distance, variant).scale
-    if scale <= 0.0:
+    if moved.scale <= 0.0:
         return Reaching(1.0, 0)
-    rise = to_texture(light.xy * (scale / light.z), met.frame.aspect)
-    lod = lod_seen(field, met.footprint, smoothing)
+    fade = smoothing.mip_fade
+    uv = moved.uv
+    height = moved.height
     if variant.boxed:
-        start = on_the_box(field, met, moved)
+        # from the box's top, or as far before its side as the view ray was put within it
+        side = side_at(field, uv, height, to_texture(-met.view.xy, met.frame.aspect))
+        extent = size(field, 0)
+        uv = uv + side * (2.0 * INSET) / Vec2(float(extent.x), float(extent.y))
     else:
-        start = on_the_surface(field, moved, lod, smoothing.mip_fade)
-    ray = ShadowRay(start.uv, start.height, rise, lod, smoothing.mip_fade)
-    reaching = shadow(field, ray, shadowing, variant)
+        # from the surface itself: a technique may end the view ray below it
+        height = surface_height(field, uv, moved.lod, fade)
+    rise = to_texture(light.xy * (moved.scale / light.z), met.frame.aspect)
+    reaching = shadow(field, ShadowRay(uv, height, rise, moved.lod, fade), shadowing, variant)
     return Reaching(reaching.share, reaching.reads + 1)

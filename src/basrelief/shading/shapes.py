@@ -208,15 +208,12 @@ def cylinder(ray: ShapeRay) -> SurfacePoint:
 
 
 @shader
-def inside(place: Vec2, variant: Variant) -> bool:
-    """Whether there is anything at displaced coordinates, 0 to 1 over all of the shape: where maps
-    are clipped, what is displaced beyond the shape's own edge is not drawn."""
-    if variant.edge != "clip":
-        return True
+def on_shape(uv: Vec2, variant: Variant) -> bool:
+    """Whether there is anything of the shape at its own texture coordinates."""
     if variant.shape in ("sphere", "cylinder"):
         # it goes round: it has rims above and below, and none along u
-        return place.y >= 0.0 and place.y <= 1.0
-    return min(place.x, place.y) >= 0.0 and max(place.x, place.y) <= 1.0
+        return uv.y >= 0.0 and uv.y <= 1.0
+    return min(uv.x, uv.y) >= 0.0 and max(uv.x, uv.y) <= 1.0
 
 
 # --- what they are made of -------------------------------------------------------------------

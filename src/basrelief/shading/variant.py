@@ -26,9 +26,9 @@ class Variant:
     its technique and surface, which are slots, and the edge and filter of its maps.
 
     `displaced` says whether there is a relief, `boxed` whether each texel of it is a box, `fades`
-    whether it fades with distance; `apart` whether maps have tilings of their own, `layer` whether
-    there is a second one; `X_map` whether there is such a map; `casts` whether other objects cast
-    shadows on this one.
+    whether it fades with distance; `own_tilings` whether maps have tilings of their own, `layer`
+    whether there is a second one; `X_map` whether there is such a map; `shadow_maps` whether other
+    objects cast shadows on this one. Of `edge` only "clip" matters beside the edge of the maps.
     """
 
     # --- of the object
@@ -42,7 +42,7 @@ class Variant:
     # --- of its surface
     surface: SurfaceKind = "standard"
     mapping: MappingKind = "planar"
-    apart: bool = False
+    own_tilings: bool = False
     layer: bool = False
     base_color_map: bool = False
     normal_map: bool = False
@@ -52,7 +52,7 @@ class Variant:
     layer_normal_map: bool = False
     # --- of the scene
     shadows: ShadowsKind = "none"
-    casts: bool = False
+    shadow_maps: bool = False
     shadows_on: ShadowsOnKind = "relief"
     shading_model: ShadingModel = "ggx"
     occlusion_kind: OcclusionKind = "ambient"

@@ -9,8 +9,10 @@ from __future__ import annotations
 from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.intersection import Placement, View, meet
-from basrelief.shading.relief import Depth, beyond, depth_seen, relief_ray
+from basrelief.shading.relief import Depth, beyond, depth_seen
+from basrelief.shading.tangent_frame import to_texture
 from basrelief.shading.variant import Variant
+from basrelief.techniques.projection import full
 from basrelief.techniques.ray import Hit
 
 
@@ -39,7 +41,7 @@ def view_ray(
     if not met.point.found:
         return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
     deep = depth_seen(depth, met.point.distance, variant)
-    seen = relief_ray(met, deep, 0.0, 0.0, variant)
-    lowest = beyond(met, deep, Hit(seen.uv, 0.0, True, 0))
-    highest = beyond(met, deep, Hit(seen.uv, 1.0, True, 0))
-    return ViewRay(True, seen.uv, seen.fall, met.point.distance, lowest - highest)
+    fall = to_texture(full(met.view, 0.0) * -deep.scale, met.frame.aspect)
+    lowest = beyond(met, deep, Hit(met.uv, 0.0, True, 0))
+    highest = beyond(met, deep, Hit(met.uv, 1.0, True, 0))
+    return ViewRay(True, met.uv, fall, met.point.distance, lowest - highest)

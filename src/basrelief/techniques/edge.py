@@ -16,10 +16,10 @@ def in_tile(map: Map, uv: Vec2) -> Vec2:
 
 
 @shader
-def nearest_copy(map: Map, apart: Vec2) -> Vec2:
-    """The distance between two places, to the nearest copy of the second."""
+def nearest_copy(map: Map, offset: Vec2) -> Vec2:
+    """The offset from a place to the nearest copy of another, given that to one of its copies."""
     # tiles that repeat: at most half a tile along each axis
-    return apart - floor(apart + 0.5) if map.edge == "wrap" else apart
+    return offset - floor(offset + 0.5) if map.edge == "wrap" else offset
 
 
 # --- the same for cells, which lie between texel centres; counted in floats: no processor ------

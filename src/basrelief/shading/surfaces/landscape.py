@@ -13,8 +13,8 @@ from basrelief.shading.surfaces.surface import (
     Spot,
     Surface,
     SurfaceMaps,
-    apart,
-    spot_of,
+    retiled,
+    spot_on_map,
     turned,
 )
 from basrelief.shading.variant import Variant
@@ -45,13 +45,13 @@ def landscape_surface(
     variant: Variant,
 ) -> Surface:
     """The base colour in the valleys, the layer's on the mountains, water, or nothing met."""
-    low = base_color_of(maps.base_color, spot_of(spot, places.base_color, variant), variant).xyz
+    low = base_color_of(maps.base_color, spot_on_map(spot, places.base_color, variant), variant).xyz
     # without a layer there is the same ground everywhere
     high = low
     if variant.layer:
-        high = layer_color_of(maps.layer_color, apart(spot, places.layer), variant)
+        high = layer_color_of(maps.layer_color, retiled(spot, places.layer), variant)
     color = mix(low, high, spot.height)
-    at_normal = spot_of(spot, places.normal, variant)
+    at_normal = spot_on_map(spot, places.normal, variant)
     leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
     level = turned(leaning, places.normal, variant)
     if spot.height < finish.water_level:

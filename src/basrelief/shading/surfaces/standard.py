@@ -12,9 +12,9 @@ from basrelief.shading.surfaces.surface import (
     Spot,
     Surface,
     SurfaceMaps,
-    apart,
     mirrored_with,
-    spot_of,
+    retiled,
+    spot_on_map,
     turned,
 )
 from basrelief.shading.texture import pixelated, trilinear
@@ -176,7 +176,7 @@ def with_details(
     Middle grey leaves the colour as it is, what is brighter makes it brighter. Slopes are added
     (C. Barré-Brisebois and S. Hill, Blending in Detail, 2012, "whiteout").
     """
-    over = apart(spot, places.layer)
+    over = retiled(spot, places.layer)
     tint = layer_color_of(maps.layer_color, over, variant) / MIDDLE_GREY
     tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
     finer = mirrored_with(layer_normal_of(maps.layer_normal, over, variant), places.layer)
@@ -207,10 +207,10 @@ def standard_surface(
     variant: Variant,
 ) -> Surface:
     """Read the maps at a place and apply the finish."""
-    color = base_color_of(maps.base_color, spot_of(spot, places.base_color, variant), variant)
-    packed = response_of(maps.response, spot_of(spot, places.response, variant), variant)
-    glow = emission_of(maps.emission, spot_of(spot, places.emission, variant), variant)
-    at_normal = spot_of(spot, places.normal, variant)
+    color = base_color_of(maps.base_color, spot_on_map(spot, places.base_color, variant), variant)
+    packed = response_of(maps.response, spot_on_map(spot, places.response, variant), variant)
+    glow = emission_of(maps.emission, spot_on_map(spot, places.emission, variant), variant)
+    at_normal = spot_on_map(spot, places.normal, variant)
     leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
     surface = Surface(
         base_color=color.xyz * finish.base_color,

@@ -104,13 +104,13 @@ def surface_at(
 
 
 @shader
-def spot_of(spot: Spot, place: Vec4, variant: Variant) -> Spot:
+def spot_on_map(spot: Spot, place: Vec4, variant: Variant) -> Spot:
     """The same spot in the coordinates of one map."""
-    return apart(spot, place) if variant.apart else spot
+    return retiled(spot, place) if variant.own_tilings else spot
 
 
 @shader
-def apart(spot: Spot, place: Vec4) -> Spot:
+def retiled(spot: Spot, place: Vec4) -> Spot:
     """Each map has its own tiling and shift.
 
     The offset is scaled with the tiling, so that what is displaced stays glued together:
@@ -132,7 +132,7 @@ def apart(spot: Spot, place: Vec4) -> Spot:
 @shader
 def turned(normal: Vec3, place: Vec4, variant: Variant) -> Vec3:
     """A normal of one map in the directions of the height map."""
-    return mirrored_with(normal, place) if variant.apart else normal
+    return mirrored_with(normal, place) if variant.own_tilings else normal
 
 
 @shader

@@ -343,15 +343,17 @@ export class Drawing {
       ...state,
       technique,
       displaced: technique !== "flat",
+      shadows: technique === "flat" ? "none" : state.shadows,
       boxed: boxes,
       "map.edge": wraps ? "wrap" : "clamp",
       "map.filter": boxes ? "boxes" : filter,
+      own_tilings: state.apart,
       layer,
       ...Object.fromEntries(there),
       // the tops of boxes are level, whatever the heights beside them
       normal_map: has("normal") || (has("field") && state.scale > 0 && !boxes),
       shadows_on: "relief",
-      casts: false,
+      shadow_maps: false,
     };
   }
 
