@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -115,6 +116,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 # --- materials ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _small_samples() -> Iterator[None]:
+    """Samples that tests load by name, as `sample:stone`, have 128 texels a side.
+
+    They are loaded very often, and one of 512 takes up to a second.
+    """
+    # the package's own `load` is the function; a suite that imports none of it has no samples
+    module = sys.modules.get("basrelief.material.load")
+    if module is None:
+        yield
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "sample", functools.partial(module.sample, size=128))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -14,8 +14,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from basrelief.cli import demo
 from basrelief.engine import choose_engine
+from basrelief.engine.cache import cache_folder
 from basrelief.images import read_picture, write_data, write_picture
+from basrelief.material import sample
 from helpers.command_line import done, environment, refused, run_apart, write_heights, write_map
 
 DRAW = ("--size", "12x9", "--samples", "1", "--engine", "cpu")
@@ -257,6 +260,15 @@ def test_a_disk_that_is_full(bumps: Path, out: Path, monkeypatch: pytest.MonkeyP
     assert line == "old.png: cannot be written (No space left on device); choose another place"
 
 
+@pytest.fixture
+def small_demo(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A demo of two pictures of small samples."""
+    monkeypatch.setattr(demo, "_SHOWN", ["flat"])
+    monkeypatch.setattr(demo, "_SHAPES", (("cobbles", "plane"),))
+    monkeypatch.setattr(demo, "sample", lambda name: sample(name, 16))
+
+
+@pytest.mark.usefixtures("small_demo")
 @pytest.mark.parametrize("place", ["old.png", "old.png/pictures"])
 def test_a_demo_without_a_place(place: str, out: Path) -> None:
     line = refused("demo", "--engine", "cpu", "-o", place)
@@ -275,7 +287,7 @@ def engines_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("basrelief.cli.demo.choose_engine", choose)
 
 
-@pytest.mark.usefixtures("engines_afresh")
+@pytest.mark.usefixtures("engines_afresh", "small_demo")
 @pytest.mark.parametrize("error", [RuntimeError("no adapter\nat all"), OSError("no driver")])
 def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def request(**_: Any) -> None:
@@ -312,8 +324,10 @@ def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:
     assert os.listdir() == ["old.png"]
 
 
-def test_tests_do_not_fill_the_users_cache() -> None:
-    assert "basrelief-tests-" in environment()["BASRELIEF_CACHE"]
+def test_tests_do_not_fill_the_users_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    of_tests = environment()["BASRELIEF_CACHE"]
+    monkeypatch.delenv("BASRELIEF_CACHE")
+    assert of_tests != str(cache_folder())
 
 
 # --- what must simply work ------------------------------------------------------------------------

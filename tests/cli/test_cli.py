@@ -36,6 +36,8 @@ from helpers.command_line import (
 )
 
 SIZE = (28, 20)
+NAMED = 128
+"""Texels a side of samples that tests load by name."""
 DRAW = ("--size", "28x20", "--samples", "1", "--engine", "cpu")
 
 
@@ -172,7 +174,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     "layer": (
         "--layer sample:grid --layer-tiling 5x3 --layer-shift 0.25,0 --set layer_color=0.5",
         {
-            "layer": Layer(basrelief.sample("grid"), Tiling((5.0, 3.0), (0.25, 0.0))),
+            "layer": Layer(basrelief.sample("grid", NAMED), Tiling((5.0, 3.0), (0.25, 0.0))),
             "finish": {"layer_color": 0.5},
         },
     ),
@@ -242,7 +244,7 @@ def test_further_objects(bumps: Path, here: Path) -> None:
     objects = (
         basrelief.Object(basrelief.load(bumps)),
         basrelief.Object(
-            basrelief.sample("tiles"), "sphere", "steep", scale=0.1,
+            basrelief.sample("tiles", NAMED), "sphere", "steep", scale=0.1,
             transform=placed((0.0, 0.2, 0.0), 0.5),
         ),
         basrelief.Object(

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,13 @@ import pytest
 
 from basrelief.images import write_data
 from helpers.command_line import refused, run
+from helpers.stills import no_stills
+
+
+@pytest.fixture(autouse=True)
+def _no_stills() -> Iterator[None]:
+    with no_stills():
+        yield
 
 
 def told(page: Path) -> dict[str, Any]:

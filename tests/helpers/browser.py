@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import shutil
 import time
@@ -84,10 +85,67 @@ def wait_for_function(
     raise AssertionError(f"waited {timeout / 1000.0:g} s for {condition}: {why}")
 
 
-def planes(words: list[int], size: tuple[int, int], background: Sequence[float]) -> Frame:
+# --- numbers by the thousand ----------------------------------------------------------------------
+
+WITH_ARRAYS = """async (given) => {
+  const kinds = {
+    Uint8Array, Uint8ClampedArray, Uint16Array, Uint32Array, Int32Array, Float32Array, Float64Array,
+  };
+  const read = (x) => {
+    if (Array.isArray(x)) return x.map(read);
+    if (!x?.typed) return x;
+    const bytes = Uint8Array.from(atob(x.base64), (c) => c.charCodeAt(0));
+    return new kinds[x.typed](bytes.buffer);
+  };
+  const written = (x) => {
+    if (Array.isArray(x)) return x.map(written);
+    if (!ArrayBuffer.isView(x)) return x;
+    const bytes = new Uint8Array(x.buffer, x.byteOffset, x.byteLength);
+    let text = "";
+    // a call takes only so many arguments
+    for (let k = 0; k < bytes.length; k += 8192) {
+      text += String.fromCharCode(...bytes.subarray(k, k + 8192));
+    }
+    return { typed: x.constructor.name, base64: btoa(text) };
+  };
+  return written(await (SCRIPT)(read(given)));
+}"""
+TYPED = {
+    "Uint8Array": np.uint8, "Uint8ClampedArray": np.uint8, "Uint16Array": np.uint16,
+    "Uint32Array": np.uint32, "Int32Array": np.int32, "Float32Array": np.float32,
+    "Float64Array": np.float64,
+}  # fmt: skip
+"""NumPy's types by the names of JavaScript's arrays."""
+WORDS = "async side => new Uint32Array(await viewer.drawing.frames.words(side))"
+"""The words of the planes of the viewer's picture; see `planes`."""
+NAMES = {np.dtype(kind): name for name, kind in TYPED.items() if name != "Uint8ClampedArray"}
+
+
+def evaluate(page: Any, script: str, given: Any = None) -> Any:
+    """What a function in a page or a frame returns: NumPy arrays go there, typed arrays come back,
+    flat and also within lists.
+
+    Playwright writes numbers one by one: those of a picture would take longer than drawing it.
+    """
+    return _read(page.evaluate(WITH_ARRAYS.replace("SCRIPT", script), _written(given)))
+
+
+def _written(x: Any) -> Any:
+    if isinstance(x, np.ndarray):
+        return {"typed": NAMES[x.dtype], "base64": base64.b64encode(x.tobytes()).decode()}
+    return [_written(each) for each in x] if isinstance(x, list | tuple) else x
+
+
+def _read(x: Any) -> Any:
+    if isinstance(x, dict) and "typed" in x:
+        return np.frombuffer(base64.b64decode(x["base64"]), TYPED[x["typed"]])
+    return [_read(each) for each in x] if isinstance(x, list) else x
+
+
+def planes(words: np.ndarray, size: tuple[int, int], background: Sequence[float]) -> Frame:
     """The planes of a page's picture, (width, height), as the library's frame."""
     width, height = size
-    whole = np.array(words, np.uint32).reshape(9, height, width)
+    whole = words.view(np.uint32).reshape(9, height, width)
     real = whole.view(np.float32)
     share = np.where(whole[7] != 0, real[3], 0.0)[:, :, None]
     hit = share[:, :, 0] >= SOLID

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import atexit
 import contextlib
-import functools
 import io
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
@@ -21,6 +17,7 @@ import pytest
 
 import basrelief
 from basrelief.cli.main import main
+from basrelief.engine.cache import cache_folder
 from basrelief.images import write_data
 
 COMMAND = [sys.executable, "-m", "basrelief.cli"]
@@ -93,12 +90,9 @@ def run_apart(*arguments: str | Path, **variables: str) -> subprocess.CompletedP
     )
 
 
-@functools.cache
 def environment() -> dict[str, str]:
-    """Compiled programs go to a folder that lasts as long as this process."""
-    folder = tempfile.mkdtemp(prefix="basrelief-tests-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return {"BASRELIEF_CACHE": folder}
+    """What is compiled goes where that of all tests goes, and is found there by other processes."""
+    return {"BASRELIEF_CACHE": str(cache_folder())}
 
 
 def write_map(folder: Path, kind: str, pixels: np.ndarray, name: str = "wall") -> Path:

@@ -45,6 +45,6 @@ def maps() -> dict[str, np.ndarray]:
         "one texel": np.array([[0.3]]),
         "one row": random.random((1, 17)),
         "one column": random.random((13, 1)),
-        "bricks": sample("bricks", 256).height.linear()[:, :, 0],
-        "gravel": sample("gravel", (200, 256)).height.linear()[:, :, 0],
+        "bricks": sample("bricks", 128).height.linear()[:, :, 0],
+        "gravel": sample("gravel", (100, 128)).height.linear()[:, :, 0],
     }

@@ -10,6 +10,8 @@ from helpers.repository import TESTS
 
 pytest_plugins = ["pytester"]
 
+QUICK = ("--no-header",)
+"""Without the adapter's name, for which a driver would have to be loaded."""
 
 SKIPPING = """
     import pytest
@@ -38,7 +40,7 @@ def suite(pytester: pytest.Pytester) -> pytest.Pytester:
 
 def test_skip_elsewhere(suite: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("CI", raising=False)
-    suite.runpytest_subprocess().assert_outcomes(skipped=3, xfailed=1)
+    suite.runpytest_subprocess(*QUICK).assert_outcomes(skipped=3, xfailed=1)
 
 
 @pytest.mark.parametrize("processes", ["0", "2"])
@@ -46,7 +48,7 @@ def test_unlisted_skip_fails_on_ci(
     suite: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, processes: str
 ) -> None:
     monkeypatch.setenv("CI", "true")
-    result = suite.runpytest_subprocess("--numprocesses", processes)
+    result = suite.runpytest_subprocess(*QUICK, "--numprocesses", processes)
     result.assert_outcomes(failed=2, errors=1, xfailed=1)
     result.stdout.fnmatch_lines(["FAILED *test_without_driver* - skipped on CI (*no driver*"])
     assert result.ret == pytest.ExitCode.TESTS_FAILED
@@ -56,7 +58,7 @@ def test_listed_skip_passes_on_ci(suite: pytest.Pytester, monkeypatch: pytest.Mo
     monkeypatch.setenv("CI", "true")
     listed = "# reasons\n\ntest_some.py::test_without_driver  none there\n"
     (suite.path / "allowed_skips.txt").write_text(listed)
-    suite.runpytest_subprocess().assert_outcomes(skipped=2, errors=1, xfailed=1)
+    suite.runpytest_subprocess(*QUICK).assert_outcomes(skipped=2, errors=1, xfailed=1)
 
 
 def test_skipped_module_fails_on_ci(
@@ -65,7 +67,7 @@ def test_skipped_module_fails_on_ci(
     monkeypatch.setenv("CI", "true")
     pytester.makeconftest((TESTS / "conftest.py").read_text())
     pytester.makepyfile(test_whole="import pytest; pytest.importorskip('no_such_module')")
-    result = pytester.runpytest_subprocess()
+    result = pytester.runpytest_subprocess(*QUICK)
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*skipped on CI (*no_such_module*"])
 

@@ -262,7 +262,7 @@ def test_presets_read_maps_as_they_say(tmp_path: Path) -> None:
 
 
 def test_maps_of_samples(tmp_path: Path) -> None:
-    grass = basrelief.sample("grass").base_color
+    grass = basrelief.load("sample:grass").base_color
     assert grass is not None
     noise = basrelief.load("sample:noise", **preset("habrador").maps)
     assert noise.base_color is not None

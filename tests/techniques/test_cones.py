@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from basrelief.engine import choose_engine
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
+from basrelief.material import sample
 from basrelief.measure.oracle import first_hits
 from basrelief.techniques import cone, displace, relaxed_cone
 from basrelief.techniques.cone import Cones, RelaxedCones
@@ -94,7 +96,7 @@ def steepest_up(
     qx = np.concatenate([qx, random.uniform(across[0], across[-1], 500)])
     qy = np.concatenate([qy, random.uniform(down[0], down[-1], 500)])
     rise = surface(heights, qx, qy, edge) - surface(heights, px, py, edge)[:, None]
-    away = np.hypot(qx - px[:, None], qy - py[:, None])
+    away = np.sqrt((qx - px[:, None]) ** 2 + (qy - py[:, None]) ** 2)
     return float((rise / np.maximum(away, 1e-3)).max())
 
 
@@ -201,13 +203,13 @@ def test_the_cones_of_a_ramp_are_as_steep_as_it() -> None:
 
 def test_cones_are_not_narrower_than_they_need_be() -> None:
     """On average: those of gravel are less than a half too steep."""
-    heights = maps()["gravel"][:60, :80]
+    heights = sample("gravel", (200, 256)).height.linear()[:36, :48, 0]
     random = np.random.default_rng(3)
     slopes = slopes_of(baking.cone_map(heights, "clamp"))
-    cells = [(int(random.integers(0, 60)), int(random.integers(0, 80))) for _ in range(40)]
+    cells = [(int(random.integers(0, 36)), int(random.integers(0, 48))) for _ in range(40)]
     ratios = [slopes[c] / steepest_up(heights, c, "clamp", random) for c in cells]
     assert min(ratios) >= 1.0
-    assert np.mean(ratios) < 1.45
+    assert np.mean(ratios) < 1.4
 
 
 def assert_no_far_side_lies_in_a_relaxed_cone(
@@ -283,13 +285,26 @@ def test_a_relaxed_cone_reaches_through_a_slope_to_its_crest() -> None:
 # --- stepping -------------------------------------------------------------------------------------
 
 
+@functools.cache
+def baked_of(engine: Any, bake: Any, name: str, edge: str) -> np.ndarray:
+    return function_of(bake)(np.asarray(maps()[name], np.float32), edge, engine)
+
+
+@functools.cache
+def first_of(name: str, edge: str, rays: bytes) -> np.ndarray:
+    """Where many rays, (n, 4) of start and fall in float32, meet a map first."""
+    each = np.frombuffer(rays, np.float32).reshape(-1, 4).astype(float)
+    heights = np.asarray(maps()[name], np.float32)
+    return first_hits(heights, each[:, :2], each[:, 2:], edge).t
+
+
 def landed(
-    engine: Any, technique: Any, values: Any, heights: Any, edge: str, reach: float
+    engine: Any, technique: Any, values: Any, name: str, edge: str, reach: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How many texels behind the first hit each of many rays ends; whether it says that it has
     found it; its reads."""
-    heights = np.asarray(heights, np.float32)
-    baked = function_of(technique.bake)(heights, edge, engine)
+    heights = np.asarray(maps()[name], np.float32)
+    baked = baked_of(engine, technique.bake, name, edge)
     program = Program(ended, {displace: technique}, edge)
     given = {
         "fan": Fan(reach, 0),
@@ -298,13 +313,10 @@ def landed(
         "settings": values,
     }
     planes = engine.run(program, given, (96, 64))
-    uv, fall = (
-        np.stack([planes[f"{name}.x"], planes[f"{name}.y"]], -1).reshape(-1, 2).astype(float)
-        for name in ("uv", "fall")
-    )
-    wanted = first_hits(heights, uv, fall, edge)
-    texels = np.linalg.norm(fall * heights.shape[::-1], axis=1)
-    behind = ((1.0 - planes["height"].ravel().astype(float)) - wanted.t) * texels
+    rays = np.stack([planes[part] for part in ("uv.x", "uv.y", "fall.x", "fall.y")], -1)
+    texels = np.linalg.norm(rays[:, :, 2:].astype(float) * heights.shape[::-1], axis=-1).ravel()
+    wanted = first_of(name, edge, rays.tobytes())
+    behind = ((1.0 - planes["height"].ravel().astype(float)) - wanted) * texels
     return behind, planes["found"].ravel() != 0, planes["reads"].ravel()
 
 
@@ -314,7 +326,7 @@ def test_cone_passes_no_hit(cpu, name, edge) -> None:
     """Found is the first hit; where the steps run out, the ray is short of it."""
     for reach in (0.02, 0.3, 3.0):
         for steps in (1, 8, 2048):
-            behind, found, reads = landed(cpu, cone, Cones(steps), maps()[name], edge, reach)
+            behind, found, reads = landed(cpu, cone, Cones(steps), name, edge, reach)
             assert behind.max() < LATE
             assert (np.abs(behind[found]) < LATE).all()
             assert reads.max() <= 2 * steps
@@ -323,7 +335,7 @@ def test_cone_passes_no_hit(cpu, name, edge) -> None:
 
 
 def test_cone_says_when_it_has_not_arrived(cpu) -> None:
-    behind, found, reads = landed(cpu, cone, Cones(4), maps()["gravel"], "wrap", 0.5)
+    behind, found, reads = landed(cpu, cone, Cones(4), "gravel", "wrap", 0.5)
     assert 0.05 < found.mean() < 0.95
     assert (behind[~found] < -LATE).mean() > 0.9
     assert reads[~found].min() == 8
@@ -336,7 +348,7 @@ def test_relaxed_cone_seldom_passes_a_hit(cpu, name, most) -> None:
     """The share of rays that end more than half a texel behind the first hit."""
     for reach in (0.3, 1.0):
         taken = RelaxedCones(64, 12)
-        behind, found, reads = landed(cpu, relaxed_cone, taken, maps()[name], "wrap", reach)
+        behind, found, reads = landed(cpu, relaxed_cone, taken, name, "wrap", reach)
         assert (behind > 0.5).mean() <= most
         assert (np.abs(behind[found]) < LATE).mean() > 0.99
         assert found.mean() > 0.25
@@ -350,13 +362,14 @@ def test_engines_bake_and_step_alike(cpu, name) -> None:
 
     gpu = GpuEngine()
     for edge in ("wrap", "clamp"):
-        heights = np.asarray(maps()[name], np.float32)
-        for make in (baking.cone_map, baking.relaxed_cone_map):
-            one, other = (make(heights, edge, engine).astype(int) for engine in (cpu, gpu))
+        for technique in (cone, relaxed_cone):
+            one, other = (
+                baked_of(engine, technique.bake, name, edge).astype(int) for engine in (cpu, gpu)
+            )
             # whether a surface falls may hang on a last digit, and relaxed cones on that
             apart = np.abs(one - other) > 1
-            assert apart.mean() <= (1e-4 if make is baking.relaxed_cone_map else 0.0)
-        behind, found, _ = landed(gpu, cone, Cones(2048), heights, edge, 0.7)
+            assert apart.mean() <= (1e-4 if technique is relaxed_cone else 0.0)
+        behind, found, _ = landed(gpu, cone, Cones(2048), name, edge, 0.7)
         assert np.abs(behind).max() < LATE
         assert found.all()
 

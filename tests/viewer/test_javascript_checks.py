@@ -17,8 +17,9 @@ import pytest
 
 from basrelief.material import sample
 from basrelief.scene import Layer, LookAt, Object, Scene, Tiling, directional, placed, point, spot
-from basrelief.viewer import Sources, page, write_view
+from basrelief.viewer import Sources, write_view
 from helpers.repository import REPOSITORY
+from helpers.stills import no_stills
 
 WEB = "src/basrelief/viewer/web"
 
@@ -84,14 +85,13 @@ def test_type_check_finds_planted_faults(copy: Path) -> None:
 
 
 @pytest.fixture
-def data_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, Any]]:
+def data_of(tmp_path: Path) -> Callable[..., dict[str, Any]]:
     """A function that returns the data of the page of a scene."""
-    # the still pictures are not part of the data
-    monkeypatch.setattr(page, "_stills", lambda *_: [])
 
     def of(scene: Scene, **options: Any) -> dict[str, Any]:
         file = tmp_path / "page.html"
-        write_view(scene, file, engine="cpu", **options)
+        with no_stills():
+            write_view(scene, file, engine="cpu", **options)
         packed = re.search(r'id="data">([^<]*)<', file.read_text("utf-8"))
         assert packed
         data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(packed[1])))

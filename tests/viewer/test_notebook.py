@@ -23,9 +23,10 @@ from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.viewer.notebook import Viewer
 from basrelief.viewer.state import state_of
 from helpers.agreement import assert_agree
-from helpers.browser import PATIENCE, SOFTWARE, chromium, planes
+from helpers.browser import PATIENCE, SOFTWARE, WORDS, chromium, evaluate, planes
 from helpers.repository import REPOSITORY
 from helpers.served import marimo
+from helpers.stills import no_stills
 
 EXAMPLES = REPOSITORY / "examples"
 SIZE = (160, 90)
@@ -68,7 +69,8 @@ def material() -> Material:
 @pytest.fixture(scope="module")
 def made(material: Material) -> Viewer:
     scene = Scene((Object(material, scale=0.08),), camera=Orbit(24.0, 32.0))
-    return Viewer(scene, engine="cpu")
+    with no_stills():
+        return Viewer(scene, engine="cpu")
 
 
 @pytest.fixture
@@ -151,7 +153,8 @@ def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None
 def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
     over = Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0)))
     thing = Object(material, layer=over, transform=placed(scale=(0.7, 1.0, 0.9)), scale=0.08)
-    viewer = Viewer(Scene((thing,), camera=Orbit(24.0, 32.0)), texels=TEXELS, engine="cpu")
+    with no_stills():
+        viewer = Viewer(Scene((thing,), camera=Orbit(24.0, 32.0)), texels=TEXELS, engine="cpu")
     viewer.heights, viewer.smoothing = "smooth", {"mip_bias": 1.0}
     viewer.fades, viewer.fade = True, (1.0, 3.0)
     viewer.apart, viewer.tilings = True, {"base_color": Tiling((2.0, 3.0), (0.1, 0.0))}
@@ -236,7 +239,8 @@ def test_what_the_page_says_wrong_is_told_back_and_the_rest_is_taken(
 
 def test_nothing_behind_stays_nothing(material: Material) -> None:
     scene = Scene((Object(material),), background=None)
-    viewer = Viewer(scene, texels=TEXELS, engine="cpu")
+    with no_stills():
+        viewer = Viewer(scene, texels=TEXELS, engine="cpu")
     assert viewer.scene().background is None
     viewer.background = (0.2, 0.0, 0.0)
     assert viewer.scene().background == (0.2, 0.0, 0.0)
@@ -322,7 +326,8 @@ def test_what_makes_no_viewer_is_told(options: dict[str, Any], line: str) -> Non
 
 
 def test_without_heights_there_is_only_flat(material: Material) -> None:
-    bare = Viewer(Material("bare", base_color=material.base_color), engine="cpu")
+    with no_stills():
+        bare = Viewer(Material("bare", base_color=material.base_color), engine="cpu")
     assert bare.technique == "flat"
     for name, value in (("technique", "relief"), ("compare", "relief"), ("show", "missed")):
         with pytest.raises(InputError, match="bare has no height map"):
@@ -414,9 +419,7 @@ class Shown:
         """The planes of the page's picture."""
         frame = self.frame()
         frame.evaluate("([w, h]) => viewer.draw(w, h, 1)", list(SIZE))
-        words = frame.evaluate(
-            "async () => [...new Uint32Array(await viewer.drawing.frames.words())]"
-        )
+        words = evaluate(frame, WORDS, "left")
         frame.evaluate("viewer.heldSize = null")
         return planes(words, SIZE, self.state("background"))
 
@@ -539,8 +542,19 @@ def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
 # --- in notebooks --------------------------------------------------------------------------------
 
 
+def smaller(text: str, *numbers: tuple[str, str]) -> str:
+    """An example as it stands, but for its numbers of texels and pixels, of which it draws many."""
+    for number, less in numbers:
+        assert number in text
+        text = text.replace(number, less)
+    return text
+
+
 def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
-    with marimo(EXAMPLES / "viewer.py", tmp_path) as address:
+    text = (EXAMPLES / "viewer.py").read_text("utf-8")
+    example = tmp_path / "viewer.py"
+    example.write_text(smaller(text, ("256)", "64)"), ("(480, 270)", "(48, 27)")), "utf-8")
+    with marimo(example, tmp_path) as address:
         page = browser.new_page(viewport={"width": 800, "height": 600})
         page.set_default_timeout(PATIENCE)
         page.goto(address)
@@ -562,12 +576,13 @@ def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
 
 
 def test_the_jupyter_example_runs() -> None:
-    """Its code, cell by cell, without a notebook around it."""
+    """Its code, without a notebook around it."""
     notebook = json.loads((EXAMPLES / "viewer.ipynb").read_text("utf-8"))
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     assert all(cell["outputs"] == [] for cell in cells)
+    code = "\n".join("".join(cell["source"]) for cell in cells)
     known: dict[str, Any] = {}
-    for cell in cells:
-        exec("".join(cell["source"]), known)
+    fewer = ('"sample:cobbles", ', '"sample:cobbles", texels=64, ')
+    exec(smaller(code, fewer, ("(960, 540)", "(48, 27)")), known)
     known["viewer"].set_state({"scale": 0.02})
     assert known["label"].value == "scale 0.02"

@@ -50,7 +50,8 @@ from basrelief.viewer.page import LARGEST
 from basrelief.viewer.shown import shown_scene
 from basrelief.viewer.state import state_of
 from helpers.agreement import assert_agree
-from helpers.browser import PATIENCE, SOFTWARE, chromium, planes
+from helpers.browser import PATIENCE, SOFTWARE, WORDS, chromium, evaluate, planes
+from helpers.stills import no_stills
 
 SIZE = (160, 90)
 TEXELS = 64
@@ -107,9 +108,7 @@ class Seen:
     def frame(self, side: str = "left") -> Frame:
         """The planes that were drawn last, as the library's frame."""
         self.draw()
-        words = self.page.evaluate(
-            "async side => [...new Uint32Array(await viewer.drawing.frames.words(side))]", side
-        )
+        words = evaluate(self.page, WORDS, side)
         return planes(words, SIZE, self.page.evaluate("viewer.state.background"))
 
     def open(self, section: str) -> None:
@@ -252,12 +251,13 @@ def test_colours_of_missed_hits_are_those_of_render_show(
     choices = {"technique": technique, "level": 1.0, "projection": projection, "edge": edge}
     fresh.state(**choices, show="missed")
     fresh.draw()
-    words = fresh.page.evaluate(
-        "async () => [...new Uint32Array(await viewer.gpu.read("
-        "viewer.drawing.frames.sides.left.missed))]"
+    words = evaluate(
+        fresh.page,
+        "async () => new Uint32Array("
+        "await viewer.gpu.read(viewer.drawing.frames.sides.left.missed))",
     )
     width, height = SIZE
-    lost, passed = np.array(words[: 2 * width * height]).reshape(2, height, width) != 0
+    lost, passed = words[: 2 * width * height].reshape(2, height, width) != 0
     scene = Scene((Object(material, scale=0.08, **choices),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, engine="cpu")
     true = truth(scene, SIZE)
@@ -329,12 +329,12 @@ def test_smaller_levels_are_pythons(seen: Seen) -> None:
     heights = rng.integers(0, 65536, (13, 22)).astype(np.uint16)
     script = """async ([texels, height, width]) => {
       const maps = await import("view/maps.js");
-      return maps.heightLevels({ width, height, texels }).map((l) => [...l.texels]);
+      return maps.heightLevels({ width, height, texels }).map((l) => l.texels);
     }"""
-    found = seen.page.evaluate(script, [heights.ravel().tolist(), *heights.shape])
+    found = evaluate(seen.page, script, [heights, *heights.shape])
     level = (heights / 65535.0).astype(np.float32)
     for texels in found:
-        assert np.array_equal(np.array(texels, np.float32).reshape(level.shape), level)
+        assert np.array_equal(texels.astype(np.float32).reshape(level.shape), level)
         level = textures.halved(level)
 
 
@@ -376,7 +376,8 @@ def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tup
     material = _rich_material()
     file = tmp_path_factory.mktemp("rich") / "page.html"
     thing = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
-    write_view(Scene((thing,), camera=CAMERA), file, engine="cpu")
+    with no_stills():
+        write_view(Scene((thing,), camera=CAMERA), file, engine="cpu")
     made = Seen(browser, file)
     yield made, material
     made.page.close()
@@ -903,7 +904,8 @@ def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
     # a landscape with grass and stone, water and what is never reached
     noise = sample("noise", TEXELS)
     scene = preset("habrador").scene(noise, camera=CAMERA)
-    write_view(scene, tmp_path / "page.html", engine="cpu")
+    with no_stills():
+        write_view(scene, tmp_path / "page.html", engine="cpu")
     other = Seen(browser, tmp_path / "page.html")
     assert greyed(other) == []
     assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), other.frame(), TEXELS)
@@ -932,7 +934,8 @@ def test_a_technique_of_ones_own_is_there(
     monkeypatch.chdir(tmp_path)
     own = Object(material, technique="own.py:steep", settings={"share": 0.7}, scale=0.08)
     scene = Scene((own,), camera=CAMERA)
-    write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), engine="cpu")
+    with no_stills():
+        write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), engine="cpu")
     seen = Seen(browser, tmp_path / "page.html")
     drawn = render(scene, size=SIZE, samples=1, engine="cpu")
     assert_agree(drawn, seen.frame(), TEXELS)
@@ -1147,15 +1150,15 @@ def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) ->
       const row = document.querySelector(`.map[data-slot=${slot}]`);
       const canvas = row.querySelector("canvas");
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-      return [canvas.width, canvas.height, [...data], row.querySelector(".told").innerText];
+      return [canvas.width, canvas.height, data, row.querySelector(".told").innerText];
     }"""
     for slot, name in (
         ("base_color", "base_color"), ("height", "height"), ("opacity", "opacity"),
         ("roughness", "roughness"), ("metallic", "metallic"), ("emission", "emission"),
     ):  # fmt: skip
         map = getattr(material, name)
-        width, height, codes, told = seen.page.evaluate(script, slot)
-        found = np.array(codes).reshape(height, width, 4)[:, :, :3]
+        width, height, codes, told = evaluate(seen.page, script, slot)
+        found = codes.reshape(height, width, 4)[:, :, :3].astype(int)
         assert (width, height) == (88, 88)
         assert f"{map.width} × {map.height}" in told
         assert told.endswith(map.source)
@@ -1208,7 +1211,8 @@ def test_pictures_dropped_together_are_what_their_names_say(
 
 def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path: Path) -> None:
     plain = Material("plain", base_color=sample("bricks", 32).base_color)
-    write_view(Scene((Object(plain),)), tmp_path / "page.html", engine="cpu")
+    with no_stills():
+        write_view(Scene((Object(plain),)), tmp_path / "page.html", engine="cpu")
     seen = Seen(browser, tmp_path / "page.html")
     assert seen.page.evaluate("viewer.state.technique") == "flat"
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)

@@ -27,9 +27,10 @@ from basrelief.scene import Object, Scene
 from basrelief.techniques import BAKES, TECHNIQUES, Bake
 from basrelief.viewer import page, write_view
 from helpers.agreement import assert_agree
-from helpers.browser import SOFTWARE, chromium
+from helpers.browser import SOFTWARE, chromium, evaluate
 from helpers.pngs import png
 from helpers.repository import REPOSITORY
+from helpers.stills import no_stills
 
 TEXELS = 64
 WEB = "src/basrelief/viewer/web"
@@ -52,7 +53,8 @@ def browser() -> Iterator[Any]:
 @pytest.fixture(scope="module")
 def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("viewer") / "page.html"
-    write_view(Scene((Object(material, scale=0.08),), camera=CAMERA), file, engine="cpu")
+    with no_stills():
+        write_view(Scene((Object(material, scale=0.08),), camera=CAMERA), file, engine="cpu")
     return file
 
 
@@ -105,13 +107,12 @@ def as_heights(codes: np.ndarray) -> np.ndarray:
 
 # --- tables --------------------------------------------------------------------------------------
 
-READ = """async ([codes, height, width, name, edge]) => {
+READ = """async ([texels, height, width, name, edge]) => {
   const { drawing, gpu } = viewer;
-  const texels = Uint16Array.from(codes);
   const { [name]: held, ...pictures } = viewer.pictures;
   await drawing.setMaps({ ...pictures, field: { width, height, texels } });
   const table = await drawing.bakesFor(edge).table(name);
-  return [table.width, table.height, [...(await gpu.readTexture(table))]];
+  return [table.width, table.height, await gpu.readTexture(table)];
 }"""
 
 
@@ -149,8 +150,8 @@ def test_a_page_is_given_the_tables_that_it_does_not_bake(
 )
 def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, int]) -> None:
     codes = noise(shape)
-    width, height, words = seen.page.evaluate(READ, [codes.ravel().tolist(), *shape, name, edge])
-    found = np.array(words, np.uint16).reshape(height, width, 4)
+    width, height, words = evaluate(seen.page, READ, [codes, *shape, name, edge])
+    found = words.reshape(height, width, 4)
     heights = as_heights(codes)
     bake, whole = BAKES[name.removeprefix("mip_")], name.startswith("mip_")
     wanted = table(bake, heights, edge, choose_engine("cpu"), all_levels=whole)
@@ -162,16 +163,15 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
 
 def test_normals_are_pythons(seen: Seen) -> None:
     codes = noise((50, 37))
-    script = """async ([codes, height, width, rise]) => {
-      const texels = Uint16Array.from(codes);
+    script = """async ([texels, height, width, rise]) => {
       await viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
-      return [...(await viewer.drawing.bakesFor("wrap").normals(rise))];
+      return viewer.drawing.bakesFor("wrap").normals(rise);
     }"""
-    found = seen.page.evaluate(script, [codes.ravel().tolist(), *codes.shape, 0.08 * 37])
+    found = evaluate(seen.page, script, [codes, *codes.shape, 0.08 * 37])
     made = baking.normal_map(as_heights(codes), "wrap", 0.08)
     wanted = np.full((50, 37, 4), 65535)
     wanted[:, :, :3] = np.rint((made * 0.5 + 0.5) * 65535)
-    apart = np.abs(np.array(found).reshape(wanted.shape) - wanted)
+    apart = np.abs(found.reshape(wanted.shape).astype(int) - wanted)
     assert apart.max() <= 1
 
 
@@ -186,8 +186,8 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     said = seen.page.text_content("#map-said")
     assert said == "heights.png: 64 × 64 with 16 bits a channel, used as heights"
-    held = seen.page.evaluate("[...viewer.pictures.field.texels]")
-    assert np.array_equal(np.array(held).reshape(codes.shape), codes)
+    held = evaluate(seen.page, "() => viewer.pictures.field.texels")
+    assert np.array_equal(held.reshape(codes.shape), codes)
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     for technique in ("exact", "cone", "relaxed_cone", "relief"):
         made = TECHNIQUES[technique]
@@ -534,13 +534,12 @@ def test_smaller_levels_of_channels_are_pythons(seen: Seen) -> None:
     rng = np.random.default_rng(9)
     script = """async ([texels, height, width]) => {
       const maps = await import("view/maps.js");
-      const levels = maps.channelLevels({ width, height, texels: Uint16Array.from(texels) });
-      return levels.map((level) => [...level.texels]);
+      return maps.channelLevels({ width, height, texels }).map((level) => level.texels);
     }"""
     for shape in ((12, 24, 4), (6, 7, 4)):
         level = rng.integers(0, 65536, shape).astype(np.uint16)
-        for texels in seen.page.evaluate(script, [level.ravel().tolist(), *shape[:2]]):
-            assert np.array_equal(np.array(texels).reshape(level.shape), level)
+        for texels in evaluate(seen.page, script, [level, *shape[:2]]):
+            assert np.array_equal(texels.reshape(level.shape), level)
             level = np.rint(textures.halved(level.astype(np.float32))).astype(np.uint16)
 
 
@@ -579,12 +578,13 @@ def _drop(
 
 def _decoded(seen: Seen, content: bytes) -> np.ndarray:
     """The texels that the page reads from a PNG, (h, w, 4) uint16."""
-    script = """async (content) => {
+    script = """async (bytes) => {
       const png = await import("view/png.js");
-      const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
       const header = png.headerOf(bytes);
       if (!png.isRead(header)) return null;
-      return [header.height, header.width, [...(await png.decoded(bytes, header))]];
+      return [header.height, header.width, await png.decoded(bytes, header)];
     }"""
-    height, width, texels = seen.page.evaluate(script, base64.b64encode(content).decode())
-    return np.array(texels, np.uint16).reshape(height, width, 4)
+    given = np.frombuffer(content, np.uint8)
+    height, width, texels = evaluate(seen.page, script, given)
+    assert texels.dtype == np.uint16
+    return texels.reshape(height, width, 4)

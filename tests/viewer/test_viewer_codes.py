@@ -21,8 +21,9 @@ from basrelief.measure.colors import COUNT, heat
 from basrelief.rendering import textures
 from basrelief.scene import Object, Scene
 from basrelief.viewer import write_view
-from helpers.browser import SOFTWARE, chromium
+from helpers.browser import SOFTWARE, chromium, evaluate
 from helpers.pngs import FILTERS, filters_of, png
+from helpers.stills import no_stills
 
 COLOR_TYPES = {"grey": (0, 1), "rgb": (2, 3), "grey and alpha": (4, 2), "rgb and alpha": (6, 4)}
 """The colour types of PNG by name: number, and samples a pixel."""
@@ -53,7 +54,8 @@ def material() -> Material:
 def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Seen]:
     """A page that is open; tests here leave its state as it is."""
     file = tmp_path_factory.mktemp("viewer") / "page.html"
-    write_view(Scene((Object(material, scale=0.08),)), file, engine="cpu")
+    with no_stills():
+        write_view(Scene((Object(material, scale=0.08),)), file, engine="cpu")
     with chromium(SOFTWARE) as browser:
         made = Seen(browser, file)
         yield made
@@ -67,21 +69,21 @@ def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 def decoded(seen: Seen, content: bytes, *, whole: bool = False) -> np.ndarray:
     """The texels that the page reads, (h, w, 4) uint16: by its own decoder, or what it has for
     dropped files, which leaves some to the browser."""
-    script = """async ([content, whole]) => {
-      const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+    script = """async ([bytes, whole]) => {
       if (whole) {
         const { pictureOf } = await import("view/dropped.js");
         const made = await pictureOf(new File([bytes], "a.png"), 4096);
-        return [made.height, made.width, [...made.texels]];
+        return [made.height, made.width, made.texels];
       }
       const png = await import("view/png.js");
       const header = png.headerOf(bytes);
       if (!png.isRead(header)) return null;
-      return [header.height, header.width, [...(await png.decoded(bytes, header))]];
+      return [header.height, header.width, await png.decoded(bytes, header)];
     }"""
-    found = seen.page.evaluate(script, [base64.b64encode(content).decode(), whole])
-    height, width, texels = found
-    return np.array(texels, np.uint16).reshape(height, width, 4)
+    given = [np.frombuffer(content, np.uint8), whole]
+    height, width, texels = evaluate(seen.page, script, given)
+    assert texels.dtype == np.uint16
+    return texels.reshape(height, width, 4)
 
 
 def as_texels(codes: np.ndarray) -> np.ndarray:
@@ -200,10 +202,9 @@ def test_halves_are_rounded_to_even(seen: Seen) -> None:
 
 def test_the_maps_of_a_page_are_the_librarys(seen: Seen, material: Material) -> None:
     """To the last bit, channels of other sizes brought to the largest."""
-    found = seen.page.evaluate(
-        """() => Object.fromEntries(Object.entries(viewer.pictures).map(
-          ([name, { width, height, texels }]) => [name, [height, width, [...texels]]]))"""
-    )
+    script = """() => Object.entries(viewer.pictures).map(
+      ([name, { width, height, texels }]) => [name, [height, width, texels]])"""
+    found = dict(evaluate(seen.page, script))
     wanted = {
         "base_color": textures.base_color(material, "wrap"),
         "normal": textures.normal(material, "wrap", 0.08, CpuEngine()),
@@ -214,18 +215,18 @@ def test_the_maps_of_a_page_are_the_librarys(seen: Seen, material: Material) -> 
         assert texture is not None
         height, width, texels = found[name]
         level = texture.levels[0]
-        np.testing.assert_array_equal(np.array(texels).reshape(height, width, 4), level, name)
+        np.testing.assert_array_equal(texels.reshape(height, width, 4), level, name)
     heights = textures.height_field(material, "wrap")
     assert heights is not None
     height, width, texels = found["field"]
-    codes = np.array(texels).reshape(height, width)
+    codes = texels.reshape(height, width)
     np.testing.assert_array_equal((codes / 65535.0).astype(np.float32), heights.levels[0])
 
 
 LEVELS = """async ([texels, height, width, cutOut]) => {
   const { channelLevels } = await import("view/maps.js");
-  const levels = channelLevels({ width, height, texels: Uint16Array.from(texels) }, cutOut);
-  return levels.map((level) => [level.height, level.width, [...level.texels]]);
+  const levels = channelLevels({ width, height, texels }, cutOut);
+  return levels.map((level) => [level.height, level.width, level.texels]);
 }"""
 
 
@@ -241,11 +242,10 @@ def test_smaller_levels_are_rounded_as_the_librarys(seen: Seen, shape: Any, cut_
         maps["opacity"] = Map(opacity, False, "made up")
     texture = textures.base_color(Material("made up", **maps), "wrap")
     assert texture is not None
-    given = [texture.levels[0].ravel().tolist(), *shape, cut_out]
-    found = seen.page.evaluate(LEVELS, given)
+    found = evaluate(seen.page, LEVELS, [texture.levels[0], *shape, cut_out])
     assert len(found) == len(texture.levels)
     for (height, width, texels), level in zip(found, texture.levels, strict=True):
-        np.testing.assert_array_equal(np.array(texels).reshape(height, width, 4), level)
+        np.testing.assert_array_equal(texels.reshape(height, width, 4), level)
 
 
 def test_quarters_are_rounded_to_even(seen: Seen) -> None:
@@ -255,24 +255,24 @@ def test_quarters_are_rounded_to_even(seen: Seen) -> None:
     parts = np.stack([sums // 4 + (sums % 4 > k) for k in (2, 0, 1, 3)], -1).clip(0, 65535)
     assert np.array_equal(parts.sum(-1), sums)
     level = np.repeat(parts.reshape(-1, 2, 2).transpose(1, 0, 2).reshape(2, -1)[:, :, None], 4, 2)
-    found = seen.page.evaluate(LEVELS, [level.ravel().tolist(), *level.shape[:2], False])
-    assert found[1][2][::4] == np.rint(sums / 4).tolist()
+    found = evaluate(seen.page, LEVELS, [level.astype(np.uint16), *level.shape[:2], False])
+    assert found[1][2][::4].tolist() == np.rint(sums / 4).tolist()
 
 
-REPLACED = """async ([texels, height, width, slot, choices, sizes]) => {
+REPLACED = """async ([texels, height, width, slot, choices]) => {
   const { replaced } = await import("view/dropped.js");
-  const picture = { width, height, bits: 16, texels: Uint16Array.from(texels) };
+  const picture = { width, height, bits: 16, texels };
   const made = replaced({}, viewer.data.slots, slot, picture, { channel: "luminance", ...choices });
   const [{ width: w, height: h, count, texels: found }] = Object.values(made);
-  return [h, w, count, [...found]];
+  return [h, w, count, found];
 }"""
 
 
 def replaced(seen: Seen, pixels: np.ndarray, slot: str, **choices: str) -> np.ndarray:
     """The map that the page makes of a dropped picture of (h, w, 4) 16-bit codes."""
-    given = [pixels.ravel().tolist(), *pixels.shape[:2], slot, choices, None]
-    height, width, count, texels = seen.page.evaluate(REPLACED, given)
-    return np.array(texels).reshape(height, width, count)
+    given = [pixels, *pixels.shape[:2], slot, choices]
+    height, width, count, texels = evaluate(seen.page, REPLACED, given)
+    return texels.reshape(height, width, count)
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
@@ -332,20 +332,17 @@ def test_maps_of_other_sizes_are_rounded_as_the_librarys(
     other = RNG.integers(0, 65536, (*large, 4)).astype(np.uint16)
     script = """async ([small, [h, w], large, [height, width]]) => {
       const { replaced } = await import("view/dropped.js");
-      const of = (codes, height, width) => {
-        return { width, height, bits: 16, texels: Uint16Array.from(codes) };
-      };
+      const of = (texels, height, width) => ({ width, height, bits: 16, texels });
       const choices = { channel: "g", polarity: "height" };
       const { slots } = viewer.data;
       const first = replaced({}, slots, "occlusion", of(small, h, w), choices);
       const second = of(large, height, width);
       const { response } = replaced(first, slots, "roughness", second, choices);
-      return [response.height, response.width, [...response.texels]];
+      return [response.height, response.width, response.texels];
     }"""
-    given = [picture.ravel().tolist(), list(small), other.ravel().tolist(), list(large)]
-    height, width, texels = seen.page.evaluate(script, given)
+    height, width, texels = evaluate(seen.page, script, [picture, small, other, large])
     assert (height, width) == tuple(size)
-    found = np.array(texels).reshape(height, width, 4)
+    found = texels.reshape(height, width, 4)
     for channel, pixels in ((0, picture), (1, other)):
         # one of the library's of the same size, in which nothing is brought to another
         whole = Map(np.zeros((*size, 1), np.uint16), False, "made up")
@@ -357,12 +354,12 @@ def test_maps_of_other_sizes_are_rounded_as_the_librarys(
 
 # --- rounding: on the screen ----------------------------------------------------------------------
 
-PRESENT = """async ([width, height, sums, words, view, folder]) => {
+PRESENT = """async ([width, height, sums, words, view]) => {
   await viewer.draw(width, height, 1);
   const { gpu, drawing, canvas } = viewer;
   const { STORAGE } = GPUBufferUsage;
-  const sum = gpu.buffer(Float32Array.from(sums).buffer, STORAGE);
-  const planes = gpu.buffer(Uint32Array.from(words).buffer, STORAGE);
+  const sum = gpu.buffer(sums.buffer, STORAGE);
+  const planes = gpu.buffer(words.buffer, STORAGE);
   const all = {
     size: [width, height], canvas: [width, height], texels: [64, 64], background: [0, 0, 0, 1],
     divider: width + 1, show: "color", samples: 1, ...view,
@@ -382,8 +379,7 @@ def presented(
     (9, h, w) words."""
     height, width = sums.shape[:2]
     words = np.zeros((9, height, width), np.uint32) if planes is None else planes
-    given = [width, height, sums.ravel().tolist(), words.ravel().tolist(), view, None]
-    url = seen.page.evaluate(PRESENT, given)
+    url = evaluate(seen.page, PRESENT, [width, height, sums.astype(np.float32), words, view])
     file = tmp_path / "canvas.png"
     file.write_bytes(base64.b64decode(url.split(",")[1]))
     return read_picture(file).pixels[:, :, :3].astype(int)
@@ -463,7 +459,7 @@ def test_figures_are_those_of_all_rows(seen: Seen) -> None:
     planes[4], planes[7], planes[8] = depth.view(np.uint32), hit, reads
     script = """async ([width, height, words]) => {
       const { gpu, drawing } = viewer;
-      const planes = gpu.buffer(Uint32Array.from(words).buffer, GPUBufferUsage.STORAGE);
+      const planes = gpu.buffer(words.buffer, GPUBufferUsage.STORAGE);
       const view = {
         size: [width, height], canvas: [width, height], texels: [64, 64], background: [0, 0, 0, 1],
         divider: width + 1, show: "color", samples: 1,
@@ -471,7 +467,7 @@ def test_figures_are_those_of_all_rows(seen: Seen) -> None:
       const missed = gpu.planes(2, width, height);
       return drawing.frames.colors.figures({ planes, missed }, view);
     }"""
-    found = seen.page.evaluate(script, [width, height, planes.ravel().tolist()])
+    found = evaluate(seen.page, script, [width, height, planes])
     assert found["hits"] == hit.sum()
     assert found["reads"] == reads[hit].sum()
     assert found["most"] == reads[hit].max()
@@ -484,18 +480,17 @@ def test_figures_are_those_of_all_rows(seen: Seen) -> None:
 
 def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: Seen) -> None:
     """With slopes s and t along u and v: (−s, t, 1) ÷ √(1 + s² + t²), as (x ÷ 2 + ½) · 65535."""
-    script = """async ([codes, height, width, rise]) => {
+    script = """async ([texels, height, width, rise]) => {
       const { drawing } = viewer;
       const { normal, ...pictures } = viewer.pictures;
-      const field = { width, height, texels: Uint16Array.from(codes) };
-      await drawing.setMaps({ ...pictures, field });
-      const found = [...(await drawing.bakesFor("clamp").normals(rise))];
+      await drawing.setMaps({ ...pictures, field: { width, height, texels } });
+      const found = await drawing.bakesFor("clamp").normals(rise);
       await drawing.setMaps(viewer.began);
       return found;
     }"""
     codes, rise = RNG.integers(20000, 45000, (24, 11)), 9.0
-    given = [codes.ravel().tolist(), *codes.shape, rise]
-    found = np.array(seen.page.evaluate(script, given)).reshape(*codes.shape, 4)[1:-1, 1:-1]
+    made = evaluate(seen.page, script, [codes.astype(np.uint16), *codes.shape, rise])
+    found = made.reshape(*codes.shape, 4)[1:-1, 1:-1]
     heights = codes / 65535.0 * rise
     s = (heights[1:-1, 2:] - heights[1:-1, :-2]) / 2.0
     t = (heights[2:, 1:-1] - heights[:-2, 1:-1]) / 2.0
@@ -512,19 +507,19 @@ def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: Seen) -> None:
 
 THUMBNAIL = """async ([texels, height, width, count, channels, light]) => {
   const { thumbnail } = await import("view/thumbs.js");
-  const picture = { width, height, count, texels: Uint16Array.from(texels) };
+  const picture = { width, height, count, texels };
   const canvas = thumbnail(picture, channels, light);
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  return [canvas.height, canvas.width, [...data]];
+  return [canvas.height, canvas.width, data];
 }"""
 
 
 def thumbnail(
     seen: Seen, texels: np.ndarray, channels: list[int], light: bool = False
 ) -> np.ndarray:
-    given = [texels.ravel().tolist(), *texels.shape, channels, light]
-    height, width, data = seen.page.evaluate(THUMBNAIL, given)
-    return np.array(data).reshape(height, width, 4)
+    given = [texels.astype(np.uint16), *texels.shape, channels, light]
+    height, width, data = evaluate(seen.page, THUMBNAIL, given)
+    return data.reshape(height, width, 4)
 
 
 def test_a_thumbnail_shows_the_nearest_codes(seen: Seen) -> None:
