@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import os
 import sys
@@ -94,7 +95,10 @@ def _top(
 PathArgument = Annotated[
     str, typer.Argument(help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).")
 ]
-EngineOption = Annotated[str, typer.Option(help="auto, cpu or gpu.", rich_help_panel="Picture")]
+_of_picture = functools.partial(typer.Option, rich_help_panel="Picture")
+_OUTPUT = ("-o", "--output")
+ScaleOption = Annotated[float | None, typer.Option(help="Depth as a fraction of a tile's width.")]
+EngineOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
 
 
 def _said(options: dict[str, Any]) -> dict[str, Any]:
@@ -217,48 +221,25 @@ def _setting(field: Any) -> tuple[str, str, str]:
 def render(
     path: PathArgument,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="The picture: png, jpg, webp, exr …, or mp4, gif.",
-            rich_help_panel="Picture",
-        ),
+        Path | None, _of_picture(*_OUTPUT, help="The picture: png, jpg, webp, exr …, or mp4, gif.")
     ] = None,
-    size: Annotated[
-        str, typer.Option(help="Width × height in pixels.", rich_help_panel="Picture")
-    ] = "1280x720",
-    samples: Annotated[int, typer.Option(help="Samples a pixel.", rich_help_panel="Picture")] = 4,
-    bits: Annotated[
-        int | None,
-        typer.Option(help="Bits a channel: 8, or 16 for PNG.", rich_help_panel="Picture"),
-    ] = None,
-    quality: Annotated[
-        int, typer.Option(min=1, max=100, help="Of JPEG, WebP and MP4.", rich_help_panel="Picture")
-    ] = 95,
+    size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
+    samples: Annotated[int, _of_picture(help="Samples a pixel.")] = 4,
+    bits: Annotated[int | None, _of_picture(help="Bits a channel: 8, or 16 for PNG.")] = None,
+    quality: Annotated[int, _of_picture(min=1, max=100, help="Of JPEG, WebP and MP4.")] = 95,
     frames: Annotated[
-        int,
-        typer.Option(
-            help="Above 1 a film (mp4, gif, webp), or numbered pictures.", rich_help_panel="Picture"
-        ),
+        int, _of_picture(help="Above 1 a film (mp4, gif, webp), or numbered pictures.")
     ] = 1,
-    fps: Annotated[
-        float, typer.Option(help="Pictures a second in a film.", rich_help_panel="Picture")
-    ] = 30.0,
+    fps: Annotated[float, _of_picture(help="Pictures a second in a film.")] = 30.0,
     motion: Annotated[
         list[str] | None,
-        typer.Option(
+        _of_picture(
             help="orbit · light · scroll,u=0.25,v=0 · opening: what moves in a film; repeat.",
             metavar="NAME,NAME=VALUE…",
-            rich_help_panel="Picture",
         ),
     ] = None,
     show: Annotated[
-        str,
-        typer.Option(
-            help="color, or what it hides: reads, missed, overshoot, depth-error.",
-            rich_help_panel="Picture",
-        ),
+        str, _of_picture(help="color, or what it hides: reads, missed, overshoot, depth-error.")
     ] = "color",
     engine: EngineOption = "auto",
     **given: Any,
@@ -337,7 +318,7 @@ def compare(
     path: PathArgument,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The folder for the page, pictures and compare.json."),
+        typer.Option(*_OUTPUT, help="The folder for the page, pictures and compare.json."),
     ] = None,
     technique: Annotated[
         list[str] | None,
@@ -355,9 +336,7 @@ def compare(
     angles: Annotated[str, typer.Option(help="Degrees from the normal.")] = "0,45,60,75,85",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
-    scale: Annotated[
-        float | None, typer.Option(help="Depth as a fraction of a tile's width.")
-    ] = None,
+    scale: ScaleOption = None,
     level: Annotated[
         float | None, typer.Option(help="The height on the polygon (each technique's own).")
     ] = None,
@@ -397,9 +376,7 @@ def tune(
     ] = None,
     flip: Annotated[float | None, typer.Option(help="The most FLIP error, as 0.05.")] = None,
     angles: Annotated[str, typer.Option(help="Degrees from the normal, from-to.")] = "0-75",
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The preset, a .toml file.")
-    ] = None,
+    output: Annotated[Path | None, typer.Option(*_OUTPUT, help="The preset, a .toml file.")] = None,
     technique: Annotated[
         list[str] | None,
         typer.Option(help="One to try (all of them); repeat.", metavar="NAME|FILE.py:NAME"),
@@ -409,9 +386,7 @@ def tune(
         typer.Option("--set", help="A setting to keep as it is; repeat.", metavar="NAME=VALUE"),
     ] = None,
     size: Annotated[str, typer.Option(help="Width × height of what is measured.")] = "320x180",
-    scale: Annotated[
-        float | None, typer.Option(help="Depth as a fraction of a tile's width.")
-    ] = None,
+    scale: ScaleOption = None,
     engine: EngineOption = "auto",
     **maps: Any,
 ) -> None:
@@ -441,8 +416,7 @@ def tune(
 def bake(
     path: PathArgument,
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="The folder for the files (FOLDER/baked)."),
+        Path | None, typer.Option(*_OUTPUT, help="The folder for the files (FOLDER/baked).")
     ] = None,
     edge: Annotated[str, typer.Option(help="Beyond the map: wrap or clamp.")] = "wrap",
     scale: Annotated[
@@ -500,27 +474,13 @@ def explain(
     path: PathArgument,
     pixel: Annotated[
         str,
-        typer.Option(
-            help="Which pixel's ray, from the top left.",
-            metavar="X,Y",
-            rich_help_panel="Picture",
-        ),
+        _of_picture(help="Which pixel's ray, from the top left.", metavar="X,Y"),
     ],
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="The cross-section: svg, png or pdf.",
-            rich_help_panel="Picture",
-        ),
+        Path | None, _of_picture(*_OUTPUT, help="The cross-section: svg, png or pdf.")
     ] = None,
-    size: Annotated[
-        str, typer.Option(help="Width × height in pixels.", rich_help_panel="Picture")
-    ] = "1280x720",
-    table: Annotated[
-        bool, typer.Option("--table", help="List each read.", rich_help_panel="Picture")
-    ] = False,
+    size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
+    table: Annotated[bool, _of_picture("--table", help="List each read.")] = False,
     **given: Any,
 ) -> None:
     """Show what a technique reads along the ray of one pixel, and where it should have ended."""
@@ -547,7 +507,7 @@ def explain(
 
 @app.command()
 def demo(
-    output: Annotated[Path, typer.Option("-o", "--output", help="Where the pictures go.")] = Path(
+    output: Annotated[Path, typer.Option(*_OUTPUT, help="Where the pictures go.")] = Path(
         "basrelief-demo"
     ),
     engine: EngineOption = "auto",
@@ -571,8 +531,7 @@ def demo(
 def view(
     path: PathArgument,
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="The page; without it one is made and opened."),
+        Path | None, typer.Option(*_OUTPUT, help="The page; without it one is made and opened.")
     ] = None,
     texels: Annotated[int, typer.Option(help="Texels a side of the page's maps at most.")] = 1024,
     engine: EngineOption = "auto",
