@@ -7,9 +7,11 @@ should see through both. On a GPU by timestamps, both in turn.
 from __future__ import annotations
 
 import statistics
+import sys
 import time
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,11 +20,13 @@ from figures import option_parser, store
 import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
-from basrelief.lang.library import linked
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Printed, printed
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from helpers.linking import linked
 
 SIZE = (1920, 1080)
 RUNS = 15

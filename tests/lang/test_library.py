@@ -23,7 +23,7 @@ from basrelief.lang import (
     slot,
     struct,
 )
-from basrelief.lang.library import library_of, linked
+from basrelief.lang.library import library_of
 from basrelief.lang.program import Program
 from basrelief.lang.tree import holds
 from basrelief.lang.values import IVec2
@@ -32,6 +32,7 @@ from basrelief.scene.objects import technique_named
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import displace
 from basrelief.viewer.printed import printed
+from helpers.linking import linked
 from helpers.variants import random_programs
 
 

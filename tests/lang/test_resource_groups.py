@@ -13,10 +13,11 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.engine.gpu import GpuEngine
 from basrelief.lang import Buffer, HeightField, ShaderError, Texture
 from basrelief.lang.frontend import analyse
-from basrelief.lang.library import library_of, linked
+from basrelief.lang.library import library_of
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
 from helpers.comparing import write_module
+from helpers.linking import linked
 
 SOURCE = """
 @struct

@@ -14,11 +14,12 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.engine.gpu import GpuEngine
 from basrelief.lang import HeightField, ShaderError, Texture, bound
 from basrelief.lang.frontend import analyse
-from basrelief.lang.library import library_of, linked
+from basrelief.lang.library import library_of
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
 from helpers.comparing import write_module
+from helpers.linking import linked
 
 SOURCE = '''
 from typing import Literal

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from basrelief.lang.library import linked
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.techniques.cone_bake import Search, steepest
 from basrelief.viewer.printed import Printed, printed
 from helpers.browser import SOFTWARE, chromium
+from helpers.linking import linked
 from helpers.variants import random_programs
 
 LINK = """async ([address, programs, entry, choices]) => {

@@ -93,7 +93,7 @@ def _values(heights: Heights, edge: Edge, scale: float, least: float) -> dict[st
     rise = checked_scale(scale) * heights.shape[1]
     cells = _highest_of_cells(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, least, int(edge == "clamp")),
+        "sights": shaders.Sights(float(heights.max()), rise, least),
         "near": HeightField([_highest_of_blocks(cells, shaders.NEAR)], edge),
         "far": HeightField([_highest_of_blocks(cells, shaders.FAR)], edge),
     }

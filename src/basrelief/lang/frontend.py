@@ -75,11 +75,6 @@ def analyse(
     return specialized(_resolved(entry, bindings), functions, bindings, types, known)
 
 
-def analyse_all(shaders: Iterable[Shader[..., Any]]) -> list[tree.Function]:
-    """Typed functions of several shaders and of what they call, each once."""
-    return list(analyse_apart(shaders).values())
-
-
 def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
     """Typed functions of shaders, slots among them, and of all that they call; nothing is bound.
 
@@ -93,7 +88,7 @@ def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any],
 def elementary_functions() -> dict[str, tree.Function]:
     """The typed functions of `lang.elementary`, by name."""
     shaders = [s for s in vars(elementary).values() if isinstance(s, Shader)]
-    return {function.name: function for function in analyse_all(shaders)}
+    return {function.name: function for function in analyse_apart(shaders).values()}
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,11 @@
 A printed program has its slots bound. A library has each shader once, whatever is bound: a slot is
 a function of its own name, which hands on to the shader bound to it, and a type slot is an alias.
 Lines under a static condition are marked, to be kept or not. So few pieces make any number of
-programs: `linked` here, and a page's own few lines, follow what an entry uses.
+programs: a page's own few lines (`viewer/web/link.js`) follow what an entry uses.
 """
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,17 +15,11 @@ from typing import Any
 
 from basrelief.lang.frontend import Bindings, analyse_apart, bound_types
 from basrelief.lang.layout import align_and_size
-from basrelief.lang.program import Program
 from basrelief.lang.resources import flat_names
 from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.tree import Condition, holds
+from basrelief.lang.tree import Condition
 from basrelief.lang.types import ShaderError
-from basrelief.lang.wgsl import ELSE, END, IF, THEN, Binding, ModulePrinter, bindings
-
-_NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
-"""A name that is used: not a field, nor the name of a parameter."""
-_STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
-"""Two texts under a static condition, no other such texts within them."""
+from basrelief.lang.wgsl import Binding, ModulePrinter, bindings
 
 
 @dataclass
@@ -47,33 +40,6 @@ class Library:
         """Slots and type slots by name, and the names of what bindings bind them to."""
         found: dict[Any, Any] = {**bindings, **bound_types(bindings)}
         return {self.names[slot]: self.names[bound] for slot, bound in found.items()}
-
-
-def linked(library: Library, program: Program) -> str:
-    """The WGSL of a program of the library's: all that its entry uses, with its slots bound and its
-    static conditions decided."""
-    bound = library.bound_names(program.bindings)
-
-    def decided(text: str) -> str:
-        count = 1
-        while count:
-            text, count = _STATIC.subn(lambda m: m[2] if truth(int(m[1])) else m[3], text)
-        return text
-
-    @functools.cache
-    def truth(number: int) -> bool:
-        return holds(library.conditions[number], program.known)
-
-    texts = [decided(library.entries[program.entry.name])]
-    found: set[str] = set()
-    for text in texts:  # and those that are added meanwhile
-        for name in _used(text):
-            options = library.slots.get(name)
-            piece = library.pieces.get(name) if options is None else options[bound[name]]
-            if piece is not None and name not in found:
-                found.add(name)
-                texts.append(decided(piece))
-    return "\n".join(texts)
 
 
 def library_of(
@@ -186,8 +152,3 @@ def _declared(text: str) -> str:
     found = re.search(r"^(?:fn|struct|alias) (\w+)", text, re.MULTILINE)
     assert found is not None
     return found[1]
-
-
-def _used(text: str) -> list[str]:
-    """The names in a text, its comments left out, each once."""
-    return list(dict.fromkeys(_NAME.findall(re.sub(r"//[^\n]*", "", text))))

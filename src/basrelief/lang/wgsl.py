@@ -66,11 +66,6 @@ def _bound_name(binding: Binding) -> str:
     return fixed.get(binding.kind, f"{binding.name}_{binding.kind}")
 
 
-def print_functions(module: tree.Module, edge: Edge) -> str:
-    """The functions of a program and what they need, without its entry."""
-    return ModulePrinter(module.functions, [module.entry], edge).functions_text()
-
-
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
     """The whole program as a compute shader, entry point `main`, one invocation a pixel."""
     printer = ModulePrinter(module.functions, [module.entry], edge)

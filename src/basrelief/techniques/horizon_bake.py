@@ -59,13 +59,11 @@ class Sights:
 
     `top` is the highest point of the map, `per_texel` what the whole height range rises in widths
     of a texel; sights no steeper than `least`, in heights a texel, count as level.
-    `clamped` is 1 where the border of the map goes on for ever.
     """
 
     top: float
     per_texel: float
     least: float
-    clamped: int
 
 
 @struct
@@ -168,7 +166,7 @@ def steepest(
             side = NEAR
             highest = corners(near, IVec2(held.x >> 3, held.y >> 3), 0).x
         last = IVec2(min(first.x + side, extent.x) - 1, min(first.y + side, extent.y) - 1)
-        if sights.clamped != 0:
+        if field.edge == "clamp":
             # beyond the border nothing changes along that axis
             first = IVec2(
                 -BEYOND if forth.x == 0 and mapped.x < 0 else first.x,

@@ -1,6 +1,6 @@
 """The programs as a page holds them: each shader once, with its static conditions left open.
 
-A page links what it draws from these pieces (`web/link.js`), as `lang.library.linked` does.
+A page links what it draws from these pieces (`web/link.js`).
 """
 
 from __future__ import annotations

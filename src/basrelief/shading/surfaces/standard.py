@@ -87,9 +87,6 @@ def triplanar(map: Texture, spot: Spot) -> Vec4:
     return total / (weight.x + weight.y + weight.z)
 
 
-# --- normal -----------------------------------------------------------------------------------
-
-
 @shader
 def normal_of(map: Texture, spot: Spot, strength: float, variant: Variant) -> Vec3:
     """The unit normal in tangent space, green up, leaning more or less than is stored; without a
@@ -101,9 +98,6 @@ def normal_of(map: Texture, spot: Spot, strength: float, variant: Variant) -> Ve
     return normalize(Vec3(leaning, max(stored.z, FLATTEST)))
 
 
-# --- occlusion, roughness, metallic, the layer's mask ---------------------------------------------
-
-
 @shader
 def response_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
     """Occlusion, roughness, metallic, packed as in glTF 2.0, and how much of a second layer there
@@ -113,18 +107,12 @@ def response_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
     return Vec4(1.0, 0.8, 0.0, 1.0)
 
 
-# --- emission ------------------------------------------------------------------------------------
-
-
 @shader
 def emission_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
     """The light that the surface sends out by itself, linear."""
     if variant.emission_map:
         return trilinear(map, spot.uv, spot.footprint).xyz
     return Vec3(0.0)
-
-
-# --- opacity -------------------------------------------------------------------------------------
 
 
 @shader

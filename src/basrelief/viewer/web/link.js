@@ -1,4 +1,4 @@
-// Programs put together from their pieces, as `lang.library.linked` does it.
+// Programs put together from their pieces, which `lang.library` prints.
 
 /** @import { Binding, Condition, Programs } from "view/data" */
 

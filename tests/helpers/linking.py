@@ -1,0 +1,48 @@
+"""Programs put together from a library's pieces, as the page's `web/link.js` does it."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+from basrelief.lang.library import Library
+from basrelief.lang.program import Program
+from basrelief.lang.tree import holds
+from basrelief.lang.wgsl import ELSE, END, IF, THEN
+
+_NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
+"""A name that is used: not a field, nor the name of a parameter."""
+_STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
+"""Two texts under a static condition, no other such texts within them."""
+
+
+def linked(library: Library, program: Program) -> str:
+    """The WGSL of a program of the library's: all that its entry uses, with its slots bound and its
+    static conditions decided."""
+    bound = library.bound_names(program.bindings)
+
+    def decided(text: str) -> str:
+        count = 1
+        while count:
+            text, count = _STATIC.subn(lambda m: m[2] if truth(int(m[1])) else m[3], text)
+        return text
+
+    @functools.cache
+    def truth(number: int) -> bool:
+        return holds(library.conditions[number], program.known)
+
+    texts = [decided(library.entries[program.entry.name])]
+    found: set[str] = set()
+    for text in texts:  # and those that are added meanwhile
+        for name in _used(text):
+            options = library.slots.get(name)
+            piece = library.pieces.get(name) if options is None else options[bound[name]]
+            if piece is not None and name not in found:
+                found.add(name)
+                texts.append(decided(piece))
+    return "\n".join(texts)
+
+
+def _used(text: str) -> list[str]:
+    """The names in a text, its comments left out, each once."""
+    return list(dict.fromkeys(_NAME.findall(re.sub(r"//[^\n]*", "", text))))
