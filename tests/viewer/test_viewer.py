@@ -1230,6 +1230,7 @@ NAMES = [
     "normal_opengl.png", "metal_roughness.png", "wall_orm.png", "wall_rma.png", "preview.png",
     "wall_specular.png", "Wall Bump 16bit.tif", "wall_nh.png", "wall.png", "4096x4096.png",
     "wall_emissiveColor.png", "albedoTransparency.png", "WallOpacityMap.png", "layerMask.png",
+    "height_constructor.png", "wall_normal_valueOf.png", "T_Wall_toString.png",
 ]  # fmt: skip
 
 

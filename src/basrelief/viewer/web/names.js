@@ -8,6 +8,14 @@
  */
 
 /**
+ * What a table has for a word, which may be any: "constructor" too.
+ * @template T
+ * @param {{ [word: string]: T | undefined }} table
+ * @param {string} word
+ */
+const known = (table, word) => (Object.hasOwn(table, word) ? table[word] : undefined);
+
+/**
  * The map that a file is taken for, and how: { slot, polarity, green }, or null.
  * @param {string} fileName
  * @param {Names} names
@@ -19,7 +27,7 @@ export function meaningOf(fileName, names) {
   const { slot, over, around } = found;
   const turned = around.some((word) => names.inverted.includes(word));
   const turns = turned && ["height", "roughness"].includes(slot);
-  const green = found.green ?? around.map((word) => names.green[word]).find(Boolean);
+  const green = found.green ?? around.map((word) => known(names.green, word)).find(Boolean);
   return { slot, polarity: over !== turns ? "depth" : "height", green: green ?? "gl" };
 }
 
@@ -43,14 +51,15 @@ function wordsOf(stem, { sizes, word, formats, resolutions }) {
  */
 function placeOf(words, names) {
   const { meanings, unreal, longest } = names;
-  const last = meanings[unreal[words.at(-1) ?? ""] ?? ""];
+  const last = known(meanings, known(unreal, words.at(-1) ?? "") ?? "");
   if (words.length > 2 && words[0] === "t" && last) {
     return { slot: last[0], over: last[1], around: words.slice(-2, -1) };
   }
   for (let end = words.length; end > 0; end--) {
     for (let start = Math.max(end - longest, 0); start < end; start++) {
       const run = words.slice(start, end).join("");
-      const [meaning, green] = meanings[run] ? [meanings[run]] : withGreen(run, names);
+      const whole = known(meanings, run);
+      const [meaning, green] = whole ? [whole] : withGreen(run, names);
       if (!meaning) continue;
       if (!meaning[0]) return null;
       const around = [...words.slice(0, start).slice(-1), ...words.slice(end)];
@@ -68,7 +77,7 @@ function placeOf(words, names) {
  */
 function withGreen(run, { meanings, green }) {
   for (const [spelling, way] of Object.entries(green)) {
-    const meaning = run.endsWith(spelling) && meanings[run.slice(0, -spelling.length)];
+    const meaning = run.endsWith(spelling) && known(meanings, run.slice(0, -spelling.length));
     if (meaning && meaning[0] === "normal") return [meaning, way];
   }
   return [];
