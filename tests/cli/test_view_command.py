@@ -18,8 +18,8 @@ from helpers.command_line import refused, run
 from helpers.stills import no_stills
 
 
-@pytest.fixture(autouse=True)
-def _no_stills() -> Iterator[None]:
+@pytest.fixture
+def without_stills() -> Iterator[None]:
     with no_stills():
         yield
 
@@ -32,6 +32,7 @@ def told(page: Path) -> dict[str, Any]:
     return data
 
 
+@pytest.mark.usefixtures("without_stills")
 def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
@@ -56,6 +57,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     assert (state["camera"]["azimuth"], state["camera"]["elevation"]) == (10.0, 20.0)
 
 
+@pytest.mark.usefixtures("without_stills")
 def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
     write_data(tmp_path / "wall_height.png", ramp)
@@ -89,6 +91,7 @@ def test_what_cannot_be_is_one_line(tmp_path: Path, given: list[str], line: str)
     assert not page.exists()
 
 
+@pytest.mark.usefixtures("without_stills")
 def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
@@ -101,6 +104,7 @@ def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
     assert data["state"]["lights"] == []
 
 
+@pytest.mark.usefixtures("without_stills")
 @pytest.mark.parametrize("opens", [True, False])
 def test_without_a_file_the_page_is_opened(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], opens: bool
