@@ -6,6 +6,7 @@ Pictures are small, not square and not symmetrical, so that a mirrored or turned
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -647,7 +648,9 @@ def test_a_bump_map_is_what_it_looks_like(tmp_path: Path, grey: bool) -> None:
     assert [kind for kind, _ in load(tmp_path).maps()] == ["height" if grey else "normal"]
 
 
-def test_samples_load_by_name() -> None:
+def test_samples_load_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    # of their own size, which other tests have smaller
+    monkeypatch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
     material = load("sample:bricks", tile=3.0)
     assert (material.name, material.tile) == ("bricks", 3.0)
     assert material.height is not None

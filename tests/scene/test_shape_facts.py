@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from basrelief.lang import Vec2, Vec3
 from basrelief.material import sample
 from basrelief.scene import SHAPES, Object, Scene
-from basrelief.shading.shapes import ShapeRay, inside, shape
+from basrelief.shading.intersection import clipped
+from basrelief.shading.shapes import ShapeRay, shape
 from basrelief.shading.variant import Variant
 from basrelief.viewer.state import Sources, manifest
 
@@ -37,11 +40,17 @@ def test_an_outline_reaches_as_far_as_the_shape(name) -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_round_shape_has_no_rims_along_u(name) -> None:
-    clipped = Variant(shape=name, edge="clip")
-    assert inside(Vec2(0.5, 0.5), clipped)
-    assert inside(Vec2(1.1, 0.5), clipped) == inside(Vec2(-0.1, 0.5), clipped) == SHAPES[name].round
-    assert not inside(Vec2(0.5, 1.1), clipped)
-    assert inside(Vec2(1.1, 1.1), Variant(shape=name))
+    placement = Object(sample("bricks", 8), name, tiling=(2.0, -3.0), shift=(0.25, 0.5)).placement()
+
+    def is_clipped(u: float, v: float, edge: Any = "clip") -> bool:
+        uv = Vec2(u, v) * placement.tiling + placement.shift
+        return clipped(uv, placement, Variant(shape=name, edge=edge))
+
+    assert not is_clipped(0.5, 0.5)
+    assert is_clipped(1.1, 0.5) == is_clipped(-0.1, 0.5) == (not SHAPES[name].round)
+    assert is_clipped(0.5, 1.1)
+    assert is_clipped(0.5, -0.1)
+    assert not is_clipped(1.1, 1.1, "wrap")
 
 
 @pytest.mark.parametrize("name", SHAPES)
