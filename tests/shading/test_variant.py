@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from basrelief.material import sample
 from basrelief.rendering.programs import program_of, variant_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.variant import Variant
+from basrelief.viewer.printed import printed
 
 MENUS = {name: menu for name, (_, _, menu) in static_fields(Variant).items() if menu}
 """The values of each choice."""
@@ -35,6 +37,25 @@ def test_what_is_not_asked_makes_no_program_of_its_own() -> None:
     assert key({"shadows": "soft"}, technique="flat", projection="limited", fade=(1, 2)) == flat
     assert key({"shadows_on": "polygon"}) == key({})
     assert key({"shadows": "soft"}) != key({"shadows": "hard"}) != key({})
+
+
+def asked(condition: Any) -> Iterator[tuple[str, Any]]:
+    """The fields that a condition is on, with each value that it names."""
+    word, *rest = condition
+    if word in ("and", "or", "not"):
+        for each in rest:
+            yield from asked(each)
+    else:
+        yield from ((word, value) for value in rest[0])
+
+
+@pytest.mark.parametrize("name", MENUS)
+def test_shaders_know_every_value_but_one(name: str) -> None:
+    """That one is what is left; a value that no shader knows would be drawn as that, unnoticed."""
+    known = {pair for each in printed().library.conditions for pair in asked(each)}
+    left = [value for value in MENUS[name] if (name, value) not in known]
+    # that maps wrap or clamp is their own edge
+    assert left == (["wrap", "clamp"] if name == "edge" else left[:1])
 
 
 @pytest.mark.parametrize("name", MENUS)

@@ -6,6 +6,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ import basrelief
 from basrelief.engine import choose_engine
 from basrelief.errors import BasreliefError
 from basrelief.images import read_picture
-from basrelief.lang import HeightField, Vec2
-from basrelief.techniques import TECHNIQUES
+from basrelief.lang import HeightField, IVec2, Texture, Vec2, stored
+from basrelief.techniques import TECHNIQUES, Nothing, technique
 from basrelief.techniques.own import technique_from_file
 from basrelief.techniques.ray import Hit, Ray
 from helpers.command_line import done, refused, write_heights
@@ -334,3 +335,49 @@ def test_the_example_of_the_readme(here: Path) -> None:
     with pytest.raises(BasreliefError, match="guesses is 17"):
         basrelief.render(material, technique="my.py:guess", settings={"guesses": 17}, **options)
     assert sys.modules["basrelief_own_my"].__file__ == "my.py"
+
+
+# --- from Python ----------------------------------------------------------------------------------
+
+
+def plain(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
+    """No mark."""
+    return Hit(ray.uv, 1.0, True, 0)
+
+
+@technique()
+def without_settings(field: HeightField, ray: Ray) -> Hit:
+    """One parameter too few."""
+    return Hit(ray.uv, 1.0, True, 0)
+
+
+@technique()
+def without_bake(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
+    """Of which table?"""
+    return Hit(ray.uv, stored(baked, IVec2(0, 0)).x, True, 0)
+
+
+@pytest.mark.parametrize("use", ["render", "compare", "preset", "object"])
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (plain, "plain is no technique; mark one with @technique()"),
+        (3.5, "3.5 is no technique; mark one with @technique()"),
+        (without_settings, "does not fit the slot displace; its signature is (field: HeightField,"),
+        (without_bake, "without_bake takes a table; say which, as @technique(bake=CONE_MAP)"),
+    ],
+)
+def test_what_is_no_technique_is_refused_in_one_line(use: str, given: Any, line: str) -> None:
+    material = basrelief.sample("bricks", 16)
+    calls = {
+        "render": lambda: basrelief.render(material, technique=given, size=(8, 8)),
+        "compare": lambda: basrelief.compare(material, techniques=[given]),
+        "preset": lambda: basrelief.render(
+            material, preset="gamedev", technique=given, size=(8, 8)
+        ),
+        "object": lambda: basrelief.Object(material, technique=given),
+    }
+    with pytest.raises(BasreliefError) as caught:
+        calls[use]()
+    assert line in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1411,6 +1411,38 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
     assert all(right > 0.5 * left > 0 for left, right in pairs)
 
 
+def test_what_is_left_again_while_it_compiles_is_in_no_picture(fresh: Seen) -> None:
+    """Its samples would be added to those of the picture before."""
+    script = """async () => {
+      const { drawing } = viewer;
+      const wait = (ms) => new Promise((next) => setTimeout(next, ms));
+      const side = drawing.side.bind(drawing);
+      drawing.side = async (...given) => {
+        const made = await side(...given);
+        await wait(300);
+        return made;
+      };
+      let taken = drawing.shown;
+      const shapes = [];
+      Object.defineProperty(drawing, "shown", {
+        configurable: true,
+        get: () => taken,
+        set: (shown) => { taken = shown; shapes.push(shown.left.state.shape); },
+      });
+      for (const shape of ["sphere", "cylinder"]) {
+        viewer.state.shape = shape;
+        viewer.changed(true);
+        await wait(30);
+      }
+      while (drawing.compiling) await wait(10);
+      delete drawing.shown;
+      drawing.shown = taken;
+      delete drawing.side;
+      return shapes;
+    }"""
+    assert fresh.page.evaluate(script) == ["cylinder"]
+
+
 # --- what goes wrong -----------------------------------------------------------------------------
 
 

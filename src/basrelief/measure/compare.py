@@ -252,7 +252,7 @@ def _candidate(
     if isinstance(given, Candidate):
         return given
     text, own = (given, {}) if not isinstance(given, str) else _own_settings(given)
-    technique = technique_named(text) if isinstance(text, str) else text
+    technique = technique_named(text)
     known = technique.settings.__dataclass_fields__
     for name in own:
         if name not in known:

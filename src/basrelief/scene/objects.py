@@ -33,7 +33,7 @@ from basrelief.shading.surfaces.standard import Finish
 from basrelief.shading.surfaces.surface import MapPlaces
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
-from basrelief.techniques.own import technique_from_file
+from basrelief.techniques.own import checked_technique, technique_from_file
 from basrelief.techniques.technique import Projection
 
 DEFAULT_SCALE = 0.05
@@ -184,7 +184,7 @@ class Object:
         if self.technique is None:
             chosen = flat if self.material.height is None else relief
             object.__setattr__(self, "technique", chosen)
-        elif isinstance(self.technique, str):
+        else:
             object.__setattr__(self, "technique", technique_named(self.technique))
         if self.material.height is None and self.drawn_with is not flat:
             raise InputError(
@@ -330,15 +330,18 @@ def _first(*values: float | None) -> float:
     return next(float(value) for value in values if value is not None)
 
 
-def technique_named(name: str) -> Technique[..., Any]:
-    """A technique of the library by its name, or one of a user's own as FILE.py:NAME.
+def technique_named(given: str | Technique[..., Any]) -> Technique[..., Any]:
+    """A technique of the library by its name, one of a user's own as FILE.py:NAME, or itself.
 
-    Raises InputError where there is none.
+    Raises InputError where there is none, and for what is no technique; ShaderError for one whose
+    signature does not fit.
     """
-    if ".py:" in name:
-        return technique_from_file(*name.rsplit(":", 1))
-    if name not in TECHNIQUES:
+    if not isinstance(given, str):
+        return checked_technique(given)
+    if ".py:" in given:
+        return technique_from_file(*given.rsplit(":", 1))
+    if given not in TECHNIQUES:
         raise InputError(
-            f"no technique is called {name!r}; use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
+            f"no technique is called {given!r}; use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
         )
-    return TECHNIQUES[name]
+    return TECHNIQUES[given]

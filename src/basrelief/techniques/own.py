@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Any
 
 from basrelief.errors import BasreliefError, InputError
-from basrelief.lang import Shader
+from basrelief.lang import Shader, Texture
 from basrelief.lang.frontend import bound_types
 from basrelief.lang.types import is_record
 from basrelief.techniques.technique import Technique, displace
@@ -24,7 +24,11 @@ def technique_from_file(file: str, name: str) -> Technique[..., Any]:
     path = Path(file)
     if not path.is_file():
         raise InputError(f"{file}: there is no such file; --technique takes FILE.py:NAME")
-    return _checked(getattr(_module(path), name, None), file, name)
+    found = getattr(_module(path), name, None)
+    if not isinstance(found, Shader) or found.is_slot:
+        what = "has no" if found is None else "does not mark"
+        raise InputError(f"{file}: it {what} {name}; mark a technique with @technique()")
+    return checked_technique(found)
 
 
 def _module(path: Path) -> ModuleType:
@@ -54,15 +58,24 @@ def _failure(path: Path, error: BaseException) -> str:
     return f"{place}: the file fails to run: {what}"
 
 
-def _checked(found: Any, file: str, name: str) -> Technique[..., Any]:
-    if not isinstance(found, Shader) or found.is_slot:
-        what = "has no" if found is None else "does not mark"
-        raise InputError(f"{file}: it {what} {name}; mark a technique with @technique()")
-    made = found if isinstance(found, Technique) else Technique(found.function)
+def checked_technique(given: Any) -> Technique[..., Any]:
+    """A technique, or a shader that is used as one, checked to fit.
+
+    Raises InputError for anything else, ShaderError, with file and line, for a signature that does
+    not fit.
+    """
+    if not isinstance(given, Shader) or given.is_slot:
+        name = getattr(given, "__name__", repr(given))
+        raise InputError(f"{name} is no technique; mark one with @technique()")
+    made = given if isinstance(given, Technique) else Technique(given.function)
     if not is_record(made.settings):
         raise InputError(
-            f"{made.location}: {name}: its settings are no record; make one with @struct, "
+            f"{made.location}: {made.name}: its settings are no record; make one with @struct, "
             "or take Nothing"
         )
     bound_types({displace: made})
+    if Texture in made.signature[0].values() and made.bake is None:
+        raise InputError(
+            f"{made.location}: {made.name} takes a table; say which, as @technique(bake=CONE_MAP)"
+        )
     return made

@@ -163,10 +163,9 @@ class Preset:
         self, ours: dict[str, Any], material: Material, given: Mapping[str, Any]
     ) -> dict[str, Any]:
         technique = given.get("technique", ours.get("technique"))
-        if isinstance(technique, str):
-            technique = technique_named(technique)
         if technique is None:
             technique = flat if material.height is None else relief
+        technique = technique_named(technique)
         surface = given.get("surface", ours.get("surface", "standard"))
         # what another technique or surface than the preset's own does not have is left out
         for name, record in (("settings", technique.settings), ("finish", SURFACES.get(surface))):

@@ -507,6 +507,8 @@ export class Drawing {
           }
         }
         if (shown.truth) await this.ensureMissed(shown.truth.state);
+        // while something else is wanted already, the picture that there is goes on as it is
+        if (state !== this.latest) continue;
         this.shown = shown;
         this.state = { ...state, ...lost };
         this.failed = null;
