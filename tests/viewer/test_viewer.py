@@ -97,6 +97,8 @@ class Seen:
         self.page.goto(file.as_uri() + hash)
         self.page.wait_for_function("window.viewer && window.viewer.ready")
         self.page.evaluate("viewer.ready")
+        # one sample until a test asks for more: others would be drawn beside the tests
+        self.page.evaluate("if (viewer.drawing) viewer.drawing.frames.limit = 1")
 
     def state(self, **changes: Any) -> None:
         """Change what the page shows, as its panel does."""
