@@ -22,7 +22,7 @@ from helpers.agreement import ALIKE, steps_apart
 from helpers.plain_python import pixel_in_python
 
 SIZE = (160, 90)
-TEXELS = 128
+TEXELS = 96
 RELIEFS = ("bricks", "cobbles", "gravel", "tiles", "terrain")
 
 
