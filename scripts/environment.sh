@@ -51,7 +51,8 @@ make_environment() {
     debian_install python3-venv || fail "$python cannot make environments; install python3-venv."
   fi
   "$python" -m venv "$folder"
-  "$folder/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
+  # most of what is installed is never imported: modules are compiled when they are
+  "$folder/bin/python" -m pip install --quiet --no-compile --disable-pip-version-check "$@"
   printf '%s\n' "$wanted" >"$folder/made-from"
 }
 
