@@ -1381,6 +1381,10 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
     # another technique comes beside it while what the frame before took is read
     script = """async () => {
       const { frames } = viewer.drawing;
+      await viewer.drawing.settled();
+      // a slow page draws a smaller frame first, and the picture by rows, which would then be those
+      // of two states
+      frames.pace.speed = 1e-5;
       const told = [];
       const hear = viewer.hear.bind(viewer);
       viewer.hear = (news) => { if (news.figures) told.push(news.figures); hear(news); };
