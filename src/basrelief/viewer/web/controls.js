@@ -25,7 +25,6 @@ import { decoded, encoded } from "view/srgb.js";
  * @property {() => number} [open] the value where the state has null
  */
 
-const WRITING = 800; // milliseconds between the letters of a name
 /** @type {{ [key: string]: number }} */
 const WAYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 let pressed = false;
@@ -204,9 +203,12 @@ export function menu(view, path, label, options, after = () => {}) {
   select.addEventListener("change", () => {
     set(view.state, path, select.value);
     after(select.value);
-    view.changed(performance.now() - wrote > WRITING ? true : "soon");
+    view.changed(performance.now() - wrote > view.writing ? true : "soon");
   });
-  select.addEventListener("blur", () => afterPress(() => view.rebuildNow()));
+  select.addEventListener("blur", () => {
+    const due = view.rebuilding;
+    afterPress(() => view.rebuildNow(due));
+  });
   view.shows.push(show);
   show();
   return element("div", { class: "menu" }, element("label", { for: id }, label), select);

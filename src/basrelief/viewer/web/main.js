@@ -87,6 +87,7 @@ export class View {
     this.news = {}; // the latest of each
     /** @type {Promise<void> | undefined} */
     this.reopening = undefined;
+    this.writing = 800; // milliseconds between the letters of a name
     /** @type {number | null} */
     this.rebuilding = null;
     /** @type {number | undefined} */
@@ -234,7 +235,8 @@ export class View {
     else for (const show of this.shows) show();
     if (choice === "soon") {
       clearTimeout(this.rebuilding ?? undefined);
-      this.rebuilding = setTimeout(() => afterPress(() => this.rebuildNow()), 800);
+      const due = setTimeout(() => afterPress(() => this.rebuildNow(due)), this.writing);
+      this.rebuilding = due;
     }
     this.link();
     this.drawn = null;
@@ -290,9 +292,9 @@ export class View {
     this.updateDivider();
   }
 
-  // What was to be soon.
-  rebuildNow() {
-    if (this.rebuilding) this.rebuild();
+  // What was to be soon, unless it has been put off since.
+  rebuildNow(due = this.rebuilding) {
+    if (due && due === this.rebuilding) this.rebuild();
   }
 
   addLight() {
