@@ -166,6 +166,7 @@ fn shown_SIDE(p: u32, corner: vec4u, share: vec2f) -> vec3f {
 `;
 
 const WORDS = 24;
+const NO_FIGURES = { most: 1, nearest: 0, furthest: 1 };
 const shows = ["color", "reads", "missed", "depth"];
 
 export class Colors {
@@ -191,62 +192,25 @@ export class Colors {
       vertex: { module, entryPoint: "corners" },
       fragment: { module, entryPoint: "main", targets: [{ format }] },
     });
-    this.add = this.compute(ADD, "add");
-    this.count = this.compute(COUNT, "count");
+    this.add = gpu.ownPipeline(ADD, "add");
+    this.count = gpu.ownPipeline(COUNT, "count");
     const heat = Float32Array.from(told.heat.flatMap((c) => [...c, 1]));
     this.heat = gpu.buffer(heat.buffer, GPUBufferUsage.STORAGE);
     this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
   }
 
-  /**
-   * @param {string} code
-   * @param {string} label
-   */
-  compute(code, label) {
-    const module = this.gpu.device.createShaderModule({ code, label });
-    const compute = { module, entryPoint: "main" };
-    return this.gpu.device.createComputePipeline({ layout: "auto", compute });
-  }
-
   /** @param {PictureView} view */
   put({ size, canvas, texels, background, divider, show, samples, figures, first }) {
-    const view = new DataView(new ArrayBuffer(4 * WORDS));
-    const floats = [...canvas, ...texels];
-    for (const [k, x] of size.entries()) view.setUint32(4 * k, x, true);
-    for (const [k, x] of floats.entries()) view.setFloat32(8 + 4 * k, x, true);
-    for (const [k, x] of background.entries()) view.setFloat32(32 + 4 * k, x, true);
-    view.setFloat32(48, divider, true);
-    view.setUint32(52, shows.indexOf(show), true);
-    view.setFloat32(56, samples, true);
-    view.setFloat32(60, figures?.most || 1, true);
-    view.setFloat32(64, figures?.nearest ?? 0, true);
-    view.setFloat32(68, figures?.furthest ?? 1, true);
-    view.setUint32(72, first ? 1 : 0, true);
-    this.gpu.device.queue.writeBuffer(this.view, 0, view.buffer);
-  }
-
-  /**
-   * @param {GPURenderPipeline | GPUComputePipeline} pipeline
-   * @param {GPUBuffer[]} buffers
-   */
-  group(pipeline, buffers) {
-    const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
-    return this.gpu.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
-  }
-
-  /**
-   * @param {GPUComputePipeline} pipeline
-   * @param {GPUBuffer[]} buffers
-   * @param {[x: number, y?: number]} groups
-   */
-  pass(pipeline, buffers, groups) {
-    const encoder = this.gpu.device.createCommandEncoder();
-    const pass = encoder.beginComputePass();
-    pass.setPipeline(pipeline);
-    pass.setBindGroup(0, this.group(pipeline, buffers));
-    pass.dispatchWorkgroups(...groups);
-    pass.end();
-    this.gpu.device.queue.submit([encoder.finish()]);
+    const real = new Float32Array(WORDS);
+    const whole = new Uint32Array(real.buffer);
+    whole.set(size);
+    real.set([...canvas, ...texels], 2);
+    real.set([...background, divider], 8);
+    whole[13] = shows.indexOf(show);
+    const { most, nearest, furthest } = figures ?? NO_FIGURES;
+    real.set([samples, most || 1, nearest, furthest], 14);
+    whole[18] = first ? 1 : 0;
+    this.gpu.device.queue.writeBuffer(this.view, 0, real);
   }
 
   /**
@@ -257,7 +221,7 @@ export class Colors {
   accumulate(side, view) {
     this.put(view);
     const groups = view.size.map((n) => Math.ceil(n / 8));
-    this.pass(this.add, [this.view, side.planes, side.sum], groups);
+    this.gpu.compute(this.add, [this.view, side.planes, side.sum], groups);
   }
 
   /**
@@ -273,9 +237,9 @@ export class Colors {
       colorAttachments: [{ view: target, loadOp: "clear", storeOp: "store" }],
     });
     const shown = [left.planes, left.sum, right.planes, right.sum];
-    const buffers = [...shown, left.missed, right.missed, this.heat];
+    const buffers = [this.view, ...shown, left.missed, right.missed, this.heat];
     pass.setPipeline(this.show);
-    pass.setBindGroup(0, this.group(this.show, [this.view, ...buffers]));
+    pass.setBindGroup(0, this.gpu.bindGroup(this.show, buffers));
     pass.draw(3);
     pass.end();
     this.gpu.device.queue.submit([encoder.finish()]);
@@ -289,11 +253,10 @@ export class Colors {
    */
   async figures(side, view) {
     this.put(view);
-    const { device } = this.gpu;
     const height = view.size[1];
-    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
-    const rows = device.createBuffer({ size: 24 * height, usage });
-    this.pass(this.count, [this.view, side.planes, side.missed, rows], [Math.ceil(height / 64)]);
+    const rows = this.gpu.planes(6, 1, height);
+    const buffers = [this.view, side.planes, side.missed, rows];
+    this.gpu.compute(this.count, buffers, [Math.ceil(height / 64)]);
     const words = await this.gpu.read(rows);
     rows.destroy();
     const [whole, real] = [new Uint32Array(words), new Float32Array(words)];

@@ -11,7 +11,6 @@ import { pack, packList } from "view/records.js";
  * A compiled program.
  * @typedef {object} Compiled
  * @property {GPUComputePipeline} pipeline
- * @property {GPUBindGroupLayout} layout
  * @property {Program} program
  */
 /**
@@ -31,6 +30,12 @@ const GROUP = 8;
 const TIMED = 4; // programs that are timed together at most
 const TRIES = 4; // times that a device is asked for
 const APART = 300; // milliseconds between them
+const BUFFER_TYPES = /** @type {const} */ ({
+  run: "uniform",
+  uniform: "uniform",
+  planes: "storage",
+  buffer: "read-only-storage",
+});
 
 export class Gpu {
   /**
@@ -153,7 +158,48 @@ export class Gpu {
       layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
       compute: { module, entryPoint: "main" },
     });
-    return { pipeline, layout, program };
+    return { pipeline, program };
+  }
+
+  /**
+   * A compute pipeline of the page's own WGSL.
+   * @param {string} code
+   * @param {string} label
+   */
+  ownPipeline(code, label) {
+    const module = this.device.createShaderModule({ code, label });
+    const compute = { module, entryPoint: "main" };
+    return this.device.createComputePipeline({ layout: "auto", compute });
+  }
+
+  /**
+   * @param {GPURenderPipeline | GPUComputePipeline} pipeline
+   * @param {GPUBindingResource[]} resources in the order of their bindings
+   */
+  bindGroup(pipeline, resources) {
+    // older browsers take no buffer by itself
+    const entries = resources.map((each, binding) => ({
+      binding,
+      resource: each instanceof GPUBuffer ? { buffer: each } : each,
+    }));
+    return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
+  }
+
+  /**
+   * Run a compute pipeline.
+   * @param {GPUComputePipeline} pipeline
+   * @param {GPUBindingResource[]} resources in the order of their bindings
+   * @param {number[]} groups along x and y
+   * @param {GPUComputePassTimestampWrites} [timestampWrites]
+   */
+  compute(pipeline, resources, [x, y = 1], timestampWrites) {
+    const encoder = this.device.createCommandEncoder();
+    const pass = encoder.beginComputePass({ timestampWrites });
+    pass.setPipeline(pipeline);
+    pass.setBindGroup(0, this.bindGroup(pipeline, resources));
+    pass.dispatchWorkgroups(x, y);
+    pass.end();
+    this.device.queue.submit([encoder.finish()]);
   }
 
   /**
@@ -340,24 +386,20 @@ export class Job {
    * @param {{ stamp?: number | null, top?: number }} options
    */
   dispatch(planes, [width, height], first, last, { stamp = null, top = 0 } = {}) {
-    const { gpu, made } = this;
-    const { device } = gpu;
-    device.queue.writeBuffer(this.run, 0, new Uint32Array([width, first, last, width * height]));
+    const { gpu } = this;
+    const { pipeline, program } = this.made;
+    const run = new Uint32Array([width, first, last, width * height]);
+    gpu.device.queue.writeBuffer(this.run, 0, run);
     const offset = 4 * width * (first - top);
-    const entries = made.program.bindings.map(({ kind, name }, binding) => {
-      if (kind === "run") return { binding, resource: { buffer: this.run } };
-      if (kind === "planes") return { binding, resource: { buffer: planes, offset } };
-      if (kind === "sampler") return { binding, resource: gpu.samplers[made.program.edge] };
-      if (kind === "map") {
-        const texture = /** @type {Viewable} */ (this.textures[name]);
-        return { binding, resource: texture.createView() };
-      }
-      const given = this.textures[name];
-      const buffer =
-        given instanceof GPUBuffer ? given : /** @type {GPUBuffer} */ (this.uniforms.get(name));
-      return { binding, resource: { buffer } };
+    const resources = program.bindings.map(({ kind, name }) => {
+      if (kind === "run") return this.run;
+      if (kind === "planes") return { buffer: planes, offset };
+      if (kind === "sampler") return gpu.samplers[program.edge];
+      const value = this.textures[name];
+      if (kind === "map") return /** @type {Viewable} */ (value).createView();
+      if (value instanceof GPUBuffer) return value;
+      return /** @type {GPUBuffer} */ (this.uniforms.get(name));
     });
-    const encoder = device.createCommandEncoder();
     const timestampWrites =
       gpu.stamps && stamp !== null
         ? {
@@ -366,12 +408,8 @@ export class Job {
             endOfPassWriteIndex: 2 * stamp + 1,
           }
         : undefined;
-    const pass = encoder.beginComputePass({ timestampWrites });
-    pass.setPipeline(made.pipeline);
-    pass.setBindGroup(0, device.createBindGroup({ layout: made.layout, entries }));
-    pass.dispatchWorkgroups(Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP));
-    pass.end();
-    device.queue.submit([encoder.finish()]);
+    const groups = [Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP)];
+    gpu.compute(pipeline, resources, groups, timestampWrites);
   }
 
   destroy() {
@@ -385,22 +423,11 @@ export class Job {
  * @returns {GPUBindGroupLayoutEntry}
  */
 function layoutEntry({ kind, type }, binding) {
-  /** @type {GPUBindGroupLayoutEntry} */
-  const entry = { binding, visibility: GPUShaderStage.COMPUTE };
+  const visibility = GPUShaderStage.COMPUTE;
   if (kind === "map") {
     const sampleType = type === "HeightField" ? "unfilterable-float" : "uint";
-    entry.texture = { sampleType, viewDimension: "2d" };
-  } else if (kind === "sampler") {
-    entry.sampler = { type: "non-filtering" };
-  } else {
-    /** @type {{ [kind: string]: GPUBufferBindingType }} */
-    const kinds = {
-      run: "uniform",
-      uniform: "uniform",
-      planes: "storage",
-      buffer: "read-only-storage",
-    };
-    entry.buffer = { type: kinds[kind] };
+    return { binding, visibility, texture: { sampleType } };
   }
-  return entry;
+  if (kind === "sampler") return { binding, visibility, sampler: { type: "non-filtering" } };
+  return { binding, visibility, buffer: { type: BUFFER_TYPES[kind] } };
 }

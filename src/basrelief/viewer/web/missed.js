@@ -27,9 +27,7 @@ export class MissedHits {
   constructor(gpu, job) {
     this.gpu = gpu;
     this.job = job;
-    const module = gpu.device.createShaderModule({ code: LIST, label: "list" });
-    const compute = { module, entryPoint: "main" };
-    this.pipeline = gpu.device.createComputePipeline({ layout: "auto", compute });
+    this.pipeline = gpu.ownPipeline(LIST, "list");
     /** @type {{ drawn?: GPUBuffer, truth?: GPUBuffer }} */
     this.lists = {};
   }
@@ -57,23 +55,14 @@ export class MissedHits {
    * @param {number} area pixels
    */
   list(name, planes, area) {
-    const { device } = this.gpu;
     const size = 16 * (area + 1);
     let list = this.lists[name];
     if (list?.size !== size) {
       list?.destroy();
-      list = device.createBuffer({ size, usage: GPUBufferUsage.STORAGE });
+      list = this.gpu.device.createBuffer({ size, usage: GPUBufferUsage.STORAGE });
       this.lists[name] = list;
     }
-    const entries = [planes, list].map((buffer, binding) => ({ binding, resource: { buffer } }));
-    const layout = this.pipeline.getBindGroupLayout(0);
-    const encoder = device.createCommandEncoder();
-    const pass = encoder.beginComputePass();
-    pass.setPipeline(this.pipeline);
-    pass.setBindGroup(0, device.createBindGroup({ layout, entries }));
-    pass.dispatchWorkgroups(Math.ceil(area / 256));
-    pass.end();
-    device.queue.submit([encoder.finish()]);
+    this.gpu.compute(this.pipeline, [planes, list], [Math.ceil(area / 256)]);
     return list;
   }
 
