@@ -20,10 +20,6 @@ import { words } from "view/text.js";
  * @typedef {() => boolean} Wanted
  */
 /**
- * One level of the heights.
- * @typedef {{ field: Viewable, size: Pair }} HeightLevel
- */
-/**
  * The result of a bake.
  * @typedef {GPUTexture | Uint16Array} Kept
  */
@@ -147,9 +143,7 @@ export class Bakes {
     const known = this.tables.get(name);
     if (known) return known;
     try {
-      const steps = this.steps(name);
-      if (!steps) throw new Error(`the page cannot bake ${words(name)}`);
-      const made = await this.making(steps, tell, wanted);
+      const made = await this.making(() => this.bake(name), tell, wanted);
       this.tables.set(name, made);
       return made;
     } catch (error) {
@@ -158,23 +152,19 @@ export class Bakes {
     }
   }
 
-  /**
-   * The steps of a table, null for one that the page cannot bake.
-   * @param {string} name
-   * @returns {(() => Promise<GPUTexture>) | null}
-   */
-  steps(name) {
+  /** @param {string} name */
+  async bake(name) {
     switch (name) {
       case "bounds":
-        return () => this.bounds();
+        return this.bounds(1);
       case "mip_bounds":
-        return () => this.mip_bounds();
+        return this.bounds(this.field.mipLevelCount);
       case "cone_map":
-        return () => this.cone_map();
+        return this.coneMap();
       case "relaxed_cone_map":
-        return () => this.relaxed_cone_map();
+        return this.relaxedConeMap();
       default:
-        return null;
+        throw new Error(`the page cannot bake ${words(name)}`);
     }
   }
 
@@ -185,10 +175,8 @@ export class Bakes {
    */
   normals(per_texel, wanted) {
     const steps = async () => {
-      const made = this.texture(this.size, false);
       const values = { field: this.field, relief: { per_texel } };
-      await this.run("normals", "normals", values, this.size, made);
-      return this.gpu.readTexture(made);
+      return this.gpu.readTexture(await this.computed("normals", "normals", values));
     };
     return this.making(steps, undefined, wanted);
   }
@@ -226,29 +214,24 @@ export class Bakes {
 
   // --- the bounds, as `baking/exact.py` has them
 
-  bounds() {
-    return this.boundsOf(1);
-  }
-
-  mip_bounds() {
-    return this.boundsOf(this.field.mipLevelCount);
-  }
-
   /**
-   * Of so many levels, below one another.
+   * Records of so many levels below one another, of each the near ones above the far ones.
    * @param {number} count
    */
-  async boundsOf(count) {
-    const { block, farBlock } = this.data.bakes.bounds;
+  async bounds(count) {
+    const { block, reach, farBlock, farReach, farWindows } = this.data.bakes.bounds;
     const levels = Array.from({ length: count }, (_, k) => this.level(k));
-    const rows = levels.map(({ size }) => 2 * (blocks(size, block)[1] + blocks(size, farBlock)[1]));
-    const columns = 2 * blocks(this.size, block)[0];
+    const rows = levels.map(({ size }) => records(size, block)[1] + records(size, farBlock)[1]);
+    const columns = records(this.size, block)[0];
     const table = this.texture([columns, rows.reduce((sum, n) => sum + n)], false);
     let below = 0;
-    for (const [k, level] of levels.entries()) {
-      await this.near(level, table, below);
-      await this.far(level, table, below + 2 * blocks(level.size, block)[1]);
-      below += rows[k];
+    for (const { field, size } of levels) {
+      const near = await this.windowsOf(field, size, block, reach, [["windows", reach]]);
+      await this.run("near_record", "records", near, records(size, block), table, below);
+      below += records(size, block)[1];
+      const far = await this.windowsOf(field, size, farBlock, farReach, farWindows);
+      await this.run("far_record", "records", far, records(size, farBlock), table, below);
+      below += records(size, farBlock)[1];
     }
     return table;
   }
@@ -256,7 +239,6 @@ export class Bakes {
   /**
    * A level of the heights as a map of its own.
    * @param {number} k
-   * @returns {HeightLevel}
    */
   level(k) {
     const { field } = this;
@@ -268,46 +250,26 @@ export class Bakes {
   }
 
   /**
-   * @param {HeightLevel} level
-   * @param {GPUTexture} table
-   * @param {number} below
-   */
-  async near({ field, size }, table, below) {
-    const { block, reach } = this.data.bakes.bounds;
-    const windows = await this.widened(await this.tops(field, size, block, reach), 1, reach);
-    const records = blocks(size, block).map((n) => 2 * n);
-    await this.run("near_record", "records", { field, windows }, records, table, below);
-  }
-
-  /**
-   * @param {HeightLevel} level
-   * @param {GPUTexture} table
-   * @param {number} below
-   */
-  async far({ field, size }, table, below) {
-    const { farBlock, farReach, farWindows } = this.data.bakes.bounds;
-    /** @type {ProgramValues} */
-    const found = {};
-    let [wide, width] = [await this.tops(field, size, farBlock, farReach), 1];
-    for (const [name, wanted] of farWindows) {
-      wide = found[name] = await this.widened(wide, width, wanted);
-      width = wanted;
-    }
-    const records = blocks(size, farBlock).map((n) => 2 * n);
-    await this.run("far_record", "records", { field, ...found }, records, table, below);
-  }
-
-  /**
-   * The highest points of the blocks of so many cells, and of a margin of blocks around.
+   * A field, and the highest points of its blocks in windows by name, each from the one before.
    * @param {Viewable} field
    * @param {Pair} size
-   * @param {number} side
-   * @param {number} margin
+   * @param {number} side of a block, in cells
+   * @param {number} margin of blocks around
+   * @param {[window: string, width: number][]} windows
    */
-  tops(field, size, side, margin) {
-    const wide = blocks(size, side).map((n) => n + 2 * margin);
+  async windowsOf(field, size, side, margin, windows) {
+    const wide = size.map((n) => Math.ceil(n / side) + 2 * margin);
     this.speeds.delete("block_top"); // it goes by the side
-    return this.heights("block_top", { blocks: { side, margin }, field }, wide);
+    const blocks = { blocks: { side, margin }, field };
+    let highest = await this.computed("block_top", "heights", blocks, wide);
+    let width = 1;
+    /** @type {ProgramValues} */
+    const values = { field };
+    for (const [name, wanted] of windows) {
+      highest = values[name] = await this.widened(highest, width, wanted);
+      width = wanted;
+    }
+    return values;
   }
 
   /**
@@ -320,9 +282,8 @@ export class Bakes {
     let [wide, now] = [windows, width];
     while (now < wanted) {
       const apart = Math.min(now, wanted - now);
-      /** @type {Pair} */
-      const size = [wide.width, wide.height];
-      wide = await this.heights("window_top", { overlap: { apart }, field: wide }, size);
+      const values = { overlap: { apart }, field: wide };
+      wide = await this.computed("window_top", "heights", values, [wide.width, wide.height]);
       now += apart;
     }
     return wide;
@@ -330,24 +291,24 @@ export class Bakes {
 
   // --- cone maps, as `baking/cone.py` has them
 
-  async cone_map() {
+  async coneMap() {
     this.whole = this.octaves();
     const none = this.texture(this.size, true);
     const slopes = await this.steepest(this.field, null, none);
-    return this.cones("cone_of", { field: this.field, slopes });
+    return this.computed("cone_of", "cones", { field: this.field, slopes });
   }
 
-  async relaxed_cone_map() {
+  async relaxedConeMap() {
     const { sectors } = this.data.bakes.cones;
     this.whole = sectors.length * this.octaves();
     let slopes = this.texture(this.size, true);
     for (const sector of sectors) {
       const values = { sector: sector.asked, field: this.field };
-      const falling = await this.heights("far_side", values, this.size);
+      const falling = await this.computed("far_side", "heights", values);
       slopes = await this.steepest(falling, sector, slopes);
       this.free(falling);
     }
-    return this.cones("relaxed_cone_of", { slopes });
+    return this.computed("relaxed_cone_of", "cones", { slopes });
   }
 
   // How many octaves reach as far as texels matter: of those that repeat, the nearest do.
@@ -381,7 +342,8 @@ export class Bakes {
         windows,
         so_far: slopes,
       };
-      const steeper = await this.heights("steepest", values, this.size, Boolean(sector));
+      const inSector = Boolean(sector);
+      const steeper = await this.computed("steepest", "heights", values, this.size, inSector);
       this.free(slopes);
       slopes = steeper;
       narrower = windows;
@@ -401,15 +363,11 @@ export class Bakes {
   async windows(k, field, windows) {
     const held = this.held(k);
     const size = this.size.map((n) => n + held.before);
-    const made = this.texture(size, false);
-    if (windows) {
-      const values = { made: held, narrower: this.held(k - 1), windows };
-      await this.run("next_windows", "windows", values, size, made);
-      this.free(windows);
-    } else {
-      await this.run("first_windows", "windows", { made: held, field }, size, made);
-    }
-    return made;
+    if (!windows) return this.computed("first_windows", "windows", { made: held, field }, size);
+    const values = { made: held, narrower: this.held(k - 1), windows };
+    const wider = await this.computed("next_windows", "windows", values, size);
+    this.free(windows);
+    return wider;
   }
 
   /** @param {number} k */
@@ -417,27 +375,19 @@ export class Bakes {
     return { width: 2 ** k, before: this.edge === "clamp" ? 2 ** (k + 1) - 1 : 0 };
   }
 
-  /**
-   * @param {string} key
-   * @param {ProgramValues} values
-   */
-  async cones(key, values) {
-    const table = this.texture(this.size, false);
-    await this.run(key, "cones", values, this.size, table);
-    return table;
-  }
-
   // --- a step
 
   /**
+   * A texture that a program fills.
    * @param {string} key
+   * @param {Kind} kind
    * @param {ProgramValues} values
    * @param {Pair} size
    * @param {boolean} inSector
    */
-  async heights(key, values, size, inSector = false) {
-    const made = this.texture(size, true);
-    await this.run(key, "heights", values, size, made, 0, inSector);
+  async computed(key, kind, values, size = this.size, inSector = false) {
+    const made = this.texture(size, kind === "heights");
+    await this.run(key, kind, values, size, made, 0, inSector);
     return made;
   }
 
@@ -560,7 +510,7 @@ export class Bakes {
     const encoder = device.createCommandEncoder();
     encoder.copyBufferToTexture(
       {
-        buffer: texel ? this.pack(encoder, kind, planes, wide, rows) : planes,
+        buffer: texel ? this.pack(kind, planes, wide, rows) : planes,
         bytesPerRow: (texel ? 8 : 4) * wide,
         rowsPerImage: rows,
       },
@@ -594,34 +544,25 @@ export class Bakes {
   }
 
   /**
-   * @param {GPUCommandEncoder} encoder
    * @param {Kind} kind
    * @param {GPUBuffer} planes
    * @param {number} wide
    * @param {number} rows
    */
-  pack(encoder, kind, planes, wide, rows) {
-    const { device } = this.gpu;
+  pack(kind, planes, wide, rows) {
     const pipeline = /** @type {GPUComputePipeline} */ (this.packers.get(kind));
     this.packed = this.roomFor(this.packed, 8 * wide * rows);
     this.packing ??= this.gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
-    device.queue.writeBuffer(this.packing, 0, new Uint32Array([wide, rows, wide * rows, 0]));
-    const buffers = [this.packing, planes, this.packed];
-    const entries = buffers.map((buffer, binding) => ({ binding, resource: { buffer } }));
-    const pass = encoder.beginComputePass();
-    pass.setPipeline(pipeline);
-    pass.setBindGroup(
-      0,
-      device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }),
-    );
-    pass.dispatchWorkgroups(Math.ceil(wide / 8), Math.ceil(rows / 8));
-    pass.end();
+    const size = new Uint32Array([wide, rows, wide * rows, 0]);
+    this.gpu.device.queue.writeBuffer(this.packing, 0, size);
+    const groups = [Math.ceil(wide / 8), Math.ceil(rows / 8)];
+    this.gpu.compute(pipeline, [this.packing, planes, this.packed], groups);
     return this.packed;
   }
 }
 
 /**
- * How many blocks of so many cells a side a map has.
+ * The size of the records of a map: two along each axis for a block of so many cells a side.
  * @type {(size: Pair, side: number) => Pair}
  */
-const blocks = (size, side) => size.map((n) => Math.ceil(n / side));
+const records = (size, side) => size.map((n) => 2 * Math.ceil(n / side));
