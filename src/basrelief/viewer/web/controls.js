@@ -12,6 +12,7 @@ import { decoded, encoded } from "view/srgb.js";
  */
 /** @typedef {HTMLElement & { disabled?: boolean }} Control */
 /** @typedef {[value: string, text: string, there?: boolean, why?: string]} Option */
+/** @typedef {Node | string | false} Child */
 /**
  * Options of a control for a number.
  * @typedef {object} NumberOptions
@@ -48,10 +49,11 @@ addEventListener("pointerup", press(false), true);
 addEventListener("pointercancel", press(false), true);
 
 /**
+ * An element with children, of which those that are false are left out.
  * @template {keyof HTMLElementTagNameMap} Name
  * @param {Name} name
  * @param {{ [name: string]: string | boolean }} attributes
- * @param {(Node | string)[]} children
+ * @param {(Child | Child[])[]} children
  * @returns {HTMLElementTagNameMap[Name]}
  */
 export function element(name, attributes = {}, ...children) {
@@ -60,17 +62,13 @@ export function element(name, attributes = {}, ...children) {
     if (key in made && typeof value !== "string") Reflect.set(made, key, value);
     else made.setAttribute(key, String(value));
   }
-  made.append(...children);
+  made.append(...children.flat().filter((child) => child !== false));
   return made;
 }
 
 /** @type {(state: State, path: Path) => unknown} */
-const at = (state, path) => {
-  /** @type {unknown} */
-  let value = state;
-  for (const key of path) value = /** @type {Fields} */ (value)[key];
-  return value;
-};
+const at = (state, path) =>
+  path.reduce((value, key) => /** @type {Fields} */ (value)[key], /** @type {unknown} */ (state));
 
 /**
  * @param {State} state
@@ -183,9 +181,8 @@ export function menu(view, path, label, options, after = () => {}) {
   const id = path.join(".");
   const select = element("select", { id, name: id });
   for (const [value, text, there = true, why = ""] of options) {
-    const option = element("option", { value }, there ? text : `${text} (${why})`);
-    option.disabled = !there;
-    select.append(option);
+    const shown = there ? text : `${text} (${why})`;
+    select.append(element("option", { value, disabled: !there }, shown));
   }
   const show = () => {
     select.value = String(at(view.state, path));
@@ -293,11 +290,9 @@ export function button(text, act, attributes = {}) {
 /**
  * @param {string} title
  * @param {boolean} open
- * @param {Node[]} rows
+ * @param {(Child | Child[])[]} rows
  */
 export function section(title, open, ...rows) {
-  const made = element("details", {}, element("summary", {}, title), ...rows);
-  made.open = open;
-  made.id = `section-${title.toLowerCase().replaceAll(" ", "-")}`;
-  return made;
+  const id = `section-${title.toLowerCase().replaceAll(" ", "-")}`;
+  return element("details", { id, open }, element("summary", {}, title), ...rows);
 }

@@ -308,10 +308,6 @@ export class View {
     this.changed(true);
   }
 
-  get hasLayer() {
-    return this.data.constants.layer;
-  }
-
   /** @param {string} name */
   preset(name) {
     const found = this.data.presets[name]?.state;
@@ -494,14 +490,15 @@ export class View {
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
-      if (this.state.technique === "flat") this.useRelief();
+      if (this.state.technique === "flat") this.useTechnique("relief");
     }
     return this.tellMap(file.name, slot, picture, how);
   }
 
-  useRelief() {
-    const { level, projection } = this.data.techniques.relief;
-    Object.assign(this.state, { technique: "relief", level, projection });
+  /** @param {string} technique */
+  useTechnique(technique) {
+    const { level, projection } = this.data.techniques[technique];
+    Object.assign(this.state, { technique, level, projection });
   }
 
   /**

@@ -75,10 +75,10 @@ export function maps(view) {
       { class: "doc" },
       "Drop a picture on the map that it replaces; several at once are each what their names say.",
     ),
-    ...slots.map((slot) => row(view, slot)),
+    slots.map((slot) => row(view, slot)),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
     element("p", { class: "doc" }, "How pictures are read that are dropped next:"),
-    ...readings.map((name) => choice(view, name, ...HOW[name])),
+    readings.map((name) => choice(view, name, ...HOW[name])),
     element("p", { class: "doc", id: "map-said" }, view.mapSaid),
   );
 }
@@ -92,7 +92,7 @@ function row(view, slot) {
   const { channels, light } = view.data.slots[slot] ?? { channels: [0, 1, 2], light: false };
   const name = slotName(slot);
   const picture = view.pictures[held];
-  const source = view.sources[slot];
+  const source = view.sources[slot] ?? "";
   // a map that nobody gave is what its place in another one is filled with
   const shown =
     picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
@@ -107,7 +107,7 @@ function row(view, slot) {
       "span",
       { class: "told" },
       element("span", {}, name, " ", element("span", { class: "doc" }, size)),
-      ...(source ? [element("span", { class: "doc" }, source)] : []),
+      source !== "" && element("span", { class: "doc" }, source),
     ),
     element(
       "span",
@@ -116,15 +116,12 @@ function row(view, slot) {
         id: `choose-${slot}`,
         "aria-label": `Choose a picture for ${name}`,
       }),
-      ...(source
-        ? [
-            button("×", () => view.leaveMap(slot), {
-              id: `leave-${slot}`,
-              title: `Draw without ${name}`,
-              "aria-label": `Draw without ${name}`,
-            }),
-          ]
-        : []),
+      source !== "" &&
+        button("×", () => view.leaveMap(slot), {
+          id: `leave-${slot}`,
+          title: `Draw without ${name}`,
+          "aria-label": `Draw without ${name}`,
+        }),
     ),
   );
 }

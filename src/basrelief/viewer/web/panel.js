@@ -5,36 +5,54 @@ import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
 /** @import { Menus, Setting } from "view/data" */
-/** @import { NumberOptions, Option, Path } from "view/controls.js" */
+/** @import { Child, NumberOptions, Option, Path } from "view/controls.js" */
 /** @import { View } from "view/main.js" */
 
 /** @typedef {Omit<NumberOptions, "label">} Range */
 /** @typedef {(value: string) => void} MenuAction */
 
+const TILES = { low: 0.1, high: 32, step: 0.1, soft: true };
+const SHIFT = { low: -1, high: 1, step: 0.01, soft: true };
 /**
- * Rows for the settings of a record, a row for each component of a colour.
+ * When settings have something to act on, by record and name; others always have.
+ * @type {{ [setting: string]: (view: View) => boolean }}
+ */
+const ACTS = {
+  "finish.cutoff": ({ state }) => state.alpha === "mask",
+  "finish.layer_color": ({ state }) => state.layer,
+  "finish.layer_normal": ({ state }) => state.layer,
+  "finish.emission": ({ pictures }) => Boolean(pictures.emission),
+  "shading.diffuse": ({ state }) => state.shading_model === "phong",
+  "shading.specular": ({ state }) => state.shading_model === "phong",
+  "shading.shininess": ({ state }) => state.shading_model === "phong",
+  "shading.directional_occlusion": ({ state }) => state.occlusion_kind === "directional",
+  "air.fog_density": ({ state }) => state.fog !== "linear",
+  "air.fog_start": ({ state }) => state.fog === "linear",
+  "air.fog_end": ({ state }) => state.fog === "linear",
+};
+
+/**
+ * Rows for the settings of a record that act, a row for each component of a colour.
  * @param {View} view
  * @param {Path} path
  * @param {Setting[]} settings
- * @returns {HTMLElement[]}
  */
 function rows(view, path, settings) {
-  return settings.flatMap((each) => {
-    if (!Array.isArray(each.default)) {
-      return [number(view, [...path, each.name], { ...each, label: words(each.name) })];
-    }
-    if (each.name.endsWith("color")) {
-      return [color(view, [...path, each.name], words(each.name), each.doc)];
-    }
+  const acting = settings.filter(({ name }) => ACTS[`${path[0]}.${name}`]?.(view) ?? true);
+  return acting.flatMap((each) => {
+    const own = [...path, each.name];
+    const label = words(each.name);
+    if (!Array.isArray(each.default)) return number(view, own, { ...each, label });
+    if (each.name.endsWith("color")) return color(view, own, label, each.doc);
+    const range = { ...each, high: each.high ?? 2 };
     return each.default.map((_, k) =>
-      number(view, [...path, each.name, k], {
-        ...each,
-        high: each.high ?? 2,
-        label: `${words(each.name)} ${"rgb"[k]}`,
-      }),
+      number(view, [...own, k], { ...range, label: `${label} ${"rgb"[k]}` }),
     );
   });
 }
+
+/** @type {(...made: Child[]) => HTMLElement} */
+const buttons = (...made) => element("div", { class: "buttons" }, made);
 
 /**
  * The whole panel, made anew where a choice changes what can be set.
@@ -79,11 +97,6 @@ function techniques(view) {
 function technique(view) {
   const { data, state } = view;
   const made = data.techniques[state.technique];
-  /** @type {(name: string) => void} */
-  const chosen = (name) => {
-    const next = data.techniques[name];
-    Object.assign(state, { level: next.level, projection: next.projection });
-  };
   /** @type {Option[]} */
   const presets = Object.entries(data.presets).map(([name, { state: there, why }]) => [
     name,
@@ -94,16 +107,15 @@ function technique(view) {
   return section(
     "Technique",
     true,
-    menu(view, ["technique"], "Technique", techniques(view), chosen),
+    menu(view, ["technique"], "Technique", techniques(view), (name) => view.useTechnique(name)),
     element("p", { class: "doc" }, made.doc),
-    ...rows(view, ["settings", state.technique], made.settings),
+    rows(view, ["settings", state.technique], made.settings),
     menu(view, ["compare"], "Beside it", [["", "nothing"], ...techniques(view)]),
-    ...(state.compare && state.compare !== state.technique
-      ? [
-          element("p", { class: "doc" }, `Right of the divider: ${words(state.compare)}`),
-          ...rows(view, ["settings", state.compare], data.techniques[state.compare].settings),
-        ]
-      : []),
+    state.compare !== "" &&
+      state.compare !== state.technique && [
+        element("p", { class: "doc" }, `Right of the divider: ${words(state.compare)}`),
+        ...rows(view, ["settings", state.compare], data.techniques[state.compare].settings),
+      ],
     menu(view, ["preset"], "Preset", [["", "choose …"], ...presets], (name) => view.preset(name)),
     about(view),
   );
@@ -142,13 +154,8 @@ const pair = (view, path, label, range) =>
 
 /** @type {(view: View, path: Path, label: string) => HTMLElement[]} */
 const tiling = (view, path, label) => [
-  ...pair(view, [...path, "tiles"], `${label} tiling`, {
-    low: 0.1,
-    high: 32,
-    step: 0.1,
-    soft: true,
-  }),
-  ...pair(view, [...path, "shift"], `${label} shift`, { low: -1, high: 1, step: 0.01, soft: true }),
+  ...pair(view, [...path, "tiles"], `${label} tiling`, TILES),
+  ...pair(view, [...path, "shift"], `${label} shift`, SHIFT),
 ];
 
 /** @param {View} view */
@@ -181,21 +188,19 @@ function relief(view) {
       doc: "the height that lies on the polygon: 1 pushes the relief in",
     }),
     named(view, "projection", "Projection"),
-    ...(state.projection === "biased"
-      ? [number(view, ["bias"], { label: "bias", low: 0, high: 2, step: 0.01 })]
-      : []),
+    state.projection === "biased" &&
+      number(view, ["bias"], { label: "bias", low: 0, high: 2, step: 0.01 }),
     menu(view, ["heights"], "Heights", reads),
-    ...(state.heights === "sharp" ? [] : rows(view, ["smoothing"], data.settings.smoothing)),
+    state.heights !== "sharp" && rows(view, ["smoothing"], data.settings.smoothing),
     named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
     named(view, "edge", "Edge"),
-    ...pair(view, ["tiling"], "tiling", { low: 0.1, high: 32, step: 0.1, soft: true }),
-    ...pair(view, ["shift"], "shift", { low: -1, high: 1, step: 0.01, soft: true }),
+    pair(view, ["tiling"], "tiling", TILES),
+    pair(view, ["shift"], "shift", SHIFT),
     check(view, ["fades"], "Fade with the distance"),
-    ...(state.fades
-      ? ["fade from", "gone at"].map((label, k) =>
-          number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05, soft: true }),
-        )
-      : []),
+    state.fades &&
+      ["fade from", "gone at"].map((label, k) =>
+        number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05, soft: true }),
+      ),
   );
 }
 
@@ -210,11 +215,10 @@ function lamp(view, k) {
   const path = ["lights", k];
   const name = `light ${k + 1}`;
   // a row where a light is made by such a number
-  /** @type {(part: string, range: Range, label?: string, by?: string[], rest?: Path) => HTMLElement[]} */
+  /** @type {(part: string, range: Range, label?: string, by?: string[], rest?: Path) => Child} */
   const row = (part, range, label = part, by = [part], rest = []) =>
-    by.some((each) => numbers.includes(each))
-      ? [number(view, [...path, part, ...rest], { ...range, label: `${name} ${label}` })]
-      : [];
+    by.some((each) => numbers.includes(each)) &&
+    number(view, [...path, part, ...rest], { ...range, label: `${name} ${label}` });
   const aimed = ["azimuth", "target"];
   const place = { low: -4, high: 4, step: 0.05, soft: true };
   return [
@@ -224,17 +228,15 @@ function lamp(view, k) {
       `Light ${k + 1}`,
       Object.keys(kinds).map((each) => [each, each]),
     ),
-    ...row("azimuth", { low: -180, high: 180, step: 1 }, "azimuth", aimed),
-    ...row("elevation", { low: -90, high: 90, step: 1 }, "elevation", aimed),
-    ...[0, 1, 2].flatMap((c) => row("position", place, "xyz"[c], ["position"], [c])),
-    ...row("falloff", { low: 0, high: 8, step: 0.1 }),
-    ...row("angle", { low: 1, high: 179, step: 1 }, "cone"),
-    ...row("softness", { low: 0, high: 1, step: 0.01 }),
-    ...row("intensity", { low: 0, high: 10, step: 0.1, soft: true }),
+    row("azimuth", { low: -180, high: 180, step: 1 }, "azimuth", aimed),
+    row("elevation", { low: -90, high: 90, step: 1 }, "elevation", aimed),
+    ...[0, 1, 2].map((c) => row("position", place, "xyz"[c], ["position"], [c])),
+    row("falloff", { low: 0, high: 8, step: 0.1 }),
+    row("angle", { low: 1, high: 179, step: 1 }, "cone"),
+    row("softness", { low: 0, high: 1, step: 0.01 }),
+    row("intensity", { low: 0, high: 10, step: 0.1, soft: true }),
     color(view, [...path, "color"], `${name} color`),
-    element(
-      "div",
-      { class: "buttons" },
+    buttons(
       button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
     ),
   ];
@@ -243,26 +245,16 @@ function lamp(view, k) {
 /** @param {View} view */
 function light(view) {
   const { data, state } = view;
-  /** @type {(setting: Setting) => boolean} */
-  const shown = ({ name }) =>
-    name === "ambient" ||
-    (name === "directional_occlusion"
-      ? state.occlusion_kind === "directional"
-      : state.shading_model === "phong");
   return section(
     "Light",
     true,
     named(view, "shadows", "Shadows"),
-    ...(state.shadows === "none" ? [] : rows(view, ["shadowing"], data.settings.shadowing)),
-    ...state.lights.flatMap((_, k) => lamp(view, k)),
-    element(
-      "div",
-      { class: "buttons" },
-      button("Add a light", () => view.addLight(), { id: "add-light" }),
-    ),
+    state.shadows !== "none" && rows(view, ["shadowing"], data.settings.shadowing),
+    state.lights.flatMap((_, k) => lamp(view, k)),
+    buttons(button("Add a light", () => view.addLight(), { id: "add-light" })),
     named(view, "shading_model", "Shading"),
     named(view, "occlusion_kind", "Occlusion"),
-    ...rows(view, ["shading"], data.settings.shading.filter(shown)),
+    rows(view, ["shading"], data.settings.shading),
   );
 }
 
@@ -315,61 +307,33 @@ function camera(view) {
   );
 }
 
-/** @type {{ [setting: string]: (kind: string) => boolean }} */
-const USED = {
-  fog_color: () => true,
-  fog_density: (kind) => kind !== "linear",
-  fog_start: (kind) => kind === "linear",
-  fog_end: (kind) => kind === "linear",
-};
-
 /** @param {View} view */
 function air(view) {
   const { data, state } = view;
-  const used = data.settings.air.filter(({ name }) => USED[name]?.(state.fog) ?? true);
   return section(
     "Air",
     false,
     named(view, "fog", "Fog"),
-    ...(state.fog === "none" ? [] : rows(view, ["air"], used)),
+    state.fog !== "none" && rows(view, ["air"], data.settings.air),
     color(view, ["background"], "background"),
   );
 }
 
-/**
- * The numbers of a surface that have nothing to act on are left away.
- * @type {{ [setting: string]: (view: View) => boolean }}
- */
-const ACTS = {
-  cutoff: ({ state }) => state.alpha === "mask",
-  layer_color: ({ state }) => state.layer,
-  layer_normal: ({ state }) => state.layer,
-  emission: ({ pictures }) => Boolean(pictures.emission),
-};
-
 /** @param {View} view */
 function surface(view) {
   const { data, state } = view;
-  const finish = data.settings.finish[state.surface].filter(
-    ({ name }) => ACTS[name]?.(view) ?? true,
-  );
   return section(
     "Surface",
     false,
     named(view, "surface", "Surface"),
-    ...rows(view, ["finish", state.surface], finish),
+    rows(view, ["finish", state.surface], data.settings.finish[state.surface]),
     named(view, "mapping", "Colour laid on"),
     named(view, "alpha", "Opacity"),
     check(view, ["apart"], "Maps with tilings of their own"),
-    ...(state.apart
-      ? Object.keys(state.tilings).flatMap((name) => tiling(view, ["tilings", name], words(name)))
-      : []),
-    ...(view.hasLayer
-      ? [
-          check(view, ["layer"], "Second layer"),
-          ...(state.layer ? tiling(view, ["layer_tiling"], "layer") : []),
-        ]
-      : []),
+    state.apart &&
+      Object.keys(state.tilings).flatMap((name) => tiling(view, ["tilings", name], words(name))),
+    data.constants.layer && check(view, ["layer"], "Second layer"),
+    data.constants.layer && state.layer && tiling(view, ["layer_tiling"], "layer"),
   );
 }
 
@@ -398,15 +362,13 @@ function picture(view) {
 
 /** @param {View} view */
 function share(view) {
-  const buttons = element(
-    "div",
-    { class: "buttons" },
+  const made = buttons(
     button("Copy as Python", () => view.copy("python"), { id: "copy-python" }),
     button("Copy as command", () => view.copy("command"), { id: "copy-command" }),
-    ...(view.host ? [] : [button("Copy link", () => view.copy("link"), { id: "copy-link" })]),
+    !view.host && button("Copy link", () => view.copy("link"), { id: "copy-link" }),
     button("Save picture", () => view.save(), { id: "save" }),
     button("Frame it", () => view.frame(), { id: "frame" }),
     button("As at the start", () => view.reset(), { id: "reset" }),
   );
-  return section("Take away", true, buttons, element("output", { id: "copied" }));
+  return section("Take away", true, made, element("output", { id: "copied" }));
 }
