@@ -84,7 +84,9 @@ export function held(state, start, data) {
   if (!data.techniques[state.technique].heights.includes(state.heights)) state.heights = "sharp";
   state.layer &&= data.constants.layer;
   holdSettings(state, data);
-  holdNumbers(state, data.limits);
+  holdRanges(state, data.limits.numbers);
+  holdRanges(state.camera, data.limits.camera);
+  for (const light of state.lights) holdRanges(light, data.limits.lights);
   holdTilings(state, start, data.limits);
   // what begins does not end before
   const [near, far] = state.fade;
@@ -128,16 +130,6 @@ function holdSettings(state, { techniques, settings }) {
   for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "air"])) {
     holdRecord(state[name], settings[name]);
   }
-}
-
-/**
- * @param {State} state
- * @param {Limits} limits
- */
-function holdNumbers(state, { numbers, lights, camera }) {
-  holdRanges(state, numbers);
-  for (const light of state.lights) holdRanges(light, lights);
-  holdRanges(state.camera, camera);
 }
 
 /**
