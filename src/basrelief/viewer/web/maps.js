@@ -83,33 +83,34 @@ export function hasHoles({ texels }) {
 /**
  * Heights as levels of float32, each half of the one before.
  * @param {Picture} picture
- * @returns {Level<Float32Array>[]}
  */
 export function heightLevels({ width, height, texels }) {
   const first = new Float32Array(texels.length);
   for (let k = 0; k < texels.length; k++) first[k] = texels[k] / 65535;
-  let level = { width, height, texels: first };
-  const levels = [level];
-  while (Math.max(level.width, level.height) > 1) {
-    level = halved(level, 1);
-    levels.push(level);
-  }
-  return levels;
+  return levelsOf({ width, height, texels: first }, (level) => halved(level, 1));
 }
 
 /**
  * Four channels of 16 bits as levels; where there is opacity colours count as much as they show.
  * @param {Picture} picture
  * @param {boolean} cutOut
- * @returns {Level<Uint16Array>[]}
  */
 export function channelLevels({ width, height, texels }, cutOut = false) {
-  /** @type {Level<Uint16Array>} */
-  let level = { width, height, texels };
+  return levelsOf({ width, height, texels }, (level) => nextLevel(level, cutOut));
+}
+
+/**
+ * A level and all that are smaller, down to one texel.
+ * @template {Uint16Array | Float32Array} Texels
+ * @param {Level<Texels>} level
+ * @param {(level: Level<Texels>) => Level<Texels>} next
+ */
+function levelsOf(level, next) {
   const levels = [level];
-  while (Math.max(level.width, level.height) > 1) {
-    level = nextLevel(level, cutOut);
-    levels.push(level);
+  let last = level;
+  while (Math.max(last.width, last.height) > 1) {
+    last = next(last);
+    levels.push(last);
   }
   return levels;
 }
