@@ -107,19 +107,16 @@ export function replaced(pictures, slots, slot, picture, { channel, polarity, gr
       if (varies(picture, 3)) places[3] = channelAt(picture, 3);
       return { ...pictures, base_color: merged(old, picture, places) };
     }
-    case "opacity": {
-      // a cut-out is often stored as the alpha of a plain picture
-      const cutOut = channel === "luminance" && varies(picture, 3);
-      const opacity = cutOut ? channelAt(picture, 3) : one();
-      return { ...pictures, base_color: merged(old, picture, { 3: opacity }) };
-    }
     case "normal":
       return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
     case "packed":
       return { ...pictures, [held]: merged(old, picture, threeOf(picture)) };
   }
   if (channels.length === 1) {
-    return { ...pictures, [held]: merged(old, picture, { [channels[0]]: one() }) };
+    // a cut-out is often stored as the alpha of a plain picture
+    const cutOut = slot === "opacity" && channel === "luminance" && varies(picture, 3);
+    const texels = cutOut ? channelAt(picture, 3) : one();
+    return { ...pictures, [held]: merged(old, picture, { [channels[0]]: texels }) };
   }
   return {
     ...pictures,
