@@ -153,11 +153,7 @@ export class Frames {
     const timed = this.sample(size, 0, 0, size[1]);
     /** @type {MovingFrame} */
     const frame = { began, size, full, fresh, measured, alone: !pace.flying, timed };
-    this.accumulate(size, true);
-    this.missedHits(size, 0);
-    this.drawnSize = size;
-    this.drawn = 1;
-    this.present();
+    this.complete(size, 0);
     this.fresh = false;
     this.count += 1;
     this.done = full ? 1 : 0;
@@ -248,13 +244,9 @@ export class Frames {
     if (this.dirty || !this.shown) return;
     this.row = last;
     if (last < size[1]) return;
-    this.accumulate(size, this.done === 0);
-    this.missedHits(size, this.done);
+    this.complete(size, this.done);
     this.done += 1;
     this.row = 0;
-    this.drawnSize = size;
-    this.drawn = this.done;
-    this.present();
     const [milliseconds, gpuMilliseconds] = this.spent;
     this.spent = [0, 0];
     this.drawing.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
@@ -282,13 +274,18 @@ export class Frames {
   }
 
   /**
+   * Add a sample whose rows are all drawn to the picture, and show that.
    * @param {Pair} size
-   * @param {boolean} first
+   * @param {number} number of the sample
    */
-  accumulate(size, first) {
-    const view = { ...this.view(), size, first };
+  complete(size, number) {
+    const view = { ...this.view(), size, first: number === 0 };
     this.colors.accumulate(this.buffers("left"), view);
     if (this.shown?.right) this.colors.accumulate(this.buffers("right"), view);
+    this.missedHits(size, number);
+    this.drawnSize = size;
+    this.drawn = number + 1;
+    this.present();
   }
 
   /**
@@ -312,12 +309,11 @@ export class Frames {
   /** @returns {PictureView} */
   view() {
     const { canvas } = this;
-    const { texels } = this.drawing;
     const state = /** @type {State} */ (this.drawing.state);
     return {
       size: this.drawnSize,
-      canvas: [canvas.width, canvas.height],
-      texels,
+      canvas: this.size,
+      texels: this.drawing.texels,
       background: [...state.background, 1],
       divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
       show: state.show,
