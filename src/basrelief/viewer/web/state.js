@@ -11,6 +11,9 @@ import { copyOf, held, isObject, merged } from "view/checks.js";
  * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string }} State
  */
 
+/** @type {(a: unknown, b: unknown) => boolean} */
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
 /**
  * Only what differs from another state, so that links stay short.
  * @param {unknown} now
@@ -18,9 +21,7 @@ import { copyOf, held, isObject, merged } from "view/checks.js";
  * @returns {unknown} undefined where nothing does
  */
 export function difference(now, then) {
-  if (!isObject(now) || !isObject(then)) {
-    return JSON.stringify(now) === JSON.stringify(then) ? undefined : now;
-  }
+  if (!isObject(now) || !isObject(then)) return same(now, then) ? undefined : now;
   /** @type {Fields} */
   const found = {};
   for (const [name, value] of Object.entries(now)) {
@@ -59,8 +60,6 @@ export const laidOver = (state, other, data) => held(merged(state, other, data),
 
 /** @type {(x: unknown) => string} */
 const short = (x) => String(Number(Number(x).toPrecision(7)));
-/** @type {(a: unknown, b: unknown) => boolean} */
-const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 /**
  * What the library would have to be told: all that is not its own default.
@@ -152,7 +151,9 @@ export function toCommand(state, data) {
     /^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`;
   const parts = ["basrelief", "render", data.source];
   /** @type {(name: string, x: unknown) => void} */
-  const option = (name, x) => parts.push(`--${name.replaceAll("_", "-")}`, String(x));
+  const option = (name, x) => {
+    parts.push(`--${name.replaceAll("_", "-")}`, typeof x === "number" ? short(x) : String(x));
+  };
   /** @type {(pair: Pair) => string} */
   const tiles = (pair) => pair.map(short).join("x");
   // what begins with a minus would be taken for an option
@@ -160,12 +161,12 @@ export function toCommand(state, data) {
   const joined = (name, numbers) => parts.push(`--${name}=${numbers.map(short).join(",")}`);
   for (const [name, x] of Object.entries(data.reading)) {
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
-    else option(name, typeof x === "number" ? short(x) : x);
+    else option(name, x);
   }
   for (const [name, x] of Object.entries(said.plain)) {
     // the one number of an object that is no option of its own
     if (name === "bias") parts.push("--set", `bias=${short(x)}`);
-    else option(name, typeof x === "number" ? short(x) : x);
+    else option(name, x);
   }
   for (const each of Object.values(said.numbers)) {
     for (const text of values(each, "/")) parts.push("--set", text);
