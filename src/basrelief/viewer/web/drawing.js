@@ -164,13 +164,9 @@ export class Drawing {
    */
   levels(name, picture) {
     if (HEIGHTS.includes(name)) return heightLevels(picture);
-    if (name === "unbaked" || this.isBake(name)) return [picture];
+    const isBake = Object.values(this.data.techniques).some(({ bake }) => bake === name);
+    if (name === "unbaked" || isBake) return [picture];
     return channelLevels(picture, name.endsWith("color") && hasHoles(picture));
-  }
-
-  /** @param {string} name */
-  isBake(name) {
-    return Object.values(this.data.techniques).some(({ bake }) => bake === name);
   }
 
   /**
@@ -370,8 +366,10 @@ export class Drawing {
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
     const { proportion, places } = this.lying(state);
     const finish = { ...state.finish[state.surface] };
+    // the emission map that the page was made with may be brighter than its own numbers
+    const glow = this.pictures.emission?.dropped ? 1 : data.constants.glow;
     const { emission } = finish;
-    if (Array.isArray(emission)) finish.emission = emission.map((x) => x * this.glow());
+    if (Array.isArray(emission)) finish.emission = emission.map((x) => x * glow);
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
@@ -390,11 +388,6 @@ export class Drawing {
       ...textures,
       baked: this.baked(state) ?? textures.unbaked,
     };
-  }
-
-  // How much brighter than its own numbers the emission map is that the page was made with.
-  glow() {
-    return this.pictures.emission?.dropped ? 1 : this.data.constants.glow;
   }
 
   /**
