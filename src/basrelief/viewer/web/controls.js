@@ -30,6 +30,9 @@ import { decoded, encoded } from "view/srgb.js";
 const WAYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 let pressed = false;
 
+/** @type {(id: string) => HTMLElement} */
+export const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
 /**
  * Do something once no button is held: what was pressed must be there still when it is let go.
  * @param {() => void} act

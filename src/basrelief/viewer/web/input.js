@@ -1,5 +1,7 @@
 // What a person does beside the panel: mouse, touch, keys on the picture, files that are dropped.
 
+import { byId } from "view/controls.js";
+
 /** @import { Pair, Slot } from "view/data" */
 /** @import { View } from "view/main.js" */
 
@@ -12,8 +14,6 @@ const ARROWS = {
   ArrowUp: [0, 1],
   ArrowDown: [0, -1],
 };
-/** @type {(id: string) => HTMLElement} */
-const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /** @param {View} view */
 export function listen(view) {

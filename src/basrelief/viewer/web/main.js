@@ -2,7 +2,7 @@
 
 import { across, framing, framingHeight } from "view/camera.js";
 import { copyOf, held, merged } from "view/checks.js";
-import { afterPress } from "view/controls.js";
+import { afterPress, byId } from "view/controls.js";
 import { Drawing } from "view/drawing.js";
 import { pictureOf, replaced, varies, without } from "view/dropped.js";
 import { Gpu } from "view/gpu.js";
@@ -23,8 +23,6 @@ import { firstLine, words } from "view/text.js";
 
 /** @typedef {"python" | "command" | "link"} CopyKind */
 
-/** @type {(id: string) => HTMLElement} */
-const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 /** @type {(id: string) => string} */
 const textOf = (id) => byId(id).textContent ?? "";
 const MOST_PIXELS = 1920 * 1200;
