@@ -185,10 +185,6 @@ class _Printer:
         right = bound if isinstance(bound, str) else self.out.constant(bound, int)
         return self.intrinsic(f"llvm.{which}.v{self.out.lanes}i32", int, (value, int), (right, int))
 
-    def held(self, index: str, limit: str) -> str:
-        """The smaller as unsigned numbers: keeps an index within memory, whatever it was."""
-        return self.bounded("umin", index, limit)
-
     def splat(self, scalar: str, t: type) -> str:
         """The same scalar in every lane."""
         name, count = self.out.names[t], self.out.lanes
@@ -354,20 +350,24 @@ class _FunctionPrinter(_Printer):
 
     def return_statement(self, values: Leaves) -> None:
         mask = self.active()
-        for place, value, (_, leaf) in zip(
-            self.results, values, leaves(self.function.result), strict=True
-        ):
-            if self.early_returns:
-                value = self.select(mask, value, self.load(place, leaf), leaf)
-            self.store(value, place, leaf)
+        self.store_leaves(
+            values, self.results, self.function.result, mask if self.early_returns else None
+        )
         gone = self.operation("or", self.load(self.returned, bool), mask, bool)
         self.store(gone, self.returned, bool)
         self.store("zeroinitializer", self.mask, bool)
 
+    def store_leaves(self, values: Leaves, places: Sequence[str], t: Any, mask: str | None) -> None:
+        """Store a value of type t; where there is a mask, in its lanes alone."""
+        for place, value, (_, leaf) in zip(places, values, leaves(t), strict=True):
+            if mask is not None:
+                value = self.select(mask, value, self.load(place, leaf), leaf)
+            self.store(value, place, leaf)
+
     @functools.cached_property
     def early_returns(self) -> bool:
         """Whether some lanes may have their result before the last statement."""
-        return any(_contains_return(s) for s in self.function.body.statements)
+        return any(map(_may_leave, self.function.body.statements))
 
     def if_statement(self, node: tree.If) -> None:
         before = self.active()
@@ -464,12 +464,7 @@ class _FunctionPrinter(_Printer):
             self.declare(node.name, node.value.type)
         own_block = self.home[node.name] is self.block
         mask = None if own_block else self.active()
-        for place, value, (_, leaf) in zip(
-            self.places[node.name], values, leaves(node.value.type), strict=True
-        ):
-            if mask is not None:
-                value = self.select(mask, value, self.load(place, leaf), leaf)
-            self.store(value, place, leaf)
+        self.store_leaves(values, self.places[node.name], node.value.type, mask)
 
     # --- expressions ----------------------------------------------------------------------------
 
@@ -509,8 +504,10 @@ class _FunctionPrinter(_Printer):
                 return values * VECTORS[t][1] if spread else values
             case tree.IntrinsicCall(name=name):
                 return _INTRINSICS[name](self, node)
-            case tree.Call():
-                return self.call(node)
+            case tree.Call(_, function, arguments):
+                if self.prefix:
+                    self.out.elementary.add(function.name)
+                return self.call(self.prefix + function.name, function.result, arguments)
             case tree.Item(t, buffer, index):
                 return self.item(t, buffer, self.value(index)[0])
         raise AssertionError(node)
@@ -527,13 +524,9 @@ class _FunctionPrinter(_Printer):
         return self.operation("sub", "zeroinitializer", value, int)
 
     def member(self, operand: tree.Expression, name: str) -> Leaves:
-        first = 0
-        for field, t in fields_of(operand.type).items():
-            count = sum(1 for _ in leaves(t))
-            if field == name:
-                return self.value(operand)[first : first + count]
-            first += count
-        raise AssertionError(name)
+        fields = [field for field, t in fields_of(operand.type).items() for _ in leaves(t)]
+        values = zip(self.value(operand), fields, strict=True)
+        return [value for value, field in values if field == name]
 
     def binary(self, node: tree.Binary) -> Leaves:
         a, b = self.value(node.left), self.value(node.right)
@@ -571,39 +564,30 @@ class _FunctionPrinter(_Printer):
 
     def transform(self, m: Leaves, v: Leaves) -> Leaves:
         """Matrix times vector, columns added from the first on."""
-        rows = []
-        for row in range(3):
-            terms = [self.operation("fmul", m[3 * c + row], v[c], float) for c in range(3)]
-            rows.append(self.sum(terms))
-        return rows
+        return [self.dot(m[row::3], v) for row in range(3)]
+
+    def dot(self, a: Leaves, b: Leaves) -> str:
+        """The products added from the first on."""
+        return self.sum([self.operation("fmul", x, y, float) for x, y in zip(a, b, strict=True)])
 
     def sum(self, terms: Leaves) -> str:
-        total = terms[0]
-        for term in terms[1:]:
-            total = self.operation("fadd", total, term, float)
-        return total
+        return functools.reduce(lambda a, b: self.operation("fadd", a, b, float), terms)
 
-    def call(self, node: tree.Call) -> Leaves:
+    def call(self, name: str, t: Any, arguments: Sequence[tree.Expression]) -> Leaves:
+        """Call a function of the module, whose result is of type t, for the lanes at work."""
         given = [f"{self.out.names[bool]} {self.active()}"]
-        for argument in node.arguments:
+        for argument in arguments:
             if is_handle(argument.type):
-                assert isinstance(argument, tree.Local)
-                given.append(f"ptr {self.handles[argument.name]}")
+                given.append(f"ptr {self.handle(argument)}")
                 continue
             values = self.value(argument)
             types = self.out.vector(argument.type)
             given.extend(f"{t} {v}" for t, v in zip(types, values, strict=True))
-        if self.prefix:
-            self.out.elementary.add(node.function.name)
-        return self.call_named(f"{self.prefix}{node.function.name}", node.function.result, given)
-
-    def call_named(self, name: str, t: Any, given: list[str]) -> Leaves:
         result = self.out.result(t)
         whole = self.make(f"call fastcc {result} @{name}({', '.join(given)})")
-        count = sum(1 for _ in leaves(t))
-        if count == 1:
+        if _width(t) == 1:
             return [whole]
-        return [self.make(f"extractvalue {result} {whole}, {index}") for index in range(count)]
+        return [self.make(f"extractvalue {result} {whole}, {index}") for index in range(_width(t))]
 
     # --- resources ------------------------------------------------------------------------------
 
@@ -645,7 +629,8 @@ class _FunctionPrinter(_Printer):
     def item(self, record: Any, buffer: tree.Expression, index: str) -> Leaves:
         handle = self.handle(buffer)
         kinds = [leaf for _, leaf in leaves(record)]
-        index = self.held(index, self.header_word(handle, 3))
+        # as unsigned numbers the smaller: keeps the index within memory, whatever it was
+        index = self.bounded("umin", index, self.header_word(handle, 3))
         first = self.integer("mul", index, len(kinds))
         base = self.data(handle)
         values = []
@@ -699,29 +684,21 @@ def _each(one: Any) -> Any:
     return lambda p, node: [one(p, *arguments) for arguments in _spread(p, node)]
 
 
-def _dot_product(p: _FunctionPrinter, a: Leaves, b: Leaves) -> str:
-    return p.sum([p.operation("fmul", x, y, float) for x, y in zip(a, b, strict=True)])
+def _of_values(function: Any) -> Any:
+    """An intrinsic of the leaves of each argument."""
+    return lambda p, node: function(p, *map(p.value, node.arguments))
 
 
-def _dot(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    return [_dot_product(p, p.value(node.arguments[0]), p.value(node.arguments[1]))]
+def _length(p: _FunctionPrinter, v: Leaves) -> str:
+    return p.lane_function("sqrt", p.dot(v, v))
 
 
-def _length(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    v = p.value(node.arguments[0])
-    return [p.lane_function("sqrt", _dot_product(p, v, v))]
-
-
-def _normalize(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    v = p.value(node.arguments[0])
-    root = p.lane_function("sqrt", _dot_product(p, v, v))
-    inverse = p.operation("fdiv", p.out.constant(1.0, float), root, float)
+def _normalize(p: _FunctionPrinter, v: Leaves) -> Leaves:
+    inverse = p.operation("fdiv", p.out.constant(1.0, float), _length(p, v), float)
     return [p.operation("fmul", c, inverse, float) for c in v]
 
 
-def _cross(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    a, b = p.value(node.arguments[0]), p.value(node.arguments[1])
-
+def _cross(p: _FunctionPrinter, a: Leaves, b: Leaves) -> Leaves:
     def one(i: int, j: int) -> str:
         first = p.operation("fmul", a[i], b[j], float)
         return p.operation("fsub", first, p.operation("fmul", a[j], b[i], float), float)
@@ -729,28 +706,25 @@ def _cross(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     return [one(1, 2), one(2, 0), one(0, 1)]
 
 
-def _reflect(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    i, n = p.value(node.arguments[0]), p.value(node.arguments[1])
-    twice = p.operation("fmul", p.out.constant(2.0, float), _dot_product(p, i, n), float)
+def _reflect(p: _FunctionPrinter, i: Leaves, n: Leaves) -> Leaves:
+    twice = p.operation("fmul", p.out.constant(2.0, float), p.dot(i, n), float)
     return [
         p.operation("fsub", a, p.operation("fmul", b, twice, float), float)
         for a, b in zip(i, n, strict=True)
     ]
 
 
-def _transpose(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    m = p.value(node.arguments[0])
+def _transpose(p: _FunctionPrinter, m: Leaves) -> Leaves:
     return [m[3 * column + row] for row in range(3) for column in range(3)]
 
 
-def _smoothstep(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    low, high, x = (p.value(a)[0] for a in node.arguments)
+def _smoothstep(p: _FunctionPrinter, low: str, high: str, x: str) -> str:
     over = p.operation("fsub", x, low, float)
     t = p.operation("fdiv", over, p.operation("fsub", high, low, float), float)
-    t = _held(p, t, p.out.constant(0.0, float), p.out.constant(1.0, float))
+    t = _saturate(p, t)
     twice = p.operation("fmul", p.out.constant(2.0, float), t, float)
     rest = p.operation("fsub", p.out.constant(3.0, float), twice, float)
-    return [p.operation("fmul", p.operation("fmul", t, t, float), rest, float)]
+    return p.operation("fmul", p.operation("fmul", t, t, float), rest, float)
 
 
 def _saturate(p: _FunctionPrinter, x: str) -> str:
@@ -789,11 +763,7 @@ def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 def _elementary(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     p.out.elementary.add(node.name)
-    values = [p.value(a)[0] for a in node.arguments]
-    floats = [f"{p.out.names[float]} {v}" for v in values]
-    return p.call_named(
-        f"{_MATH}{node.name}", float, [f"{p.out.names[bool]} {p.active()}", *floats]
-    )
+    return p.call(_MATH + node.name, float, node.arguments)
 
 
 def _count(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
@@ -850,13 +820,13 @@ _INTRINSICS: dict[str, Any] = {
     "saturate": _each(_saturate),
     "mix": _each(_mixed),
     "copysign": _each(lambda p, x, sign: p.lane_function("copysign", x, sign)),
-    "smoothstep": _smoothstep,
-    "dot": _dot,
-    "length": _length,
-    "normalize": _normalize,
-    "cross": _cross,
-    "reflect": _reflect,
-    "transpose": _transpose,
+    "smoothstep": _each(_smoothstep),
+    "dot": _of_values(lambda p, a, b: [p.dot(a, b)]),
+    "length": _of_values(lambda p, v: [_length(p, v)]),
+    "normalize": _of_values(_normalize),
+    "cross": _of_values(_cross),
+    "reflect": _of_values(_reflect),
+    "transpose": _of_values(_transpose),
     "abs": _absolute,
     "min": _smaller_or_larger,
     "max": _smaller_or_larger,
@@ -879,16 +849,8 @@ _INTRINSICS: dict[str, Any] = {
 
 def _may_leave(statement: tree.Statement) -> bool:
     """Whether lanes may be gone after a statement that others come out of."""
-    if isinstance(statement, tree.If):
-        block = tree.Block([statement])
-        return tree.contains(block, tree.Return, tree.Break, tree.Continue)
-    return _contains_return(statement)
-
-
-def _contains_return(statement: tree.Statement) -> bool:
-    if isinstance(statement, tree.Return):
-        return False
-    return tree.contains(tree.Block([statement]), tree.Return)
+    inner = not isinstance(statement, tree.Return | tree.Break | tree.Continue)
+    return inner and tree.contains(tree.Block([statement]), tree.Return, tree.Break, tree.Continue)
 
 
 def _cost(block: tree.Block) -> int:
