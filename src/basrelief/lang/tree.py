@@ -63,30 +63,24 @@ class Unary(Expression):
 
 
 @dataclass(frozen=True)
-class Binary(Expression):
+class Infix(Expression):
+    """Two expressions with an operator between them."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+class Binary(Infix):
     """`+ - * / // % @ & | ^ << >>`; one side may be a scalar where the other is a vector."""
 
-    operator: str
-    left: Expression
-    right: Expression
 
-
-@dataclass(frozen=True)
-class Compare(Expression):
+class Compare(Infix):
     """`< <= > >= == !=` of two scalars of one type."""
 
-    operator: str
-    left: Expression
-    right: Expression
 
-
-@dataclass(frozen=True)
-class Logic(Expression):
+class Logic(Infix):
     """`and` or `or` of bools."""
-
-    operator: str
-    left: Expression
-    right: Expression
 
 
 @dataclass(frozen=True)
@@ -153,24 +147,13 @@ class Item(Expression):
 
 def changed(node: Expression, change: Callable[[Expression], Expression]) -> Expression:
     """An expression with each of its parts changed."""
-    match node:
-        case Unary(t, operator, a):
-            return Unary(t, operator, change(a))
-        case Binary(t, operator, a, b) | Compare(t, operator, a, b) | Logic(t, operator, a, b):
-            return type(node)(t, operator, change(a), change(b))
-        case Select(t, a, b, c):
-            return Select(t, change(a), change(b), change(c))
-        case Swizzle(t, a, indices):
-            return Swizzle(t, change(a), indices)
-        case Member(t, a, name):
-            return Member(t, change(a), name)
-        case Construct(t, parts):
-            return Construct(t, tuple(map(change, parts)))
-        case IntrinsicCall(t, name, parts):
-            return IntrinsicCall(t, name, tuple(map(change, parts)))
-        case Item(t, a, b):
-            return Item(t, change(a), change(b))
-    return node
+
+    def part(value: Any) -> Any:
+        if isinstance(value, Expression):
+            return change(value)
+        return tuple(map(part, value)) if isinstance(value, tuple) else value
+
+    return type(node)(*(part(getattr(node, name)) for name in node.__match_args__))
 
 
 @dataclass

@@ -62,8 +62,8 @@ def bindings(entry: tree.Function) -> list[Binding]:
 
 def _bound_name(binding: Binding) -> str:
     """The name of a binding's variable."""
-    fixed = {"run": "run", "planes": "planes", "sampler": "edge_sampler"}
-    return fixed.get(binding.kind, f"{binding.name}_{binding.kind}")
+    ours = binding.kind in ("run", "planes", "sampler")
+    return binding.name if ours else f"{binding.name}_{binding.kind}"
 
 
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
@@ -155,12 +155,12 @@ class ModulePrinter:
 
     def function_texts(self) -> Iterator[str]:
         for function in self.functions:
-            yield self.function_text(function)
+            yield _FunctionPrinter(self, function).text()
         printed: set[str] = set()
         while self.elementary - printed:
             for name in sorted(self.elementary - printed):
                 printed.add(name)
-                yield self.function_text(elementary_functions()[name])
+                yield _FunctionPrinter(self, elementary_functions()[name]).text()
 
     def parameter_names(self, function: tree.Function) -> dict[str, str]:
         """What a function's parameters are called, those that are no lists: clear of all else."""
@@ -168,10 +168,6 @@ class ModulePrinter:
         return {
             name: names[name] for name, t in function.parameters.items() if buffer_record(t) is None
         }
-
-    def function_text(self, function: tree.Function) -> str:
-        """One function."""
-        return _FunctionPrinter(self, function).text()
 
     def record_texts(self) -> Iterator[str]:
         for record in self.records:
@@ -405,10 +401,8 @@ class _FunctionPrinter:
                 name = "floor_divide" if operator == "//" else "floor_modulo"
                 self.module.helpers |= {name, "floor_divide"}
                 return f"{name}({self.arguments((left, right))})"
-            case tree.Binary(_, operator, left, right) | tree.Compare(_, operator, left, right):
+            case tree.Infix(_, operator, left, right):
                 return self.infix(operator, left, right)
-            case tree.Logic(_, operator, left, right):
-                return self.infix("&&" if operator == "and" else "||", left, right)
             case tree.Static(_, condition):
                 return self.module.static(condition, "true", "false")
             case tree.Select(_, tree.Static(_, condition), then, otherwise):
@@ -454,20 +448,19 @@ class _FunctionPrinter:
         return f"({text})" if _binding_strength(node, text) < level else text
 
     def infix(self, operator: str, left: tree.Expression, right: tree.Expression) -> str:
-        symbol = "*" if operator == "@" else operator
+        symbol = _SYMBOLS.get(operator, operator)
         level = _STRENGTH[symbol]
         if symbol in ("<<", ">>"):
             assert isinstance(right, tree.Literal)
             return f"{self.operand(left, 8)} {symbol} {right.value}u"
         if symbol in ("&", "|", "^"):
             return f"{self.operand(left, 8)} {symbol} {self.operand(right, 8)}"
-        a = self.operand(left, level + (symbol in _COMPARISONS))
-        b = self.operand(right, level + 1)
-        # WGSL wants && and || apart
         if symbol in ("&&", "||"):
-            a = a if _same_logic(left, symbol) else self.operand(left, 3)
-            b = self.operand(right, 3)
-        return f"{a} {symbol} {b}"
+            # WGSL wants && and || apart
+            same = isinstance(left, tree.Logic) and left.operator == operator
+            return f"{self.operand(left, level if same else 3)} {symbol} {self.operand(right, 3)}"
+        a = self.operand(left, level + (symbol in _COMPARISONS))
+        return f"{a} {symbol} {self.operand(right, level + 1)}"
 
     def whole_numbers(self, cell: tree.Expression) -> str:
         """A cell as floats; straight from the floats it was made of, if it was."""
@@ -520,11 +513,8 @@ def _is_finest(level: tree.Expression) -> bool:
     return isinstance(level, tree.Literal) and level.value == 0
 
 
-def _same_logic(node: tree.Expression, symbol: str) -> bool:
-    wanted = "and" if symbol == "&&" else "or"
-    return not isinstance(node, tree.Logic) or node.operator == wanted
-
-
+_SYMBOLS = {"@": "*", "and": "&&", "or": "||"}
+"""Operators that WGSL writes otherwise."""
 _STRENGTH = {
     "||": 1, "&&": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "==": 3, "!=": 3, "&": 0, "|": 0, "^": 0,
     "<<": 0, ">>": 0, "+": 5, "-": 5, "*": 6, "/": 6,
@@ -536,10 +526,8 @@ def _binding_strength(node: tree.Expression, text: str) -> int:
     match node:
         case tree.Binary(operator=operator) if operator in ("//", "%"):
             return 9
-        case tree.Binary(operator=operator) | tree.Compare(operator=operator):
-            return _STRENGTH["*" if operator == "@" else operator]
-        case tree.Logic(operator=operator):
-            return _STRENGTH["&&" if operator == "and" else "||"]
+        case tree.Infix(operator=operator):
+            return _STRENGTH[_SYMBOLS.get(operator, operator)]
         case tree.Unary():
             return 7
         case tree.Select(test=tree.Static()):
@@ -706,14 +694,10 @@ BODY
 }
 """
 
-_PRINTED = frozenset(
-    ["Run", "main", "id", "at"]
-    + [
-        name
-        for text in [*AT_EDGE.values(), *HELPERS.values()]
-        for name in re.findall(r"fn (\w+)", text)
-    ]
-)
+_PRINTED = {
+    "Run", "main", "id", "at",
+    *re.findall(r"fn (\w+)", "".join([*AT_EDGE.values(), *HELPERS.values()])),
+}  # fmt: skip
 """Names at module scope that this printer writes itself."""
 
 # Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
