@@ -533,7 +533,7 @@ class _FunctionAnalysis:
         if any(self.static_field(n) for n in [node.left, *node.comparators]):
             return self.static_comparison(node)
         operands = [self.expression(n) for n in [node.left, *node.comparators]]
-        whole: tree.Expression | None = None
+        parts: list[tree.Expression] = []
         for compared, a, b in zip(node.ops, operands, operands[1:], strict=False):
             symbol = _COMPARE.get(type(compared))
             same = a.type == b.type and a.type in SCALARS
@@ -541,20 +541,17 @@ class _FunctionAnalysis:
                 raise self.source.error(
                     node, f"compare two floats or two ints, not {named(a.type)} and {named(b.type)}"
                 )
-            one = tree.Compare(bool, symbol, a, b)
-            whole = one if whole is None else tree.Logic(bool, "and", whole, one)
-        assert whole is not None
-        return whole
+            parts.append(tree.Compare(bool, symbol, a, b))
+        return functools.reduce(functools.partial(tree.Logic, bool, "and"), parts)
 
     def attribute(self, node: ast.AST, operand: tree.Expression, name: str) -> tree.Expression:
         t = operand.type
         if t in VECTORS:
             component, size = VECTORS[t]
             indices = swizzle_indices(name, size)
-            if indices is not None:
-                result = _vector_type(component, len(indices))
-                if result is not None:
-                    return tree.Swizzle(result, operand, indices)
+            result = indices and _vector_type(component, len(indices))
+            if indices and result:
+                return tree.Swizzle(result, operand, indices)
         elif t is Mat3 and name in "xyz" and len(name) == 1:
             return tree.Swizzle(Vec3, operand, ("xyz".index(name),))
         elif is_record(t) and name in fields_of(t):
@@ -695,21 +692,15 @@ class _FunctionAnalysis:
         for name, t in parameters.items():
             if name not in given:
                 raise self.source.error(node, f"{target.name} also takes {name}")
-            if is_erased(t):
-                # one in the whole program, so nothing is passed
+            if is_erased(t) or members_of(t):
                 passed = self.parameter_type(given[name])
                 if passed is not t and not (t is Map and passed in MAPS):
                     raise self.source.error(
                         given[name], f"{name} is {named(t)}; pass this shader's own on"
                     )
-                continue
-            if members_of(t):
-                if self.parameter_type(given[name]) is not t:
-                    raise self.source.error(
-                        given[name], f"{name} is {named(t)}; pass this shader's own on"
-                    )
-                group = ast.unparse(given[name])
-                arguments += [tree.Local(kind, each) for each, kind in flat_names(group, t).items()]
+                # of what is erased there is one in the whole program, and nothing is passed
+                flat = flat_names(ast.unparse(given[name]), t)
+                arguments += [tree.Local(kind, each) for each, kind in flat.items()]
                 continue
             argument = self.expression(given[name])
             self.expect(given[name], argument.type, t, name)
@@ -816,7 +807,9 @@ def _ends(node: ast.While) -> bool:
     tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
     if isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or):
         return False
-    names = [n.id for n in ast.walk(node) if isinstance(n, ast.Name) and not _loaded(n)]
+    names = [
+        n.id for n in ast.walk(node) if isinstance(n, ast.Name) and not isinstance(n.ctx, ast.Load)
+    ]
     counters = {
         t.left.id
         for t in tests
@@ -830,10 +823,6 @@ def _ends(node: ast.While) -> bool:
         return False
     counted = [s for s in node.body if _counts_up(s) in counters]
     return any(names.count(_counts_up(s) or "") == 1 for s in counted)
-
-
-def _loaded(node: ast.Name) -> bool:
-    return isinstance(node.ctx, ast.Load)
 
 
 def _counts_up(statement: ast.stmt) -> str | None:

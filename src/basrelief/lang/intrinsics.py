@@ -120,10 +120,6 @@ def _saturating_int(x: Any) -> Any:
     return np.int32(min(max(np.trunc(np.float64(x)), -2147483648.0), 2147483647.0))
 
 
-def _float(x: Any) -> Any:
-    return _f32(x)
-
-
 def _scalar_pair(given: tuple[Any, ...]) -> Any:
     if given in ((float, float), (int, int)):
         return given[0]
@@ -149,7 +145,7 @@ for _builtin, _python, _rule in (
     (abs, abs, _one_number()),
     (min, _min, _scalar_pair),
     (max, _max, _scalar_pair),
-    (float, _float, _one_number(float, bool)),
+    (float, _f32, _one_number(float, bool)),
     (int, _saturating_int, _one_number(int, bool)),
     (len, lambda buffer: np.int32(len(buffer)), _length_rule),
 ):
@@ -289,35 +285,30 @@ def define(**bodies: Callable[..., Any]) -> None:
     _bodies.update(bodies)
 
 
-def _elementary(name: str, arguments: int) -> None:
+def _elementary(name: str, arguments: int) -> Any:
     def call(*given: float) -> Any:
         return _bodies[name](*given)
 
     call.__name__ = name
-    _intrinsic(_fixed(float, *(float,) * arguments))(call)
+    ELEMENTARY.append(name)
+    return _intrinsic(_fixed(float, *(float,) * arguments))(call)
 
 
-_OF_ONE = ("exp", "exp2", "log", "log2", "sin", "cos", "tan", "asin", "acos", "atan")
-_OF_TWO = ("pow", "atan2")
-ELEMENTARY = (*_OF_ONE, *_OF_TWO)
+ELEMENTARY: list[str] = []
 """Intrinsics that Python and the CPU compute with the shaders of `elementary`."""
-for _name in _OF_ONE:
-    _elementary(_name, 1)
-for _name in _OF_TWO:
-    _elementary(_name, 2)
 
-exp: Callable[[float], float] = INTRINSICS["exp"].python
-exp2: Callable[[float], float] = INTRINSICS["exp2"].python
-log: Callable[[float], float] = INTRINSICS["log"].python
-log2: Callable[[float], float] = INTRINSICS["log2"].python
-sin: Callable[[float], float] = INTRINSICS["sin"].python
-cos: Callable[[float], float] = INTRINSICS["cos"].python
-tan: Callable[[float], float] = INTRINSICS["tan"].python
-asin: Callable[[float], float] = INTRINSICS["asin"].python
-acos: Callable[[float], float] = INTRINSICS["acos"].python
-atan: Callable[[float], float] = INTRINSICS["atan"].python
-pow: Callable[[float, float], float] = INTRINSICS["pow"].python
-atan2: Callable[[float, float], float] = INTRINSICS["atan2"].python
+exp: Callable[[float], float] = _elementary("exp", 1)
+exp2: Callable[[float], float] = _elementary("exp2", 1)
+log: Callable[[float], float] = _elementary("log", 1)
+log2: Callable[[float], float] = _elementary("log2", 1)
+sin: Callable[[float], float] = _elementary("sin", 1)
+cos: Callable[[float], float] = _elementary("cos", 1)
+tan: Callable[[float], float] = _elementary("tan", 1)
+asin: Callable[[float], float] = _elementary("asin", 1)
+acos: Callable[[float], float] = _elementary("acos", 1)
+atan: Callable[[float], float] = _elementary("atan", 1)
+pow: Callable[[float, float], float] = _elementary("pow", 2)
+atan2: Callable[[float, float], float] = _elementary("atan2", 2)
 
 
 # --- resources -----------------------------------------------------------------------------------

@@ -108,8 +108,9 @@ class Program:
         known = _keys.get(same)
         if known is None or any(each.find(name) is not value for each, name, value in known.names):
             contents = _Contents(self)
+            contents.visit(self.entry)
             digest = hashlib.sha256()
-            for part in contents.parts():
+            for part in contents.found:
                 digest.update(len(part).to_bytes(8, "little"))
                 digest.update(part)
             known = _Key(digest.hexdigest(), contents.names)
@@ -139,10 +140,6 @@ class _Contents:
         self.seen: dict[Any, int] = {}
         self.found: list[bytes] = [program.edge.encode()]
         self.names: list[tuple[Shader[..., Any], str, Any]] = []
-
-    def parts(self) -> list[bytes]:
-        self.visit(self.program.entry)
-        return self.found
 
     def visit(self, thing: Any) -> None:
         if isinstance(thing, Shader) or is_record(thing) or members_of(thing):

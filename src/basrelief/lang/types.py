@@ -19,10 +19,7 @@ from basrelief.errors import BasreliefError
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
 VECTORS: dict[type, tuple[type, int]] = {
-    Vec2: (float, 2),
-    Vec3: (float, 3),
-    Vec4: (float, 4),
-    IVec2: (int, 2),
+    t: (t.component, t.size) for t in (Vec2, Vec3, Vec4, IVec2)
 }
 SCALARS: tuple[type, ...] = (float, int, bool)
 _FIELDS = "__shader_fields__"
@@ -141,14 +138,7 @@ def leaves(t: type, name: str = "") -> Iterator[tuple[str, type]]:
     if t in SCALARS:
         yield name, t
         return
-    if t in VECTORS:
-        component, size = VECTORS[t]
-        parts: dict[str, type] = dict.fromkeys("xyzw"[:size], component)
-    elif t is Mat3:
-        parts = dict.fromkeys("xyz", Vec3)
-    else:
-        parts = fields_of(t)
-    for part, part_type in parts.items():
+    for part, part_type in _parts(t).items():
         yield from leaves(part_type, f"{name}.{part}" if name else part)
 
 
@@ -159,8 +149,7 @@ def leaf_values(value: Any, t: type) -> Iterator[Any]:
     elif t in VECTORS:
         yield from value
     else:
-        parts = dict.fromkeys("xyz", Vec3) if t is Mat3 else fields_of(t)
-        for part, part_type in parts.items():
+        for part, part_type in _parts(t).items():
             yield from leaf_values(getattr(value, part), part_type)
 
 
@@ -168,10 +157,15 @@ def from_leaves(values: Iterator[Any], t: type) -> Any:
     """Build a value of type t from its scalars, in the order of `leaves`."""
     if t in SCALARS:
         return coerce(next(values), t)
+    return t(*(from_leaves(values, part_type) for part_type in _parts(t).values()))
+
+
+def _parts(t: type) -> dict[str, type]:
+    """What a vector, matrix or record is made of: components, columns or fields."""
     if t in VECTORS:
-        return t(*(next(values) for _ in range(VECTORS[t][1])))
-    parts = dict.fromkeys("xyz", Vec3) if t is Mat3 else fields_of(t)
-    return t(*(from_leaves(values, part_type) for part_type in parts.values()))
+        component, size = VECTORS[t]
+        return dict.fromkeys("xyzw"[:size], component)
+    return dict.fromkeys("xyz", Vec3) if t is Mat3 else fields_of(t)
 
 
 def coerce(value: Any, t: Any) -> Any:

@@ -85,14 +85,12 @@ class _Vector:
             *(function(*each) for each in zip(self._components, *spread, strict=True))
         )
 
-    def _spread(self, other: Any) -> tuple[Any, ...] | None:
-        if isinstance(other, _Vector):
-            return other._components if type(other) is type(self) else None
-        return (type(self)._scalar(other),) * self.size if np.isscalar(other) else None
-
     def _zip(self, other: Any, operation: Callable[[Any, Any], Any]) -> Any:
-        right = self._spread(other)
-        if right is None:
+        if type(other) is type(self):
+            right = other._components
+        elif np.isscalar(other):
+            right = (type(self)._scalar(other),) * self.size
+        else:
             return NotImplemented
         return type(self)(*map(operation, self._components, right))
 
@@ -208,10 +206,7 @@ class IVec2(_Vector):
 
 
 _OF_SIZE: dict[tuple[type, int], type[_Vector]] = {
-    (float, 2): Vec2,
-    (float, 3): Vec3,
-    (float, 4): Vec4,
-    (int, 2): IVec2,
+    (t.component, t.size): t for t in (Vec2, Vec3, Vec4, IVec2)
 }
 
 
