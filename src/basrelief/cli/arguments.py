@@ -239,7 +239,9 @@ def scene(
     `options` are those of `Object` and `Scene`. `measured` says that the material's own depth is
     given, and so comes before the preset's scale.
     """
-    given = {name: _READERS.get(name, _as_it_is)(text) for name, text in options.items()}
+    given = {
+        name: _READERS[name](text) if name in _READERS else text for name, text in options.items()
+    }
     if measured:
         given["scale"] = None
     if layer is not None:
@@ -264,10 +266,6 @@ def plain_settings(texts: Sequence[str]) -> dict[str, float]:
     """Numbers by their names, from "steps=16" and the like."""
     given = dict(named(text, "--set") for text in texts)
     return {name: number(text, f"--set {name}") for name, text in given.items()}
-
-
-def _as_it_is(value: Any) -> Any:
-    return value
 
 
 def _some(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
@@ -353,12 +351,9 @@ def object_from(text: str) -> Object:
             raise InputError(f"{what}: there is no {name}; there are {known}")
     material = load(given["material"]) if "material" in given else _plain()
     options: dict[str, Any] = {"shape": shape, **_some(given, *_TEXTS)}
-    for name in _NUMBERS:
-        if name in given:
-            options[name] = number(given[name], f"{what}: {name}")
-    for name in _PAIRS:
-        if name in given:
-            options[name] = pair(given[name], f"{what}: {name}")
+    for read, names in ((number, _NUMBERS), (pair, _PAIRS)):
+        texts = _some(given, *names)
+        options |= {name: read(text, f"{what}: {name}") for name, text in texts.items()}
     if "color" in given or "material" not in given:
         options["finish"] = {"base_color": value(given.get("color", _GREY), f"{what}: color")}
     plain = Object(material, **options)

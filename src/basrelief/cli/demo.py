@@ -34,13 +34,8 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
     # looking for a GPU and drawing the samples are independent: both at once
     with ThreadPoolExecutor() as pool:
         found = pool.submit(choose_engine, engine)
-        materials = dict(
-            zip(
-                ("bricks", "cobbles", "tiles", "gravel", "terrain"),
-                pool.map(sample, ("bricks", "cobbles", "tiles", "gravel", "terrain")),
-                strict=True,
-            )
-        )
+        names = ["bricks", *(name for name, _ in _SHAPES)]
+        materials = dict(zip(names, pool.map(sample, names), strict=True))
         scenes = dict(_scenes(materials))
         runner = found.result()
         programs = [program_of(scene.objects[0]) for scene in scenes.values()]

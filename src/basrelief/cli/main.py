@@ -18,6 +18,8 @@ from basrelief.errors import BasreliefError, InputError
 
 if TYPE_CHECKING:
     from basrelief.material import Material
+    from basrelief.scene import Scene
+    from basrelief.scene.presets import Preset
 
 app = typer.Typer(
     help="Draw depth into flat textures: parallax mapping, every technique, on CPU and GPU.",
@@ -117,6 +119,23 @@ def _loaded(path: str, **maps: Any) -> Material:
     return load(path, **_said(maps))
 
 
+def _preset_and_maps(given: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
+    """The preset, and the options of the maps that are given; neither is left in `given`."""
+    from basrelief.cli import arguments
+
+    maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
+    arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
+    return arguments.preset_from(given.pop("preset")), _said(maps)
+
+
+def _scene(path: str, chosen: Preset, maps: dict[str, Any], given: dict[str, Any]) -> Scene:
+    """The scene that a command's options describe."""
+    from basrelief.cli import arguments
+
+    material = _loaded(path, **{**chosen.maps, **maps})
+    return arguments.scene(material, preset=chosen, measured="depth" in maps, **_said(given))
+
+
 @app.command()
 @options.taking(..., options.Maps)
 def info(
@@ -137,6 +156,8 @@ def info(
 @app.command()
 def techniques() -> None:
     """List the techniques, what each does and costs, its source, and its settings."""
+    import inspect
+
     from basrelief.shading.brdf import Shading
     from basrelief.shading.fog import Fog
     from basrelief.shading.self_shadow import Shadowing
@@ -147,7 +168,8 @@ def techniques() -> None:
 
     for made in TECHNIQUES.values():
         defaults = f"Defaults: --level {made.level:g} --projection {made.projection}"
-        _list(made.name, [*_paragraphs(made.__doc__), defaults], made.settings)
+        paragraphs = inspect.cleandoc(made.__doc__ or "").split("\n\n")
+        _list(made.name, [*paragraphs, defaults], made.settings)
     bias = "Beside a technique's own settings, --set turns bias (0.42), which goes with"
     _list("with every technique", [f"{bias} --projection biased, and all that follow."])
     for name, record in (
@@ -164,26 +186,11 @@ def techniques() -> None:
 @app.command()
 def presets() -> None:
     """List the presets: the settings of an article, under one name."""
-    import textwrap
-
     from basrelief.scene.presets import PRESETS, preset
 
     for name in PRESETS:
         made = preset(name)
-        print(name)
-        for text in (made.about, f"After {made.source}."):
-            print(
-                textwrap.fill(
-                    text, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False
-                )
-            )
-        print()
-
-
-def _paragraphs(doc: str | None) -> list[str]:
-    import inspect
-
-    return inspect.cleandoc(doc or "").split("\n\n")
+        _list(name, [made.about, f"After {made.source}."])
 
 
 def _list(name: str, paragraphs: list[str], *records: Any) -> None:
@@ -192,7 +199,11 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
 
     print(name)
     for paragraph in paragraphs:
-        print(textwrap.fill(paragraph, 78, initial_indent="  ", subsequent_indent="  "))
+        print(
+            textwrap.fill(
+                paragraph, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False
+            )
+        )
     rows = [_setting(field) for record in records for field in record.__dataclass_fields__.values()]
     # an empty record, or none, has no table
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -250,15 +261,10 @@ def render(
         from basrelief.rendering import film
 
         pixels = arguments.size(size)
-        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
-        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
-        chosen = arguments.preset_from(given.pop("preset"))
+        chosen, maps = _preset_and_maps(given)
         motions = arguments.motions_from(motion or [], frames, chosen)
-        material = _loaded(path, **{**chosen.maps, **_said(maps)})
-        scene = arguments.scene(
-            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
-        )
-        drawn_with = scene.objects[0].drawn_with.name
+        scene = _scene(path, chosen, maps, given)
+        material, drawn_with = scene.objects[0].material, scene.objects[0].drawn_with.name
         # a name that `load` knows for one of ours, and takes for no map
         shown = "" if show == "color" else f"-{show}"
         target = output or Path(f"{material.name}-{drawn_with}{shown}-basrelief.png")
@@ -489,14 +495,8 @@ def explain(
         from basrelief.measure.explain import explain as explained
 
         place, pixels = arguments.pixel(pixel), arguments.size(size)
-        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
-        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
-        chosen = arguments.preset_from(given.pop("preset"))
-        material = _loaded(path, **{**chosen.maps, **_said(maps)})
-        scene = arguments.scene(
-            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
-        )
-        found = explained(scene, pixel=place, size=pixels)
+        chosen, maps = _preset_and_maps(given)
+        found = explained(_scene(path, chosen, maps, given), pixel=place, size=pixels)
         made = None if output is None else found.save(output)
     print(found.summary)
     if table or made is None:
@@ -542,24 +542,17 @@ def view(
         import tempfile
         import webbrowser
 
-        from basrelief.cli import arguments
         from basrelief.viewer import Sources, write_view
 
         if texels < 1:
             raise InputError(f"--texels {texels}: give at least 1")
         if output is not None and output.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--output {output}: name a page, as page.html")
-        maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
-        arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
-        chosen = arguments.preset_from(given.pop("preset"))
-        reading = {**chosen.maps, **_said(maps)}
-        material = _loaded(path, **reading)
-        sources = Sources(path, _plain(reading), given["layer"])
-        scene = arguments.scene(
-            material, preset=chosen, measured=maps["depth"] is not None, **_said(given)
-        )
-
-        target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{material.name}.html"
+        chosen, maps = _preset_and_maps(given)
+        scene = _scene(path, chosen, maps, given)
+        sources = Sources(path, _plain({**chosen.maps, **maps}), given["layer"])
+        name = scene.objects[0].material.name
+        target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
         made = write_view(
             scene, target, texels=texels, sources=sources, engine=engine, progress=progress.at
         )
