@@ -54,9 +54,7 @@ except ImportError:
 
 __all__ = ["Viewer"]
 
-_RECORDS = {
-    "shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing,
-}  # fmt: skip
+_RECORDS = {"shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing}
 
 
 class _Setting(traitlets.TraitType):
@@ -193,11 +191,6 @@ def _layer(viewer: Viewer, name: str, value: Any) -> bool:
     return bool(value)
 
 
-def _fade(viewer: Viewer, name: str, value: Any) -> Any:
-    pair = _two_numbers(name, value)
-    return Object(viewer._material, fade=pair).fade
-
-
 def _background(viewer: Viewer, name: str, value: Any) -> Any:
     try:
         color: Any = tuple(map(float, value))
@@ -224,10 +217,6 @@ def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
 
 def _camera(viewer: Viewer, name: str, value: Any) -> Orbit:
     return camera_of(value)
-
-
-def _camera_as_plain(camera: Orbit, viewer: Any) -> dict[str, Any]:
-    return asdict(camera)
 
 
 def _shared(check: Callable[[Any, str, Any], Any], **how: Any) -> Any:
@@ -291,14 +280,14 @@ class Viewer(anywidget.AnyWidget):
     shadowing = _shared(_record)
     air = _shared(_air)
     fades = _shared(_flag)
-    fade = _shared(_fade)
+    fade = _shared(_pair)
     apart = _shared(_flag)
     tilings = _shared(_tilings)
     layer = _shared(_layer)
     layer_tiling = _shared(_tiling)
     background = _shared(_background)
     lights = _shared(_lights)
-    camera = _shared(_camera, to_json=_camera_as_plain)
+    camera = _shared(_camera, to_json=lambda camera, viewer: asdict(camera))
     compare = _shared(_other_technique)
     divider = _shared(_share)
     show = _shared(_show)
@@ -384,14 +373,11 @@ class Viewer(anywidget.AnyWidget):
 
     def _follow(self) -> None:
         """Let settings follow one another; what the page says itself it has made follow."""
-        self.observe(self._follow_technique, "technique")
-        self.observe(self._follow_shape, "shape")
-        self.observe(self._follow_settings, "settings")
-        self.observe(self._follow_settings_of, "settings_of")
-        self.observe(self._follow_surface, "surface")
-        self.observe(self._follow_finish, "finish")
-        self.observe(self._follow_finish_of, "finish_of")
-        self.observe(self._follow_tilings, "tilings")
+        for name in (
+            "technique", "shape", "settings", "settings_of", "surface", "finish", "finish_of",
+            "tilings",
+        ):  # fmt: skip
+            self.observe(getattr(self, f"_follow_{name}"), name)
 
     def _follow_technique(self, change: Any) -> None:
         if "technique" not in self._heard:
