@@ -21,7 +21,7 @@ def check_place(path: Path) -> None:
         raise InputError(f"{path}: the folder {folder} cannot be written; choose another place")
 
 
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` make a file beside `path`, then move it there: the old file or the new, whole.
 
     Raises InputError where the place, or an OSError of `write`, does not let it.

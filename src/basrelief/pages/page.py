@@ -25,8 +25,4 @@ def check_ours(file: Path, generator: str, what: str) -> None:
 
 def write_page(file: Path, text: str) -> None:
     """Write a page, whole or not at all; raises InputError where it cannot be written."""
-    write_whole(file, lambda partial: _write(partial, text))
-
-
-def _write(partial: Path, text: str) -> None:
-    partial.write_text(text, "utf-8", newline="\n")
+    write_whole(file, lambda partial: partial.write_text(text, "utf-8", newline="\n"))

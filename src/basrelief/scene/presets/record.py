@@ -113,7 +113,7 @@ class Preset:
         if target.suffix != ".toml":
             raise InputError(f"{target}: a preset is a .toml file; name it so")
         text = self.to_toml()
-        write_whole(target, lambda partial: _write(partial, text))
+        write_whole(target, lambda partial: partial.write_text(text, "utf-8", newline="\n"))
         return target
 
     # --- within
@@ -205,10 +205,6 @@ class Preset:
         if "layer" in ours:
             ours["layer"] = self._layer(bumpy)
         scene_of(bumpy, self._merged(ours, bumpy, {}))
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, "utf-8", newline="\n")
 
 
 def _tiling(said: Any, key: str) -> Tiling:
