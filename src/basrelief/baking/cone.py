@@ -97,7 +97,7 @@ class _Baking:
     def _steepest(self, those: HeightField, sector: int | None, squared: Heights) -> Heights:
         """The steepest line, squared, from each vertex to those of a field."""
         ends = ends_of(sector or 0)
-        wide = self._first_windows(those)
+        wide = self._windows(cone_bake_windows.first_windows, 0, field=those)
         k = 0
         while True:
             nearest = float(BLOCKS << k) / 2.0 if k else 0.0
@@ -113,7 +113,9 @@ class _Baking:
             if BLOCKS << k > self._furthest():
                 return squared
             k += 1
-            wide = self._next_windows(k, wide)
+            wide = self._windows(
+                cone_bake_windows.next_windows, k, narrower=self._held(k - 1), windows=wide
+            )
 
     def _stored(self, entry: Shader[..., Any], squared: Heights, **more: Any) -> NDArray[np.uint16]:
         """Each cell's cone, from the steepest lines of its corners."""
@@ -142,21 +144,11 @@ class _Baking:
             case _:
                 assert_never(self.edge)
 
-    def _first_windows(self, field: HeightField) -> Texture:
-        return self._windows(cone_bake_windows.first_windows, 0, field=field)
-
-    def _next_windows(self, k: int, narrower: Texture) -> Texture:
-        return self._windows(
-            cone_bake_windows.next_windows, k, narrower=self._held(k - 1), windows=narrower
-        )
-
     def _windows(self, entry: Shader[..., Any], k: int, **values: Any) -> Texture:
         held = self._held(k)
         planes = self._run(entry, beyond=int(held.before), made=held, **values)
-        made = np.empty((*planes["x"].shape, 4), np.uint16)
-        for channel, name in enumerate("xyzw"):
-            made[:, :, channel] = planes[name]
-        return Texture([made], self.edge)
+        made = np.stack([planes[name] for name in "xyzw"], -1)
+        return Texture([made.astype(np.uint16)], self.edge)
 
     def _run(
         self,

@@ -74,10 +74,10 @@ class CpuEngine:
 
         if width:
             self._spread(some_rows, range(first, last, _ROWS))
-        found: Planes = {}
-        for plane, (name, t) in zip(planes, program.planes, strict=True):
-            found[name] = (plane.view(np.float32) if t is float else plane)[:, :width]
-        return found
+        return {
+            name: (plane.view(np.float32) if t is float else plane)[:, :width]
+            for plane, (name, t) in zip(planes, program.planes, strict=True)
+        }
 
     def _spread(self, task: Any, starts: range) -> None:
         """Do a task for each start on all threads; an interrupt leaves the rest undone."""

@@ -196,12 +196,10 @@ class GpuEngine:
     def _ready(self, program: Program) -> _Pipeline:
         with self._lock:
             if program.key not in self._pipelines:
-                self._pipelines[program.key] = self._build(program)
+                code = print_wgsl(program.module, program.edge)
+                needed = bindings(program.module.entry)
+                self._pipelines[program.key] = self._pipeline(code, needed, program.entry.name)
             return self._pipelines[program.key]
-
-    def _build(self, program: Program) -> _Pipeline:
-        code = print_wgsl(program.module, program.edge)
-        return self._pipeline(code, bindings(program.module.entry), program.entry.name)
 
     def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
         import wgpu
@@ -222,7 +220,7 @@ class GpuEngine:
             layout=self.gpu.create_pipeline_layout(bind_group_layouts=[layout]),
             compute={"module": module, "entry_point": "main"},
         )
-        return _Pipeline(pipeline, layout, needed, code)
+        return _Pipeline(pipeline, layout, needed)
 
     def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
         """The resource on the GPU; uploaded once while it lives."""
@@ -291,7 +289,6 @@ class _Pipeline:
     pipeline: Any
     layout: Any
     bindings: list[Binding]
-    code: str
 
 
 class Job:

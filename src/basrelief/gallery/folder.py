@@ -85,14 +85,12 @@ def _pictures(folder: Path, page: Page, panels: Iterable[Drawn]) -> list[Drawn]:
 def _beside(folder: Path, pages: Sequence[Page]) -> list[Page]:
     """The pages that the folder will have: those about to be drawn, and ours from before."""
     return [
-        page for page in PAGES.values() if page in pages or _is_ours(folder / f"{page.name}.html")
+        page
+        for page in PAGES.values()
+        if page in pages or is_ours(folder / f"{page.name}.html", GENERATOR)
     ]
 
 
 def _check_ours(folder: Path, pages: Sequence[Page]) -> None:
     for name in ("index.html", *(f"{page.name}.html" for page in pages)):
         check_ours(folder / name, GENERATOR, "a page of the gallery")
-
-
-def _is_ours(file: Path) -> bool:
-    return is_ours(file, GENERATOR)

@@ -105,17 +105,12 @@ def encode_png(linear: NDArray[np.floating], *, bits: int = 8) -> bytes:
         return write_picture(Path(folder) / "picture.png", linear, bits=bits).read_bytes()
 
 
-def _format_for(path: Path) -> _Format:
+def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
+    """What the suffix's format can hold, and the bits to write."""
     kind = _FORMATS.get(path.suffix.lower())
     if kind is None:
         suffix = f"the suffix {path.suffix}" if path.suffix else "a name without suffix"
         raise InputError(f"{path}: {suffix} names no known format; use one of {' '.join(WRITABLE)}")
-    return kind
-
-
-def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
-    """What the suffix's format can hold, and the bits to write."""
-    kind = _format_for(path)
     chosen = kind.bits[0] if bits is None else bits
     if chosen not in kind.bits:
         known = " or ".join(str(each) for each in sorted(kind.bits))

@@ -72,7 +72,9 @@ class _Printing:
             self.printer.claim(slot, slot.__name__)
             for record in records:
                 self.printer.note_shared(record)
-        self.library = Library(names=self.names())
+        scope = self.printer.scope
+        shaders = {shader: scope[function] for shader, function in self.done.items()}
+        self.library = Library(names={**scope, **shaders})
         self.fill(entries)
 
     def check_slots(self) -> None:
@@ -94,11 +96,6 @@ class _Printing:
                         align_and_size(record)  # refuses what a GPU cannot be given
                         found[asked].append(record)
         return found
-
-    def names(self) -> dict[Any, str]:
-        scope = self.printer.scope
-        shaders = {shader: scope[function] for shader, function in self.done.items()}
-        return {**scope, **shaders}
 
     def forwarding(self, slot: Shader[..., Any], shader: Shader[..., Any]) -> str:
         """The function of a slot that hands on to a shader."""

@@ -21,13 +21,12 @@ from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
-from basrelief.measure.errors import Spread, errors, flip, has_flip, uv_error
+from basrelief.measure.errors import errors, flip, has_flip, uv_error
 from basrelief.measure.report import write
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
-from basrelief.measure.truth import Truth, truth
+from basrelief.measure.truth import truth
 from basrelief.measure.views import ANGLES, at_angle
-from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Object, Scene, technique_named
 from basrelief.techniques import TECHNIQUES, Technique, exact
@@ -194,22 +193,16 @@ def _at_one_angle(
     for number, (name, scene) in enumerate(scenes.items()):
         drawn = name != "exact"
         frame = render(scene, size=size, samples=samples, engine=engine) if drawn else reference
-        yield _measured(angle, name, frame, reference, true, seconds[name])
+        yield Result(
+            angle=angle,
+            technique=name,
+            errors=errors(frame, true),
+            flip=flip(reference, frame) if has_flip() else None,
+            seconds=seconds[name],
+            picture=frame.color[:, :, :3].astype(np.float16),
+            off=uv_error(frame, true).astype(np.float16),
+        )
         progress(0.6 + 0.4 * (number + 1) / len(scenes))
-
-
-def _measured(
-    angle: float, name: str, frame: Frame, reference: Frame, true: Truth, seconds: float
-) -> Result:
-    return Result(
-        angle=angle,
-        technique=name,
-        errors=errors(frame, true),
-        flip=flip(reference, frame) if has_flip() else None,
-        seconds=seconds,
-        picture=frame.color[:, :, :3].astype(np.float16),
-        off=uv_error(frame, true).astype(np.float16),
-    )
 
 
 # --- which techniques ----------------------------------------------------------------------------
@@ -302,16 +295,12 @@ def _result(each: Result) -> dict[str, Any]:
         "missed": found.missed,
         "passed": found.passed,
         "short": found.short,
-        "uv_error": _spread(found.uv),
-        "depth_error": _spread(found.depth),
+        "uv_error": asdict(found.uv),
+        "depth_error": asdict(found.depth),
         "flip": each.flip,
         "reads": found.reads,
         "seconds": each.seconds,
     }
-
-
-def _spread(spread: Spread) -> dict[str, float]:
-    return asdict(spread)
 
 
 def to_json(comparison: Comparison) -> str:

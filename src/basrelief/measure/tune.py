@@ -340,9 +340,7 @@ def _search(
         failed, below = last, count
         count = min(2 * count, high)
         last = at(count)
-    if not last.passed:
-        return [last]
-    if failed is None:
+    if not last.passed or failed is None:
         return [last]
     while count - below > 1:
         middle = (below + count) // 2

@@ -181,11 +181,9 @@ class Object:
                 raise InputError(f"{name} is {pair!r}: give two numbers")
 
     def _choose_technique(self) -> None:
-        if self.technique is None:
-            chosen = flat if self.material.height is None else relief
-            object.__setattr__(self, "technique", chosen)
-        else:
-            object.__setattr__(self, "technique", technique_named(self.technique))
+        usual = flat if self.material.height is None else relief
+        chosen = usual if self.technique is None else technique_named(self.technique)
+        object.__setattr__(self, "technique", chosen)
         if self.material.height is None and self.drawn_with is not flat:
             raise InputError(
                 f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
