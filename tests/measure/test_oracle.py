@@ -144,3 +144,109 @@ def test_what_is_no_height_map_is_refused() -> None:
             first_hits(heights, [[0, 0]], [[0, 0]])
     with pytest.raises(ValueError):
         first_hits([[0.5]], [[0, np.inf]], [[0, 0]])
+
+
+# --- segments that are not the whole ray: parts of one, rising, bent ------------------------------
+
+
+def bent(t, height: float, drop: float, bend: float):
+    return height - drop * t - bend * t * (1 - t)
+
+
+def first_root(a: float, b: float, c: float) -> float | None:
+    """The least root within 0 to 1 of a t² + b t + c, in closed form."""
+    roots = np.roots([a, b, c])
+    within = sorted(r.real for r in roots if abs(r.imag) < 1e-12 and 0.0 <= r.real <= 1.0)
+    return within[0] if within else None
+
+
+PARABOLAS = [
+    (1.0, 1.0, 0.0),
+    (0.9, 0.45, 0.0),
+    (0.9, 0.2, 1.2),
+    (0.9, 0.2, -1.2),
+    (0.55, -0.3, 0.9),
+    (0.7, -0.2, -0.5),
+    (0.6, 0.0, 1.0),
+]
+
+
+@pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
+def test_a_parabola_meets_a_plane(height: float, drop: float, bend: float) -> None:
+    """height − drop t − bend t (1 − t) = ½."""
+    wanted = first_root(bend, -drop - bend, height - 0.5)
+    uv, travel = rays(11, 20, 2.0)
+    hits = first_hits(np.full((6, 5), 0.5), uv, travel, height=height, drop=drop, bend=bend)
+    assert (hits.found == (wanted is not None)).all()
+    np.testing.assert_allclose(hits.t, 1.0 if wanted is None else wanted, atol=1e-9)
+    np.testing.assert_allclose(hits.height, bent(hits.t, height, drop, bend), atol=1e-15)
+
+
+@pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
+@pytest.mark.parametrize("along", [0.3, -0.3])
+def test_a_parabola_meets_a_ramp(height: float, drop: float, bend: float, along: float) -> None:
+    """… = 0.2 + 0.6 (u + travel t)."""
+    columns = 64
+    ramp = np.tile(0.2 + 0.6 * (np.arange(columns) + 0.5) / columns, (9, 1))
+    for u in (0.35, 0.5, 0.65):
+        hits = first_hits(
+            ramp, [[u, 0.5]], [[along, 0.1]], "clamp", height=height, drop=drop, bend=bend
+        )
+        over = height - 0.2 - 0.6 * u
+        wanted = 0.0 if over <= 0.0 else first_root(bend, -drop - bend - 0.6 * along, over)
+        assert hits.found[0] == (wanted is not None)
+        np.testing.assert_allclose(hits.t[0], 1.0 if wanted is None else wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
+def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> None:
+    """Low to the left of u = 7.5 ÷ 16, high to the right of 8.5 ÷ 16, a slope of 16 between."""
+    heights = np.full((4, 16), 0.1)
+    heights[:, 8:] = 0.8
+    hits = first_hits(
+        heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp", height=height, drop=drop, bend=bend
+    )
+
+    def surface(t):
+        return np.interp(0.25 + 0.5 * t, [7.5 / 16, 8.5 / 16], [0.1, 0.8])
+
+    t = np.linspace(0.0, 1.0, 2_000_001)
+    below = bent(t, height, drop, bend) <= surface(t)
+    assert hits.found[0] == below.any()
+    np.testing.assert_allclose(hits.t[0], t[np.argmax(below)] if below.any() else 1.0, atol=1e-6)
+
+
+def test_the_parts_of_a_ray_meet_what_the_whole_does() -> None:
+    """Cut in three, each part going on where the one before found nothing."""
+    heights = np.random.default_rng(6).random((23, 31)) * 0.7
+    uv, travel = rays(12, 300, 0.8)
+    whole = first_hits(heights, uv, travel)
+    t, found = np.ones(len(uv)), np.zeros(len(uv), bool)
+    for start in (0.0, 0.25, 0.6):
+        length = {0.0: 0.25, 0.25: 0.35, 0.6: 0.4}[start]
+        part = first_hits(
+            heights, uv + travel * start, travel * length, height=1.0 - start, drop=length
+        )
+        first = part.found & ~found
+        t[first], found = start + length * part.t[first], found | part.found
+    np.testing.assert_allclose(t, whole.t, atol=1e-12)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10_000), st.sampled_from([0.1, 2.0]), st.floats(-1.5, 1.5))
+def test_bent_rays_meet_noise_where_the_search_does(seed: int, reach: float, bend: float) -> None:
+    random = np.random.default_rng(seed)
+    heights = random.random((7, 9)) * 0.8
+    uv, travel = rays(seed, 12, reach)
+    height, drop = random.uniform(0.5, 1.0, 12), random.uniform(-0.5, 1.0, 12)
+    hits = first_hits(heights, uv, travel, height=height, drop=drop, bend=bend)
+    t = np.linspace(0.0, 1.0, 20001)
+    for k in range(12):
+        clear = bent(t, height[k], drop[k], bend) - bilinear(
+            heights, uv[k] + travel[k] * t[:, None], "wrap"
+        )
+        late = t[np.argmax(clear <= 0.0)] if (clear <= 0.0).any() else 1.0
+        assert hits.t[k] <= late + 1e-9
+        if hits.found[k] and hits.t[k] > 0.0:
+            surface = bilinear(heights, hits.uv[k : k + 1], "wrap")[0]
+            assert abs(hits.height[k] - surface) < 1e-6

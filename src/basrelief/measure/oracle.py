@@ -4,8 +4,9 @@ It shares no code with the shaders: cells are walked one by one along each ray (
 A. Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), and in each the bilinear patch is
 solved as the quadratic that it is along a line. Rays are walked side by side in NumPy.
 
-A ray falls from height 1 at t = 0 to height 0 at t = 1; its texture coordinates are
-`uv + fall · t`. Heights lie within 0 to 1, so every ray ends on the surface or above it.
+A ray is a segment with t from 0 to 1: texture coordinates `uv + travel · t`, and the height
+`height − drop · t − bend · t (1 − t)`, a parabola. Without more said it falls straight from height
+1 to 0, as over a flat surface, where every ray ends on the surface or above it.
 """
 
 from __future__ import annotations
@@ -24,45 +25,59 @@ Edge = Literal["wrap", "clamp"]
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """Where rays meet the surface first: `t` (n,) from 0 to 1, and texture coordinates (n, 2)."""
+    """Where rays meet the surface first: `t` (n,) from 0 to 1, texture coordinates `uv` (n, 2), the
+    ray's `height` there (n,), and whether it was `found` (n,): if not, the ray ends at t = 1."""
 
     t: Floats
     uv: Floats
-
-    @property
-    def height(self) -> Floats:
-        """The ray's height there, (n,): 1 − t."""
-        return 1.0 - self.t
+    height: Floats
+    found: NDArray[np.bool_]
 
 
-def first_hits(heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Edge = "wrap") -> Hits:
+def first_hits(
+    heights: ArrayLike,
+    uv: ArrayLike,
+    travel: ArrayLike,
+    edge: Edge = "wrap",
+    *,
+    height: ArrayLike = 1.0,
+    drop: ArrayLike = 1.0,
+    bend: ArrayLike = 0.0,
+) -> Hits:
     """The first place at which each ray is not above the surface.
 
-    `heights` (h, w) within 0 to 1, texel centres at (i + ½) ÷ N; `uv` (n, 2) where the rays are at
-    height 1; `fall` (n, 2) how far they move while they fall to 0; `edge` what lies beyond the map.
-    Raises ValueError for heights outside 0 to 1, for what is not finite, and for another edge.
+    `heights` (h, w) within 0 to 1, texel centres at (i + ½) ÷ N; `uv` (n, 2) where the rays begin,
+    `travel` (n, 2) how far they move; `edge` what lies beyond the map; `height`, `drop` and `bend`,
+    one for all rays or (n,), what a ray's height is. Raises ValueError for heights outside 0 to 1,
+    for what is not finite, and for another edge.
     """
     field = np.asarray(heights, np.float64)
-    start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, fall))
-    if not (np.isfinite(field).all() and np.isfinite(start).all() and np.isfinite(way).all()):
+    start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
+    falls = [np.broadcast_to(np.asarray(v, np.float64), len(start)) for v in (height, drop, bend)]
+    if not all(np.isfinite(v).all() for v in (field, start, way, *falls)):
         raise ValueError("heights and rays must be finite")
     if field.min() < 0.0 or field.max() > 1.0:
         raise ValueError(f"heights from {field.min():g} to {field.max():g}: give 0 to 1")
     if edge not in get_args(Edge):
         raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     texels = np.array(field.shape[::-1], np.float64)
-    walk = _Walk(field, start * texels - 0.5, way * texels, edge)
-    t = walk.to_the_end()
-    return Hits(t, start + way * t[:, None])
+    walk = _Walk(field, start * texels - 0.5, way * texels, edge, *falls)
+    met = walk.to_the_end()
+    t = np.where(np.isnan(met), 1.0, met)
+    return Hits(t, start + way * t[:, None], walk.height_at(np.arange(len(t)), t), ~np.isnan(met))
 
 
 class _Walk:
     """Rays on their way, in texels: cell (i, j) lies between texel centres i and i + 1."""
 
-    def __init__(self, field: Floats, start: Floats, way: Floats, edge: Edge) -> None:
+    def __init__(
+        self, field: Floats, start: Floats, way: Floats, edge: Edge,
+        height: Floats, drop: Floats, bend: Floats,
+    ) -> None:  # fmt: skip
         self.field = field
         self.edge: Edge = edge
         self.start, self.way = start, way
+        self.height, self.drop, self.bend = height, drop, bend
         count = len(start)
         self.cell: Ints = np.floor(start).astype(np.int64)
         self.t = np.zeros(count)
@@ -71,26 +86,29 @@ class _Walk:
         self.found = np.full(count, np.nan)
 
     def to_the_end(self) -> Floats:
-        """Walk until every ray has met the surface."""
+        """Walk until each ray has met the surface, at the t that is returned, or ended: NaN."""
         under_way = np.arange(len(self.t))
         while len(under_way):
-            self._cross_one_cell(under_way)
-            under_way = under_way[np.isnan(self.found[under_way])]
+            under_way = self._cross_one_cell(under_way)
         return self.found
 
-    def _cross_one_cell(self, rays: Ints) -> None:
+    def height_at(self, rays: Ints, t: Floats) -> Floats:
+        """The height of rays at t."""
+        lost: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
+        height: Floats = self.height[rays] - lost
+        return height
+
+    def _cross_one_cell(self, rays: Ints) -> Ints:
+        """Take rays through their cells; returns those that go on."""
         enter = self.t[rays]
         leave, axis = self._exits(rays)
         met = self._meeting(rays, enter, leave)
         hit = ~np.isnan(met)
-        # at t = 1 the ray is at height 0, which nothing lies below
-        ended = ~hit & (leave >= 1.0)
         self.found[rays[hit]] = met[hit]
-        self.found[rays[ended]] = 1.0
-        on = rays[~hit & ~ended]
-        along = axis[~hit & ~ended]
-        self.t[on] = leave[~hit & ~ended]
-        self.cell[on, along] += self.sign[on, along]
+        on = ~hit & (leave < 1.0)
+        self.t[rays[on]] = leave[on]
+        self.cell[rays[on], axis[on]] += self.sign[rays[on], axis[on]]
+        return rays[on]
 
     def _exits(self, rays: Ints) -> tuple[Floats, Ints]:
         """Where each ray leaves its cell, at most 1, and across which axis."""
@@ -109,9 +127,10 @@ class _Walk:
         dx, dy = self.way[rays].T
         right, down, twist = h10 - h00, h01 - h00, h11 - h10 - h01 + h00
         # clearance(s) = a s² + b s + c for s = t − enter: the ray's height less the patch's
-        a = -twist * dx * dy
-        b = -1.0 - (right * dx + down * dy + twist * (x * dy + y * dx))
-        c = (1.0 - enter) - (h00 + right * x + down * y + twist * x * y)
+        a = self.bend[rays] - twist * dx * dy
+        falling = self.drop[rays] + self.bend[rays] * (1.0 - 2.0 * enter)
+        b = -falling - (right * dx + down * dy + twist * (x * dy + y * dx))
+        c = self.height_at(rays, enter) - (h00 + right * x + down * y + twist * x * y)
         s = _first_root(a, b, c)
         span = leave - enter
         past = c + span * (b + span * a) <= 0.0
