@@ -64,8 +64,9 @@ def kernel(
     """Displace the texture coordinates of one pixel."""
     uv = (Vec2(float(at.x), float(at.y)) + 0.5) / sight.size
     view = normalize(sight.view + Vec3((uv - 0.5) * 0.5, 0.0))
-    fall = view.xy * (-sight.scale / view.z)
-    return Found(displace(field, baked, Ray(uv, fall, 1.0, view.z), settings).uv)
+    travel = view.xy * (-sight.scale / view.z)
+    ray = Ray(uv, travel, height=1.0, drop=1.0, cosine=view.z)
+    return Found(displace(field, baked, ray, settings).uv)
 
 
 def maps(size: int) -> dict[str, np.ndarray]:
@@ -277,7 +278,7 @@ def filtered(
 
     program, settings = march
     text = print_wgsl(program.module, program.edge)
-    head = re.search(r"fn height_at\(.*?\{\n", text)
+    head = re.search(r"fn sharp\(.*?\{\n", text)
     assert head is not None
     end = text.index("\n}", head.end())
     read = "  return textureSampleLevel(field, edge_sampler, uv, 0.0).x;"

@@ -51,7 +51,8 @@ def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Found
     y = float(at.y)
     start = sweep.origin + sweep.right * x + sweep.down * y
     fall = sweep.fall + sweep.fall_right * x + sweep.fall_down * y
-    return Found(parallax_occlusion(heights, Ray(start, fall, 1.0, 0.0), march).uv)
+    ray = Ray(start, fall, height=1.0, drop=1.0, cosine=0.0)
+    return Found(parallax_occlusion(heights, ray, march).uv)
 
 
 def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, Any]:

@@ -21,6 +21,7 @@ import basrelief
 from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
 from basrelief.rendering.programs import program_of, values_of
+from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Printed, printed
@@ -61,6 +62,7 @@ def jobs(
     }
     ones = HeightField([np.ones((1, 1), np.float32)], "wrap")
     nothing |= {"field": ones, "distances": ones, "views": Buffer((), CastView)}
+    nothing |= {"geometry_vertices": Buffer((), Vertex)}
     began = time.perf_counter()
     whole = engine.prepare(program, values, size)
     between = time.perf_counter()

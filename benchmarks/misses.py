@@ -1,12 +1,14 @@
-"""How often `exact` ends late: over a million rays against the oracle in float64.
+"""How often `exact` ends late: millions of rays against the oracle in float64.
 
     python benchmarks/misses.py            on the CPU
     python benchmarks/misses.py --gpu      on a GPU
 
 Bricks, gravel, noise, posts of one texel, saddles and seams, their edges wrapped and clamped; rays
-at 0 to 85 degrees from the normal, every way round, over reliefs of 0.02 to 0.5 tile widths. A ray
-is late that ends more than 0.05 texel behind the first hit. What single precision itself gets wrong
-is told by a plain walk from cell to cell with the same arithmetic and no bounds, beside.
+at 0 to 85 degrees from the normal, every way round, over reliefs of 0.02 to 0.5 tile widths: whole
+rays over a flat surface, and segments from any height to any other, straight, bent down, bent up.
+A ray is late that ends more than 0.05 texel behind the first hit, also if the surface were lower by
+what single precision cannot tell. What single precision itself gets wrong is told by a plain walk
+from cell to cell with the same arithmetic and no bounds, beside.
 """
 
 from __future__ import annotations
@@ -44,7 +46,7 @@ from basrelief.techniques.exact import (
     walls_of,
 )
 from basrelief.techniques.height import extent_of
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import Hit, Ray, hit_at
 
 LATE = 0.05
 """Texels."""
@@ -60,11 +62,23 @@ CELLS = 1 << 20
 """More than any ray here comes to."""
 
 
+KINDS = {
+    "whole": (0.0, 0.0),
+    "straight": (1.0, 0.0),
+    "bent down": (1.0, 1.5),
+    "bent up": (1.0, -1.5),
+}
+"""How much of the range of heights a ray may begin below the top, and end above the bottom; and how
+much it may be bent."""
+
+
 @struct
 class Seed:
-    """Another number, other rays."""
+    """Another number, other rays: of the part of the way, and the most bend, that a kind has."""
 
     number: int
+    part: float
+    bend: float
 
 
 @struct
@@ -72,8 +86,11 @@ class Traced:
     """A ray and where it ends."""
 
     uv: Vec2
-    fall: Vec2
+    travel: Vec2
     height: float
+    drop: float
+    bend: float
+    t: float
 
 
 @slot
@@ -99,16 +116,14 @@ def by_cells(field: HeightField, ray: Ray) -> Hit:
     k = 0
     while k < CELLS and not found and t < 1.0:
         walls = walls_of(line, cell)
-        out = max(min(walls.x, walls.y), t)
+        out = min(max(min(walls.x, walls.y), t), 1.0)
         above = clearance(field, line, cell, extent, t, out)
         found = is_met(above)
         if not found:
             t = out
             cell = cell_after(line, cell, walls, t)
         k = k + 1
-    met = t + first_root(above) if found else t
-    height = 1.0 - min(met, 1.0)
-    return Hit(at(ray, height), height, found, k)
+    return hit_at(ray, t + first_root(above) if found else t, found, k)
 
 
 @shader
@@ -122,12 +137,16 @@ def scattered(n: int) -> float:
 @shader
 def traced(at: IVec2, seed: Seed, field: HeightField, baked: Texture) -> Traced:
     """One ray of many."""
-    n = (at.y * 8192 + at.x) * 5 + seed.number * 7919
+    n = (at.y * 8192 + at.x) * 8 + seed.number * 7919
     uv = Vec2(scattered(n), scattered(n + 1))
     turn = scattered(n + 2) * 6.2831853
     depth = DEEPEST * exp2(-scattered(n + 3) * RANGE)
-    fall = Vec2(cos(turn), sin(turn)) * (depth * tan(scattered(n + 4) * (STEEPEST * 0.0174532925)))
-    return Traced(uv, fall, ended(field, baked, Ray(uv, fall, 1.0, 0.5)).height)
+    length = depth * tan(scattered(n + 4) * (STEEPEST * 0.0174532925))
+    travel = Vec2(cos(turn), sin(turn)) * length
+    height = 1.0 - seed.part * scattered(n + 5) * scattered(n + 5)
+    drop = height - seed.part * scattered(n + 6)
+    ray = Ray(uv, travel, height, drop, 0.5, bend=seed.bend * scattered(n + 7))
+    return Traced(uv, travel, height, drop, ray.bend, ended(field, baked, ray).t)
 
 
 def maps(side: int) -> dict[str, np.ndarray]:
@@ -150,19 +169,22 @@ def maps(side: int) -> dict[str, np.ndarray]:
 
 
 def apart(planes: Any, heights: np.ndarray, edge: Any) -> tuple[np.ndarray, int]:
-    """By how many texels rays end behind the oracle; and how many end before it though nothing is
-    there, not even were all a hair higher."""
-    uv, fall = (
-        np.stack([planes[f"{name}.x"], planes[f"{name}.y"]], -1).reshape(-1, 2).astype(float)
-        for name in ("uv", "fall")
-    )
-    texels = np.linalg.norm(fall * heights.shape[::-1], axis=1)
-    ended = 1.0 - planes["height"].ravel().astype(float)
-    behind = (ended - first_hits(heights, uv, fall, edge).t) * texels
-    early = np.flatnonzero(behind < -LATE)
-    higher = np.minimum(heights.astype(float) + BLUR, 1.0)
-    raised = first_hits(higher, uv[early], fall[early], edge).t
-    return behind, int(((ended[early] - raised) * texels[early] < -LATE).sum())
+    """By how many texels rays end behind the first hit; and how many end before it. The surface is
+    taken a hair lower, or higher, where a ray is off without that."""
+    flat = {name: plane.ravel().astype(float) for name, plane in planes.items()}
+    uv, travel = (np.stack([flat[f"{name}.x"], flat[f"{name}.y"]], -1) for name in ("uv", "travel"))
+    texels = np.linalg.norm(travel * heights.shape[::-1], axis=1)
+
+    def behind(surface: np.ndarray, some: Any) -> np.ndarray:
+        falls = {name: flat[name][some] for name in ("height", "drop", "bend")}
+        wanted = first_hits(surface, uv[some], travel[some], edge, **falls).t
+        return (flat["t"][some] - wanted) * texels[some]
+
+    off = behind(heights, slice(None))
+    late, early = np.flatnonzero(off > LATE), np.flatnonzero(off < -LATE)
+    off[late] = behind(np.maximum(heights.astype(float) - BLUR, 0.0), late)
+    before = behind(np.minimum(heights.astype(float) + BLUR, 1.0), early)
+    return off, int((before < -LATE).sum())
 
 
 def main() -> None:
@@ -180,13 +202,28 @@ def main() -> None:
 
         engine = CpuEngine()
     print(f"{engine.device}, rays ending more than {LATE} texel late")
+    figures = {}
+    for kind, (part, bend) in KINDS.items():
+        rays, late, plainly = counted(engine, kind, part, bend, size, side)
+        figures |= {
+            f"{engine.name}, {kind}, rays": rays,
+            f"{engine.name}, {kind}, exact, late": late,
+            f"{engine.name}, {kind}, cell by cell, late": plainly,
+        }
+    store(options.json, figures)
+
+
+def counted(
+    engine: Any, kind: str, part: float, bend: float, size: tuple[int, int], side: int
+) -> tuple[int, int, int]:
+    """How many rays of a kind there were, how many `exact` ends late, and a walk cell by cell."""
     total = np.zeros(3, int)
     begun = time.perf_counter()
     for name, heights in maps(side).items():
         for edge in ("wrap", "clamp"):
             field = HeightField([heights], edge)
             baked = Texture([baking.bounds(heights, edge, engine)], edge)
-            values = {"seed": Seed(total[0]), "field": field, "baked": baked}
+            values = {"seed": Seed(total[0], part, bend), "field": field, "baked": baked}
             counts, worst, early = [], [], []
             for way in (by_exact, by_cells):
                 planes = engine.run(Program(traced, {ended: way}, edge), values, size)
@@ -196,22 +233,16 @@ def main() -> None:
                 early.append(before)
             total += (behind.size, *counts)
             print(
-                f"{name:8} {edge:5} {behind.size} rays: "
+                f"{kind}, {name:8} {edge:5} {behind.size} rays: "
                 f"exact {counts[0]} (worst {worst[0]:.4f}), cell by cell {counts[1]} "
                 f"(worst {worst[1]:.4f}); before their time {early[0]} and {early[1]}",
                 flush=True,
             )
     spent = time.perf_counter() - begun
-    print(f"of {total[0]} rays exact {total[1]} late, cell by cell {total[2]}; {spent:.0f} s")
-    rays, by_exact_late, by_cells_late = map(int, total)
-    store(
-        options.json,
-        {
-            f"{engine.name}, rays": rays,
-            f"{engine.name}, exact, late": by_exact_late,
-            f"{engine.name}, cell by cell, late": by_cells_late,
-        },
+    print(
+        f"{kind}: of {total[0]} rays exact {total[1]} late, cell by cell {total[2]}; {spent:.0f} s"
     )
+    return int(total[0]), int(total[1]), int(total[2])
 
 
 if __name__ == "__main__":

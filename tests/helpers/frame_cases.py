@@ -40,7 +40,17 @@ from basrelief import (
     turned,
 )
 from basrelief.scene import SHAPES
-from basrelief.techniques import HeightField, Hit, Ray, at, height_under, setting, struct, technique
+from basrelief.techniques import (
+    HeightField,
+    Hit,
+    Ray,
+    height_under,
+    hit_at,
+    setting,
+    struct,
+    t_at,
+    technique,
+)
 from helpers import exact_maps
 
 SIZE = (33, 21)
@@ -62,8 +72,8 @@ def own(field: HeightField, ray: Ray, settings: Guesses) -> Hit:
     """The height below the ray, read again where that height puts the ray."""
     height = ray.level
     for _ in range(settings.guesses):
-        height = height_under(field, ray, height)
-    return Hit(at(ray, height), height, True, settings.guesses)
+        height = height_under(field, ray, t_at(ray, height))
+    return hit_at(ray, t_at(ray, height), True, settings.guesses)
 
 
 DRAWN_WITH = {**TECHNIQUES, "own": own}

@@ -12,6 +12,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import members_of
 from basrelief.lang.values import IVec2
 from basrelief.shading import pixel as pixels
+from basrelief.shading.geometry import Geometry, Vertex
 from basrelief.shading.shadow_map import CastView
 from basrelief.shading.surfaces.surface import SurfaceMaps
 
@@ -21,9 +22,15 @@ def pixel_in_python(program: Program, values: Mapping[str, Any], x: int, y: int)
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
     zero = HeightField([np.zeros((1, 1))])
     given = {"field": zero, "baked": nothing, "distances": zero, "views": Buffer((), CastView)}
-    given |= {name: value for name, value in values.items() if not name.startswith("maps_")}
+    apart = ("maps_", "geometry_")
+    given |= {name: value for name, value in values.items() if not name.startswith(apart)}
+    geometry = Geometry(values.get("geometry_vertices", Buffer((), Vertex)))
     of_surface = {name: values.get(f"maps_{name}", nothing) for name in members_of(SurfaceMaps)}
     with bound(program.bindings):
         return pixels.pixel(
-            IVec2(x, y), **given, maps=SurfaceMaps(**of_surface), variant=program.variant
+            IVec2(x, y),
+            **given,
+            geometry=geometry,
+            maps=SurfaceMaps(**of_surface),
+            variant=program.variant,
         )

@@ -6,11 +6,18 @@ import functools
 
 import numpy as np
 
-from basrelief.lang import shader, struct
+from basrelief.lang import Vec2, shader, struct
 from basrelief.material import sample
+from basrelief.techniques import Ray
 
 LATE = 0.05
 """Texels."""
+
+
+def flat_ray(uv, travel, level: float = 1.0, cosine: float = 0.5) -> Ray:
+    """The whole ray over a flat surface; it meets the polygon, at the height `level`, at `uv`."""
+    travel = Vec2(*travel)
+    return Ray(Vec2(*uv) + travel * (level - 1.0), travel, 1.0, 1.0, cosine, level=level)
 
 
 @struct

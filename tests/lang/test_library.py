@@ -29,6 +29,7 @@ from basrelief.lang.tree import holds
 from basrelief.lang.values import IVec2
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene.objects import technique_named
+from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import CastView
 from basrelief.techniques import displace
 from basrelief.viewer.printed import printed
@@ -145,7 +146,7 @@ def test_every_option_and_condition_compiles() -> None:
 
 OWN = """
 from basrelief.lang import HeightField, setting, shader, struct
-from basrelief.techniques import Hit, Ray, at, technique
+from basrelief.techniques import Hit, Ray, hit_at, technique
 
 @struct
 class Settings:
@@ -157,7 +158,7 @@ def {helper}(x: float) -> float:
 
 @technique()
 def {name}(field: HeightField, ray: Ray, settings: Settings) -> Hit:
-    return Hit(at(ray, {helper}(settings.share)), 0.5, True, 1)
+    return hit_at(ray, {helper}(settings.share), True, 1)
 """
 
 
@@ -201,6 +202,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     nothing = {b.name: Texture([texel], program.edge) for b in needed if b.type is Texture}
     far = HeightField([np.ones((1, 1), np.float32)], program.edge)
     nothing |= {"distances": far, "views": Buffer((), CastView)}
+    nothing |= {"geometry_vertices": Buffer((), Vertex)}
     with (
         engine.prepare(program, values, size) as whole,
         engine.prepare_text(text, program, {**nothing, **values}, size, needed) as apart,

@@ -122,7 +122,7 @@ def test_the_plane_fills_the_picture_at_every_angle(angle) -> None:
         scene = at_angle(level_ground(0.5), angle, size, {"scale": SCALE})
         true = truth(scene, size, engine="cpu")
         assert true.there.all()
-        length = np.linalg.norm(true.fall, axis=-1)
+        length = np.linalg.norm(true.travel, axis=-1)
         np.testing.assert_allclose(length, SCALE * math.tan(math.radians(angle)), 2e-4, 1e-6)
 
 

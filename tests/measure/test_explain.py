@@ -114,7 +114,7 @@ def ramp(technique: str, **settings: float) -> tuple[Explanation, np.ndarray, np
 def test_reads_and_hits_on_a_ramp_are_where_they_must_be() -> None:
     found, uv, fall, t = ramp("steep", steps=8)
     np.testing.assert_allclose(found.uv, uv, atol=1e-6)
-    np.testing.assert_allclose(found.fall, fall, atol=1e-6)
+    np.testing.assert_allclose(found.travel, fall, atol=1e-6)
     layers = [1 - k / 8 for k in range(8)]
     last = next(k for k, layer in enumerate(layers) if layer <= 1 - t)
     assert len(found.samples) == last + 1
@@ -128,7 +128,7 @@ def test_reads_and_hits_on_a_ramp_are_where_they_must_be() -> None:
     assert found.true_height == pytest.approx(1 - t, abs=1e-6)
     late = (1 - t) - layers[last]
     assert found.error == pytest.approx(late * np.hypot(*(fall * [64, 32])), abs=1e-3)
-    assert found.travel == pytest.approx(np.hypot(*(fall * [64, 32])), abs=1e-4)
+    assert found.length == pytest.approx(np.hypot(*(fall * [64, 32])), abs=1e-4)
 
 
 def test_a_chord_on_a_ramp_has_no_error() -> None:
@@ -150,7 +150,7 @@ def test_straight_down_every_read_has_its_height() -> None:
     camera = LookAt((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     flat_on = Object(GRAVEL, technique="steep", settings={"steps": 5}, transform=np.eye(4))
     found = explain(Scene((flat_on,), camera=camera), pixel=(48, 30), size=(97, 61))
-    assert found.travel < 1e-3
+    assert found.length < 1e-3
     wanted = [1 - k / 5 for k in range(len(found.samples))]
     assert [one.ray for one in found.samples] == pytest.approx(wanted, abs=1e-6)
 
@@ -159,8 +159,8 @@ def test_straight_down_every_read_has_its_height() -> None:
 
 OWN = '''\
 from basrelief.lang import HeightField, setting, struct
-from basrelief.techniques.height import height_at
-from basrelief.techniques import Hit, Ray, at, technique
+from basrelief.techniques.height import sharp
+from basrelief.techniques import Hit, Ray, at, hit_at, t_at, technique
 
 
 @struct
@@ -172,10 +172,10 @@ class Twice:
 
 @technique()
 def twice(field: HeightField, ray: Ray, settings: Twice) -> Hit:
-    """Read at two heights, by `height_at` itself."""
-    high = height_at(field, at(ray, settings.first))
-    low = height_at(field, at(ray, 0.25))
-    return Hit(at(ray, high), high, low > 0.0, 2)
+    """Read at two heights, by `sharp` itself."""
+    high = sharp(field, at(ray, t_at(ray, settings.first)))
+    low = sharp(field, at(ray, t_at(ray, 0.25)))
+    return hit_at(ray, t_at(ray, high), low > 0.0, 2)
 '''
 
 

@@ -14,7 +14,7 @@ from basrelief.errors import InputError
 from basrelief.lang import HeightField, setting, struct
 from basrelief.material import Material
 from basrelief.measure.tune import effort, tune
-from basrelief.techniques import TECHNIQUES, Hit, Ray, at, height_under, technique
+from basrelief.techniques import TECHNIQUES, Hit, Ray, height_under, hit_at, t_at, technique
 from helpers.command_line import done, refused, write_heights
 from helpers.made_up import map_of, noise
 
@@ -90,10 +90,10 @@ class Luck:
 @technique()
 def lucky(field: HeightField, ray: Ray, settings: Luck) -> Hit:
     """Right on level ground for 6 and for 4 tries, and for no other number."""
-    height = height_under(field, ray, 1.0)
+    height = height_under(field, ray, 0.0)
     right = settings.tries == 6 or settings.tries == 4
     reached = height if right else 1.0
-    return Hit(at(ray, reached), reached, True, 1)
+    return hit_at(ray, t_at(ray, reached), True, 1)
 
 
 def test_nothing_is_concluded_from_neighbours() -> None:

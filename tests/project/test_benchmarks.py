@@ -21,6 +21,7 @@ MODES = {"exact": ("", "--cpu", "--growth")}
 """Options under which a script runs other code, engines apart."""
 ON_GPU = {"cpu_frame", "gpu_kernel", "linked", "sources", "exact", "exact --growth"}
 
+RAYS = ("whole", "straight", "bent down", "bent up")
 FIGURES = {
     "startup": {
         "basrelief --help, wall s",
@@ -57,7 +58,7 @@ FIGURES = {
         "cpu, 64 × 36, 128², exact ÷ march, processor, worst",
     },
     "exact --growth": {"exact at 64 × 36, 144², mean ms", "exact at 64 × 36, 144² ÷ 128²"},
-    "misses": {"cpu, rays"},
+    "misses": {f"cpu, {kind}, rays" for kind in RAYS},
     "techniques": {
         "cpu, bricks, exact, time ÷ parallax_occlusion",
         "cpu, gravel, parallax_occlusion, missed at 85°, share",
@@ -72,7 +73,7 @@ FIGURES = {
 ZERO = {
     "gpu_kernel": {f"{sample}, share that differs" for sample in ("bricks", "gravel", "terrain")},
     "linked": {"words that differ"},
-    "misses": {"cpu, exact, late", "cpu, cell by cell, late"},
+    "misses": {f"cpu, {kind}, {way}, late" for kind in RAYS for way in ("exact", "cell by cell")},
     "techniques": {"cpu, bricks, exact, missed at 75°, share"},
 }
 """Figures that must be 0."""

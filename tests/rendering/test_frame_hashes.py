@@ -11,7 +11,7 @@ import pytest
 
 from basrelief import Frame, InputError, Map, Material, Object, Scene
 from basrelief.engine.gpu import GpuEngine
-from basrelief.rendering.programs import program_of, reach_of
+from basrelief.rendering.programs import depth_program_of, program_of
 from helpers.frame_cases import BESIDE, CASES, DRAWN_WITH, MENUS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 
@@ -40,7 +40,8 @@ def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
     programs = [program_of(thing, scene) for scene in scenes for thing in scene.objects]
-    programs += [reach_of(thing) for scene in scenes if scene.casts for thing in scene.objects]
+    casting = [scene for scene in scenes if scene.casts]
+    programs += [depth_program_of(thing) for scene in casting for thing in scene.objects]
     found = {program.key: program for program in programs}
     assert len(found) > 140
     for program in found.values():

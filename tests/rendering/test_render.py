@@ -17,7 +17,16 @@ from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.render import render, sample_places
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, turned
 from basrelief.shading.brdf import Shading
-from basrelief.techniques import TECHNIQUES, Hit, Nothing, Ray, at, height_under, technique
+from basrelief.techniques import (
+    TECHNIQUES,
+    Hit,
+    Nothing,
+    Ray,
+    height_under,
+    hit_at,
+    t_at,
+    technique,
+)
 from helpers.plain_python import pixel_in_python
 
 CPU = CpuEngine()
@@ -507,14 +516,15 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
     """Go down by the height found where the ray comes in, again and again."""
     height = ray.level
     for _ in range(settings.times):
-        height = lifted(ray, height_under(field, ray, ray.level), settings.strength)
-    return Hit(at(ray, height), height, True, settings.times)
+        start = t_at(ray, ray.level)
+        height = lifted(ray, height_under(field, ray, start), settings.strength)
+    return hit_at(ray, t_at(ray, height), True, settings.times)
 
 
 @technique()
 def nothing_at_all(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """Stay where the ray comes in, and say that it took seven reads."""
-    return Hit(ray.uv, ray.level, False, 7)
+    return hit_at(ray, t_at(ray, ray.level), False, 7)
 
 
 def own_scene(**settings) -> Scene:
@@ -584,7 +594,7 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
     file.write_text(
         "from basrelief.lang import Buffer, HeightField, setting, struct\n"
         "from basrelief.techniques.height import height_under\n"
-        "from basrelief.techniques import Hit, Ray, at, technique\n\n\n"
+        "from basrelief.techniques import Hit, Ray, hit_at, t_at, technique\n\n\n"
         "@struct\n"
         "class Mine:\n"
         "    '''Settings.'''\n\n"
@@ -592,8 +602,9 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
         "@technique(level=0.5)\n"
         "def mine(field: HeightField, ray: Ray, settings: Mine) -> Hit:\n"
         "    '''One read.'''\n"
-        "    height = ray.level - height_under(field, ray, ray.level) * settings.strength\n"
-        "    return Hit(at(ray, height), height, True, 1)\n"
+        "    start = t_at(ray, ray.level)\n"
+        "    height = ray.level - height_under(field, ray, start) * settings.strength\n"
+        "    return hit_at(ray, t_at(ray, height), True, 1)\n"
     )
     scene = own_scene(times=1, strength=1.5)
     made = replace(

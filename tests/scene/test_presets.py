@@ -435,11 +435,11 @@ def test_paths_are_from_the_folder_of_the_file(
 
 OWN = """
 from basrelief.lang import HeightField
-from basrelief.techniques import Hit, Nothing, Ray, at, technique
+from basrelief.techniques import Hit, Nothing, Ray, hit_at, technique
 
 @technique()
 def half(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    return Hit(at(ray, 0.5), 0.5, True, 0)
+    return hit_at(ray, 0.5, True, 0)
 """
 
 

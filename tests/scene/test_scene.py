@@ -34,7 +34,7 @@ from basrelief.scene import (
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT
 from basrelief.shading.surfaces.standard import Finish
-from basrelief.techniques import TECHNIQUES, Hit, Ray, at, flat, relief, technique
+from basrelief.techniques import TECHNIQUES, Hit, Ray, flat, hit_at, relief, t_at, technique
 from basrelief.techniques.march import March, Steps
 
 NAN, INF = math.nan, math.inf
@@ -374,7 +374,7 @@ class Slide:
 def sliding(field: HeightField, ray: Ray, settings: Slide) -> Hit:
     """Each texel some way further along the ray."""
     height = ray.level - settings.along * float(settings.times)
-    return Hit(at(ray, height), height, True, settings.times)
+    return hit_at(ray, t_at(ray, height), True, settings.times)
 
 
 def test_settings_of_ones_own_are_checked_too() -> None:

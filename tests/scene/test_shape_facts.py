@@ -11,7 +11,7 @@ from basrelief.lang import Vec2, Vec3
 from basrelief.material import sample
 from basrelief.scene import SHAPES, Object, Scene
 from basrelief.shading.intersection import clipped
-from basrelief.shading.shapes import ShapeRay, shape
+from basrelief.shading.shapes import ShapeRay, chart, shape
 from basrelief.shading.variant import Variant
 from basrelief.viewer.state import Sources, manifest
 
@@ -26,7 +26,7 @@ def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
         # a flat shape is met by a ray from straight above
         way = np.array([0.0, 0.0, -1.0]) if facts.flat else np.array([0.3, -0.9, 0.2])
         met = shape(ShapeRay(Vec3(*(place - 3.0 * way)), Vec3(*way)), Variant(shape=name))
-        found.append(met.found and (facts.flat or met.distance <= 3.0 <= met.leave))
+        found.append(met.found and (facts.flat or met.distance <= 3.0 <= met.t_exit))
         assert facts.contains(*place) == found[-1]
     assert 10 < sum(found) < 50
 
@@ -55,9 +55,10 @@ def test_a_round_shape_has_no_rims_along_u(name) -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_u_is_as_wide_as_the_facts_say(name) -> None:
-    met = shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), Variant(shape=name))
+    variant = Variant(shape=name)
+    met = shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
     around = np.hypot(met.position.x, met.position.z) * 2.0 if SHAPES[name].round else 1.0
-    along_u = np.linalg.norm([*met.along_u])
+    along_u = np.linalg.norm([*chart(met.position, met.normal, variant).along_u])
     assert along_u == pytest.approx(SHAPES[name].width * around, rel=1e-5)
 
 

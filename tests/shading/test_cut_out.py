@@ -12,7 +12,7 @@ import pytest
 
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
-from basrelief.rendering.programs import program_of, reach_of
+from basrelief.rendering.programs import depth_program_of, program_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
@@ -171,7 +171,7 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
         assert [each in text for each in readings.values()] == [each == alpha for each in readings]
         assert ("masked" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
-            program = reach_of(replace(thing, casts=casts))
+            program = depth_program_of(replace(thing, casts=casts))
             assert ("masked" in print_wgsl(program.module, "wrap")) == cut
 
 

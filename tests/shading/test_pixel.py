@@ -630,7 +630,8 @@ def round_leaves(shape: str, camera: LookAt) -> np.ndarray:
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("tiling", [(4.0, 2.0), (3.0, -1.0), (-2.0, 5.0)])
 def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling) -> None:
-    """C19: by the formula of the conventions, at each point with its own frame."""
+    """C19: by the formula of the conventions, at each point with its own frame, as deep all over as
+    on the widest tile."""
     scale = 0.15
     thing = Object(
         heights(np.full((6, 10), HEIGHT)),
@@ -655,14 +656,15 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
     width, height = (np.linalg.norm(w, axis=-1) for w in (along_u, along_v))
     view_x = -(directions * along_u).sum(-1) / width
     view_y = (directions * along_v).sum(-1) / height
-    fall = -scale * np.stack([view_x, -view_y * width / height], -1) / facing[..., None]
-    wanted = uv * tiles + fall * (level - HEIGHT)
+    deep = scale * np.pi / abs(tiles[0])
+    travel = -deep * np.stack([view_x / width, -view_y / height], -1) / facing[..., None]
+    wanted = uv * tiles + travel * (level - HEIGHT)
     away = np.abs(frame.uv - wanted)
     # the seam at the back, where u jumps by its whole range, is not in view
     assert away[ours].max() < 1e-3
-    deeper = distance + (level - HEIGHT) * scale * width / facing
+    deeper = distance + (level - HEIGHT) * deep / facing
     # held to the shape, or to the shell that a raised relief fills around it
-    shell = (1 - level) * scale * width
+    shell = (1 - level) * deep
     leave = round_leaves(shape, camera)
     deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), leave)
     np.testing.assert_allclose(frame.depth[ours], deeper[ours], rtol=2e-4)
@@ -727,10 +729,10 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 # --- what is in a program -------------------------------------------------------------------------
 
 PARALLAX = {
-    "corners", "depth_seen", "lod_seen", "relief_ray", "move_of", "beyond", "height_at",
-    "height_under", "surface_height", "march", "chord", "at",
-    "steps_by_angle", "step_count", "shifted", "to_texture", "full", "biased", "limited",
-    "line_over", "share_of_cone",
+    "corners", "depth_seen", "height_range", "lod_seen", "relief_ray", "span_of", "trace",
+    "shell_depth", "move_of", "sharp", "height_under", "surface_height", "march", "chord", "at",
+    "height_at", "hit_at", "t_at", "steps_by_angle", "step_count", "shifted", "full", "biased",
+    "limited", "line_over", "share_of_cone",
     # these two are what other functions are called too
     *(name for name in TECHNIQUES if name not in ("texel", "cone")),
 }  # fmt: skip

@@ -12,8 +12,8 @@ from basrelief.lang.frontend import analyse
 from basrelief.scene.cameras import look
 from basrelief.shading import pixel as pixels
 from basrelief.shading.camera import primary_ray
-from basrelief.shading.intersection import Placement, meet
-from basrelief.shading.ray_differentials import Footprint, along, level_of_detail, transferred
+from basrelief.shading.intersection import Placement, footprint_at, meet
+from basrelief.shading.ray_differentials import Footprint, level_of_detail, transferred
 from basrelief.shading.variant import Variant
 from helpers.plain_python import pixel_in_python
 
@@ -60,7 +60,7 @@ def uv_of_plane(camera, x, y, matrix, origin, tiling, shift) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "function", [transferred, along, level_of_detail], ids=lambda function: function.name
+    "function", [transferred, footprint_at, level_of_detail], ids=lambda function: function.name
 )
 def test_the_shaders_are_in_the_subset(function) -> None:
     assert analyse(function).entry.name == function.name
@@ -77,10 +77,12 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
     found = 0
     for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
         placed_at = placement(tiling, shift, matrix, tuple(origin))
-        met = meet(primary_ray(camera, Vec2(x, y)), placed_at, Variant())
-        if not met.point.found:
+        ray = primary_ray(camera, Vec2(x, y))
+        met = meet(ray, placed_at, Variant())
+        if not met.found:
             continue
         found += 1
+        footprint = footprint_at(ray, placed_at, met, met.distance)
 
         def uv(x, y):
             return uv_of_plane(camera, x, y, matrix, origin, np.array(tiling), shift)
@@ -90,8 +92,8 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
         dy = (uv(x, y + step) - uv(x, y - step)) / (2 * step)
         np.testing.assert_allclose(a(met.uv), uv(x, y), atol=1e-5)
         size = max(np.abs(dx).max(), np.abs(dy).max())
-        np.testing.assert_allclose(a(met.footprint.dx), dx, atol=2e-4 * size)
-        np.testing.assert_allclose(a(met.footprint.dy), dy, atol=2e-4 * size)
+        np.testing.assert_allclose(a(footprint.dx), dx, atol=2e-4 * size)
+        np.testing.assert_allclose(a(footprint.dy), dy, atol=2e-4 * size)
     assert found >= 3
 
 
@@ -106,12 +108,14 @@ def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
 
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
         middle = met(x, y)
-        assert middle.point.found
+        assert middle.found
+        ray = primary_ray(camera, Vec2(x, y))
+        footprint = footprint_at(ray, where, middle, middle.distance)
         dx = a(met(x + 0.5, y).uv) - a(met(x - 0.5, y).uv)
         dy = a(met(x, y + 0.5).uv) - a(met(x, y - 0.5).uv)
         size = max(np.abs(dx).max(), np.abs(dy).max())
-        np.testing.assert_allclose(a(middle.footprint.dx), dx, atol=0.02 * size)
-        np.testing.assert_allclose(a(middle.footprint.dy), dy, atol=0.02 * size)
+        np.testing.assert_allclose(a(footprint.dx), dx, atol=0.02 * size)
+        np.testing.assert_allclose(a(footprint.dy), dy, atol=0.02 * size)
 
 
 def test_along_the_surface_the_footprint_stays_finite() -> None:

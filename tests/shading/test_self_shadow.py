@@ -11,14 +11,8 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene, directional
-from basrelief.shading.self_shadow import (
-    Shadowing,
-    ShadowRay,
-    hard,
-    hard_of_boxes,
-    soft,
-    soft_of_boxes,
-)
+from basrelief.shading.self_shadow import Shadowing, hard, hard_of_boxes, soft, soft_of_boxes
+from basrelief.techniques import Ray
 
 COLUMNS = 128
 FINE = Shadowing(shadow_steps=256, shadow_offset=0.0)
@@ -31,6 +25,12 @@ def wall() -> HeightField:
     return HeightField([heights], "clamp")
 
 
+def to_light(uv: Vec2, height: float, rise: Vec2) -> Ray:
+    """The way to a light from a height: rising through the whole range it would move by `rise`."""
+    climb = 1.0 - height
+    return Ray(uv=uv, travel=rise * climb, height=height, drop=-climb, cosine=1.0)
+
+
 @pytest.mark.parametrize("rise", [-0.1, -0.25, -0.4])
 @pytest.mark.parametrize("height", [0.0, 0.3])
 def test_the_shadow_of_a_wall_ends_where_the_light_passes_over_it(rise, height):
@@ -38,12 +38,12 @@ def test_the_shadow_of_a_wall_ends_where_the_light_passes_over_it(rise, height):
     reach = 0.5 - rise * (1.0 - height)
     texel = 1.0 / COLUMNS
     for u, lit in ((reach - 1.5 * texel, 0.0), (reach + 1.5 * texel, 1.0)):
-        ray = ShadowRay(Vec2(u, 0.5), height, Vec2(rise, 0.0))
+        ray = to_light(Vec2(u, 0.5), height, Vec2(rise, 0.0))
         assert hard(wall(), ray, FINE).share == lit
 
 
 def test_on_the_far_side_a_wall_casts_nothing():
-    ray = ShadowRay(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
+    ray = to_light(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
     assert hard(wall(), ray, FINE).share == 1.0
     assert soft(wall(), ray, FINE).share == 1.0
 
@@ -51,7 +51,7 @@ def test_on_the_far_side_a_wall_casts_nothing():
 def test_a_soft_shadow_is_darkest_at_the_wall():
     settings = Shadowing(shadow_steps=64, shadow_softness=2.0, shadow_offset=0.0)
     shares = [
-        float(soft(wall(), ShadowRay(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
+        float(soft(wall(), to_light(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
         for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
     ]
     assert shares == sorted(shares)
@@ -60,9 +60,9 @@ def test_a_soft_shadow_is_darkest_at_the_wall():
 
 
 def test_reads_are_counted_and_bounded():
-    free = ShadowRay(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
+    free = to_light(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
     assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
-    blocked = ShadowRay(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
+    blocked = to_light(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
     assert hard(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
 
 
@@ -88,7 +88,7 @@ def posts(tops: dict[int, float]) -> HeightField:
 def reaching(kind, tops: dict[int, float], field=posts, **settings):
     """The visibility, and the reads, of a ray past posts: 4 steps, softness 2, offset 0.05."""
     usual = {"shadow_steps": 4, "shadow_softness": 2.0, "shadow_offset": 0.05}
-    ray = ShadowRay(LEFT, START, ALONG)
+    ray = to_light(LEFT, START, ALONG)
     return kind(field(tops), ray, Shadowing(**{**usual, **settings}))
 
 
@@ -131,7 +131,7 @@ def test_what_light_only_grazes_is_lit() -> None:
     """A step of exactly the height that the ray has there: numbers that float32 holds."""
     heights = np.zeros((3, 8), np.float32)
     heights[:, 4:] = 0.5
-    ray = ShadowRay(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
+    ray = to_light(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
     grazing = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
     assert grazing.share == 1.0
     heights[:, 4:] = 0.501
@@ -213,7 +213,7 @@ def test_the_last_box_before_the_top_counts() -> None:
     """A wall is crossed at 0.92 of the way, another at 0.96, where the ray is 0.04 below a top."""
     heights = np.zeros((2, 4), np.float32)
     heights[1, 1] = 1.0
-    ray = ShadowRay(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
+    ray = to_light(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
     for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
         settings = Shadowing(shadow_offset=offset)
         assert hard_of_boxes(HeightField([heights], "clamp"), ray, settings).share == visible
@@ -252,7 +252,7 @@ def test_a_program_without_shadows_has_none_in_it():
     thing = Object(sample("bricks", 16))
     without = print_wgsl(program_of(thing).module, "wrap")
     within = print_wgsl(program_of(thing, Scene((thing,), shadows="soft")).module, "wrap")
-    for word in ("self_shadowed", "ShadowRay", "shadow_steps"):
+    for word in ("self_shadowed", "Reaching", "shadow_steps"):
         assert word not in without
         assert word in within
 

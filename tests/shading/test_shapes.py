@@ -1,4 +1,4 @@
-"""Shapes against their parametric forms in float64: points, normals, ∂P/∂u, ∂P/∂v and uv."""
+"""Shapes against their parametric forms in float64: points, normals, ∂P/∂u, ∂P/∂v, uv, exits."""
 
 from __future__ import annotations
 
@@ -14,14 +14,18 @@ from basrelief.lang import Vec3
 from basrelief.lang.frontend import analyse
 from basrelief.lang.types import leaf_values
 from basrelief.shading.shapes import (
+    FAR,
+    Chart,
     ShapeRay,
     SurfacePoint,
     ball,
     box,
+    chart,
     cylinder,
     nothing,
     plane,
     shape,
+    shell_depth,
     slab,
     sphere,
 )
@@ -87,12 +91,19 @@ def cast(surface, origin, direction):
     return surface(ShapeRay(Vec3(*origin), Vec3(*direction)))
 
 
-def is_sound(point):
+def laid(surface, point):
+    """How the texture lies on a shape at a point of it."""
+    return chart(point.position, point.normal, Variant(shape=surface.name))
+
+
+def is_sound(surface, point):
     """Every number finite, the normal of unit length, the derivatives of some."""
+    lies = laid(surface, point)
     assert np.isfinite([float(x) for x in leaf_values(point, SurfacePoint)]).all()
+    assert np.isfinite([float(x) for x in leaf_values(lies, Chart)]).all()
     assert np.linalg.norm(a(point.normal)) == pytest.approx(1, abs=1e-6)
-    assert np.linalg.norm(a(point.along_u)) > 1e-5
-    assert np.linalg.norm(a(point.along_v)) > 1e-5
+    assert np.linalg.norm(a(lies.along_u)) > 1e-5
+    assert np.linalg.norm(a(lies.along_v)) > 1e-5
 
 
 def derivative(form, u, v, du, dv, step=1e-5):
@@ -114,9 +125,17 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(surface):
     ray = ShapeRay(Vec3(0.1, 0.2, 3), Vec3(0, 0, -1))
     assert shape(ray, variant).found
     assert shape(ray, variant) == surface(ray)
-    module = analyse(shape, known=lambda name: getattr(variant, name))
-    names = {function.name for function in module.functions}
-    assert names & {each.name for each in SHAPES} == {surface.name}
+    assert names_in(shape, variant) & {each.name for each in SHAPES} == {surface.name}
+    charts = {"plane": "square", "box": "square", "sphere": "globe", "cylinder": "barrel"}
+    # a cap of the cylinder lies as a face of the box does
+    wanted = {charts[surface.name]} | ({"square"} if surface is cylinder else set())
+    assert names_in(chart, variant) & {*charts.values()} == wanted
+
+
+def names_in(function, variant):
+    """The names of all functions that a shader's variant needs."""
+    module = analyse(function, known=lambda name: getattr(variant, name))
+    return {each.name for each in module.functions}
 
 
 @pytest.mark.parametrize("patch", PATCHES)
@@ -147,12 +166,13 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
     near = 1e-6 * (1 + away) / cosine
     assert point.distance * speed == pytest.approx(away, abs=2 * near)
     np.testing.assert_allclose(a(point.position), position, atol=near)
-    np.testing.assert_allclose(a(point.uv), (u, v), atol=3 * near)
     np.testing.assert_allclose(a(point.normal), normal, atol=4 * near)
-    np.testing.assert_allclose(a(point.along_u), along_u, atol=20 * near)
-    np.testing.assert_allclose(a(point.along_v), along_v, atol=20 * near)
-    assert np.cross(a(point.normal), a(point.along_u)) @ -a(point.along_v) > 0
-    is_sound(point)
+    lies = laid(surface, point)
+    np.testing.assert_allclose(a(lies.uv), (u, v), atol=3 * near)
+    np.testing.assert_allclose(a(lies.along_u), along_u, atol=20 * near)
+    np.testing.assert_allclose(a(lies.along_v), along_v, atol=20 * near)
+    assert np.cross(a(point.normal), a(lies.along_u)) @ -a(lies.along_v) > 0
+    is_sound(surface, point)
 
 
 @pytest.mark.parametrize(
@@ -184,8 +204,8 @@ def test_axis_parallel_rays_meet_the_uv_of_the_conventions(surface, origin, uv):
     for zero in (0.0, -0.0):
         point = cast(surface, origin, [x or zero for x in direction])
         assert point.found
-        np.testing.assert_allclose(a(point.uv), uv, atol=1e-6)
-        is_sound(point)
+        np.testing.assert_allclose(a(laid(surface, point).uv), uv, atol=1e-6)
+        is_sound(surface, point)
 
 
 @pytest.mark.parametrize("surface", SHAPES)
@@ -195,7 +215,7 @@ def test_no_ray_of_a_lattice_makes_a_nan_or_an_infinity(surface):
     origins = list(itertools.product(places, repeat=3))
     for index, direction in enumerate(ways):
         for origin in origins[index % 7 :: 7]:
-            is_sound(cast(surface, origin, direction))
+            is_sound(surface, cast(surface, origin, direction))
 
 
 @pytest.mark.parametrize("surface", SHAPES)
@@ -282,8 +302,8 @@ def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surfa
     one, four = cast(surface, origin, direction), cast(surface, origin, direction * 4)
     assert one.found
     assert one.distance == four.distance * 4
-    assert (one.position, one.normal, one.uv) == (four.position, four.normal, four.uv)
-    assert (one.along_u, one.along_v) == (four.along_u, four.along_v)
+    assert (one.position, one.normal) == (four.position, four.normal)
+    assert laid(surface, one) == laid(surface, four)
 
 
 @pytest.mark.parametrize("away", [(0.0, 1e-5), (1e-6, 0.0), (0.0, 0.0), (-3e-4, 2e-4)])
@@ -291,16 +311,17 @@ def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surfa
 def test_the_poles_of_the_sphere_have_a_frame(pole, away):
     point = cast(sphere, (away[0], 2 * pole, away[1]), (0, -pole, 0))
     assert point.found
-    is_sound(point)
-    assert point.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
-    assert a(point.along_u) @ a(point.along_v) == pytest.approx(0, abs=1e-5)
-    assert np.cross(a(point.normal), a(point.along_u)) @ -a(point.along_v) > 0
+    is_sound(sphere, point)
+    lies = laid(sphere, point)
+    assert lies.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
+    assert a(lies.along_u) @ a(lies.along_v) == pytest.approx(0, abs=1e-5)
+    assert np.cross(a(point.normal), a(lies.along_u)) @ -a(lies.along_v) > 0
 
 
 @pytest.mark.parametrize("surface", [sphere, cylinder])
 def test_u_runs_to_its_ends_at_the_back_and_stays_within(surface):
     for x in (-1e-3, -1e-6, 1e-6, 1e-3):
-        u = cast(surface, (x, 0.1, -3), (0, 0, 1)).uv.x
+        u = laid(surface, cast(surface, (x, 0.1, -3), (0, 0, 1))).uv.x
         assert 0 <= u <= 1
         assert u == pytest.approx(0 if x < 0 else 1, abs=1e-3)
 
@@ -316,8 +337,9 @@ def test_no_ray_slips_through_an_edge(surface):
         view = edge * (1, 0, 1) + np.array((0.0, rng.uniform(0.1, 2.0), 0.0))
         point = cast(surface, edge + view * 5, -view)
         assert point.found
-        assert 0 <= point.uv.x <= 1
-        assert 0 <= point.uv.y <= 1
+        uv = laid(surface, point).uv
+        assert 0 <= uv.x <= 1
+        assert 0 <= uv.y <= 1
         np.testing.assert_allclose(a(point.position), edge, atol=1e-5)
 
 
@@ -333,3 +355,60 @@ def test_intervals_inside_the_slab_and_the_ball():
     leaving = ball(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
     assert leaving.enter == pytest.approx(-4.8, abs=1e-5)
     assert leaving.leave == pytest.approx(-3.2, abs=1e-5)
+
+
+# --- where rays leave, and come into a shell around -----------------------------------------------
+
+
+def size_of(surface, place):
+    """Half the width of the shape of the same kind that a place is on."""
+    x, y, z = place
+    if surface is box:
+        return np.abs(place).max()
+    return max(math.hypot(x, z), abs(y)) if surface is cylinder else np.linalg.norm(place)
+
+
+def rays_at(radius, count, seed):
+    """Rays from somewhere outside, at places of a ball."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        away = rng.normal(size=3)
+        origin = away / np.linalg.norm(away) * rng.uniform(3.0, 5.0)
+        aim = rng.normal(size=3)
+        yield origin, aim / np.linalg.norm(aim) * radius * rng.uniform(0.0, 1.0) - origin
+
+
+@pytest.mark.parametrize("surface", SOLIDS)
+def test_a_ray_is_in_the_shape_until_it_leaves(surface):
+    met = 0
+    for origin, direction in rays_at(0.8, 60, 11):
+        point = cast(surface, origin, direction)
+        if not point.found:
+            continue
+        met += 1
+        end = origin + direction * float(point.t_exit)
+        assert size_of(surface, end) == pytest.approx(0.5, abs=1e-5)
+        for share in (0.01, 0.5, 0.99):
+            t = float(point.distance) * (1 - share) + float(point.t_exit) * share
+            assert size_of(surface, origin + direction * t) < 0.5 + 1e-6
+    assert 20 < met < 60
+
+
+@pytest.mark.parametrize("surface", [sphere, cylinder])
+@pytest.mark.parametrize("raised", [0.02, 0.3])
+def test_no_ray_is_longer_in_a_shell_before_it_meets_the_shape(surface, raised):
+    """On the side of a cylinder, around it, as on a sphere; all but along it that is the way."""
+    longest = 0.0
+    for offset in np.linspace(0.0, 0.4999, 40):
+        origin, direction = (offset, 0.0, 3.0), (0.0, 0.0, -1.0)
+        point = cast(surface, origin, direction)
+        enter = 3.0 - math.sqrt((0.5 + raised) ** 2 - offset**2)
+        longest = max(longest, float(point.distance) - enter)
+    most = float(shell_depth(raised, Variant(shape=surface.name)))
+    assert longest <= most + 1e-6
+    assert longest == pytest.approx(most, abs=0.02)
+
+
+def test_a_plane_has_no_inside():
+    assert cast(plane, (0.2, 0.1, 1.0), (0.1, 0.0, -1.0)).t_exit == FAR
+    assert shell_depth(0.4, Variant(shape="plane")) == FAR

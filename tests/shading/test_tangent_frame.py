@@ -9,11 +9,18 @@ from hypothesis import strategies as st
 
 from basrelief.lang import Vec2, Vec3
 from basrelief.lang.frontend import analyse
-from basrelief.shading.shapes import ShapeRay, shape
-from basrelief.shading.tangent_frame import Frame, frame_of, from_tangent, to_tangent, to_texture
+from basrelief.shading.shapes import ShapeRay, chart, shape
+from basrelief.shading.tangent_frame import (
+    Frame,
+    aspect,
+    frame_of,
+    from_tangent,
+    to_tangent,
+    to_texture,
+)
 from basrelief.shading.variant import Variant
 
-SHADERS = [frame_of, to_tangent, from_tangent, to_texture]
+SHADERS = [frame_of, aspect, to_tangent, from_tangent, to_texture]
 
 # A place on each patch of each shape, as a ray that meets it from outside, not through its middle.
 RAYS = {
@@ -78,8 +85,10 @@ def test_frames_are_orthonormal_with_x_along_u_and_y_against_v(patch) -> None:
     expected = np.cross(a(frame.normal), a(frame.tangent)) * handedness
     np.testing.assert_allclose(a(frame.bitangent), expected, atol=2e-6)
     assert frame.width == pytest.approx(np.linalg.norm(along_u), rel=1e-5)
+    assert frame.height == pytest.approx(np.linalg.norm(along_v), rel=1e-5)
+    assert frame.shear == pytest.approx(0.0, abs=2e-6 * np.linalg.norm(along_v))
     ratio = np.linalg.norm(along_u) / np.linalg.norm(along_v)
-    assert frame.aspect == pytest.approx(ratio, rel=1e-5)
+    assert aspect(frame) == pytest.approx(ratio, rel=1e-5)
 
 
 @given(patches(), st.tuples(*[st.floats(-2, 2, width=32)] * 3))
@@ -92,19 +101,66 @@ def test_the_transposed_frame_takes_vectors_to_tangent_space_and_back(patch, v) 
 
 @given(patches(), st.floats(-1, 1, width=32), st.floats(-1, 1, width=32))
 def test_a_move_of_the_point_is_a_move_of_its_texture_coordinates(patch, x, y) -> None:
-    """P moves by a tile's width times the tangent-space move: solve ∂P/∂u du + ∂P/∂v dv for it."""
+    """P moves by the tangent-space move, here in tile widths: solve ∂P/∂u du + ∂P/∂v dv for it."""
     normal, along_u, along_v, _ = patch
     frame = frame_from(normal, along_u, along_v)
+    got = a(to_texture(frame, Vec2(x, y) * frame.width))
+    wanted = solved(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
+    np.testing.assert_allclose(got, wanted, atol=1e-5 * max(1.0, float(aspect(frame))))
+
+
+def solved(frame: Frame, along_u, along_v, move) -> np.ndarray:
+    """The move of texture coordinates, by least squares in float64."""
     tangent, bitangent, _ = columns(frame).T
-    moved = (tangent * x + bitangent * y) * float(frame.width)
-    wanted, *_ = np.linalg.lstsq(np.stack([along_u, along_v], 1), moved, rcond=None)
-    got = a(to_texture(Vec2(x, y), float(frame.aspect)))
-    np.testing.assert_allclose(got, wanted, atol=1e-5 * max(1.0, float(frame.aspect)))
+    moved = tangent * move[0] + bitangent * move[1]
+    return np.linalg.lstsq(np.stack([along_u, along_v], 1), moved, rcond=None)[0]
+
+
+@given(
+    patches(),
+    st.floats(-3, 3, width=32),
+    st.floats(-1, 1, width=32),
+    st.floats(-1, 1, width=32),
+)
+def test_on_a_slanted_tile_a_move_is_solved_too(patch, slant, x, y) -> None:
+    """∂P/∂v leans along ∂P/∂u by up to three times its length: mirrored or not, never square."""
+    normal, along_u, across, handedness = patch
+    along_v = across + unit(along_u) * np.linalg.norm(across) * slant
+    frame = frame_from(normal, along_u, along_v)
+    matrix = columns(frame)
+    np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=2e-6)
+    assert np.linalg.det(matrix) == pytest.approx(handedness, abs=1e-5)
+    # ∂P/∂v = shear · tangent − height · bitangent
+    size = np.linalg.norm(along_v)
+    assert frame.width == pytest.approx(np.linalg.norm(along_u), rel=1e-5)
+    assert frame.height == pytest.approx(np.linalg.norm(across), rel=1e-5, abs=2e-6 * size)
+    laid = matrix[:, 0] * float(frame.shear) - matrix[:, 1] * float(frame.height)
+    np.testing.assert_allclose(laid, along_v, atol=4e-6 * size)
+    got = a(to_texture(frame, Vec2(x, y) * frame.width))
+    wanted = solved(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
+    most = max(1.0, float(aspect(frame))) * (1.0 + size / np.linalg.norm(along_u))
+    np.testing.assert_allclose(got, wanted, atol=1e-5 * most)
+
+
+def test_a_slanted_mirrored_tile_worked_out_by_hand() -> None:
+    """4 wide along +y, 2 high along +x, leaning 3 along +y: seen from +z it is mirrored."""
+    frame = frame_of(Vec3(0, 0, 1), Vec3(0, 4, 0), Vec3(2, 3, 0))
+    assert a(frame.tangent).tolist() == [0.0, 1.0, 0.0]
+    assert a(frame.bitangent).tolist() == [-1.0, 0.0, 0.0]
+    assert (frame.width, frame.height, frame.shear) == (4.0, 2.0, 3.0)
+    assert aspect(frame) == 2.0
+    # the tile's own sides
+    assert a(to_texture(frame, Vec2(4.0, 0.0))).tolist() == [1.0, 0.0]
+    assert a(to_texture(frame, Vec2(3.0, -2.0))).tolist() == [0.0, 1.0]
+    # ½ along the tangent and 1 along the bitangent: −½ in v, and then (½ + 1½) ÷ 4 in u
+    assert a(to_texture(frame, Vec2(0.5, 1.0))).tolist() == [0.5, -0.5]
 
 
 def test_y_up_is_v_down() -> None:
-    assert a(to_texture(Vec2(0.25, 0.5), 1.0)).tolist() == [0.25, -0.5]
-    assert a(to_texture(Vec2(0.25, 0.5), 3.0)).tolist() == [0.25, -1.5]
+    square = frame_of(Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, -2, 0))
+    assert a(to_texture(square, Vec2(0.5, 1.0))).tolist() == [0.25, -0.5]
+    wide = frame_of(Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(0, -1, 0))
+    assert a(to_texture(wide, Vec2(0.75, 1.5))).tolist() == [0.25, -1.5]
 
 
 @pytest.mark.parametrize("where", RAYS)
@@ -117,7 +173,8 @@ def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None
     name, origin, direction = RAYS[where]
     met = shape(ShapeRay(Vec3(*origin), Vec3(*direction)), Variant(shape=name))
     assert met.found
-    along_u, along_v = a(met.along_u) / tiling[0], a(met.along_v) / tiling[1]
+    lies = chart(met.position, met.normal, Variant(shape=name))
+    along_u, along_v = a(lies.along_u) / tiling[0], a(lies.along_v) / tiling[1]
     frame = frame_from(a(met.normal), along_u, along_v)
     matrix = columns(frame)
     np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=3e-6)
@@ -129,3 +186,4 @@ def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None
 def test_a_derivative_that_leans_off_the_surface_is_laid_on_it() -> None:
     frame = frame_of(Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3(0, -3, 0))
     np.testing.assert_allclose(columns(frame), np.eye(3), atol=1e-6)
+    assert (frame.width, frame.height, frame.shear) == (2.0, 3.0, 0.0)

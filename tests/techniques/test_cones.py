@@ -23,7 +23,7 @@ from basrelief.techniques.cone import Cones, RelaxedCones
 from basrelief.techniques.cone_bake import LEAST, ROUNDING
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
-from helpers.rays import LATE, Fan, maps, scattered
+from helpers.rays import LATE, Fan, flat_ray, maps, scattered
 
 WIDENED = 1.42
 """How much steeper than need be a cone may be: windows count as their nearest texel is far."""
@@ -46,7 +46,7 @@ def ended(at: IVec2, fan: Fan, field: HeightField, baked: Texture, settings: Set
     n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1))
     fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
-    hit = displace(field, baked, Ray(uv, fall, 1.0, 0.5), settings)
+    hit = displace(field, baked, Ray(uv, fall, 1.0, 1.0, 0.5), settings)
     return Ended(uv, fall, hit.height, hit.found, hit.reads)
 
 
@@ -378,5 +378,5 @@ def test_cone_runs_in_plain_python() -> None:
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([baking.cone_map(heights, "wrap")])
     uv, fall = np.array([[0.31, 0.64]], np.float32), np.array([[0.4, -0.2]], np.float32)
-    hit = cone(field, baked, Ray(Vec2(*uv[0]), Vec2(*fall[0]), 1.0, 0.5), Cones(64))
+    hit = cone(field, baked, flat_ray(uv[0], fall[0]), Cones(64))
     assert float(hit.height) == pytest.approx(first_hits(heights, uv, fall).height[0], abs=2e-5)

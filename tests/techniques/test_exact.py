@@ -24,7 +24,7 @@ from basrelief.scene import Object, Orbit, Scene
 from basrelief.techniques import Nothing, exact
 from basrelief.techniques.ray import Ray
 from helpers.agreement import assert_engines_agree
-from helpers.rays import LATE, Fan, maps, scattered
+from helpers.rays import LATE, Fan, flat_ray, maps, scattered
 
 BLUR = 4e-7
 """Heights that float32 cannot tell apart: some units in the last place of 1."""
@@ -46,7 +46,7 @@ def traced(at: IVec2, fan: Fan, field: HeightField, baked: Texture) -> Traced:
     n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1))
     fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
-    hit = exact(field, baked, Ray(uv, fall, 1.0, 0.5), Nothing())
+    hit = exact(field, baked, Ray(uv, fall, 1.0, 1.0, 0.5), Nothing())
     return Traced(uv, fall, hit.height, hit.reads)
 
 
@@ -105,7 +105,7 @@ def test_rays_along_the_axes_and_straight_down(cpu) -> None:
     random = np.random.default_rng(1)
     for fall in ([0, 0], [0.7, 0], [0, -0.4], [-0.3, 0], [1e-30, 0.2], [0.25, 0.25]):
         uv = random.random(2)
-        hit = exact(field, baked, Ray(Vec2(*uv), Vec2(*fall), 1.0, 0.5), Nothing())
+        hit = exact(field, baked, flat_ray(uv, fall), Nothing())
         at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
         wanted = first_hits(heights, [at[0]], [at[1]])
         assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
@@ -116,7 +116,7 @@ def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
     """The sign of a zero takes no ray sideways through all cells."""
     heights = np.asarray(maps()["odd noise"], np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
-    hit = exact(field, baked, Ray(Vec2(0.31, 0.64), Vec2(*fall), 1.0, 0.5), Nothing())
+    hit = exact(field, baked, flat_ray((0.31, 0.64), fall), Nothing())
     uv = [float(np.float32(0.31)), float(np.float32(0.64))]
     wanted = first_hits(heights, [uv], [[float(np.float32(f)) for f in fall]])
     assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
@@ -129,7 +129,7 @@ def test_a_ray_that_is_cut_off_says_so(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_STEPS", 2)
     heights = np.zeros((64, 64), np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
-    hit = exact(field, baked, Ray(Vec2(0.3, 0.6), Vec2(5.0, 1.0), 1.0, 0.1), Nothing())
+    hit = exact(field, baked, flat_ray((0.3, 0.6), (5.0, 1.0), cosine=0.1), Nothing())
     assert not hit.found
     assert 0.0 < hit.height < 1.0
 
@@ -168,7 +168,7 @@ def test_on_each_level_it_is_exact_on_that_level(shape) -> None:
     for level, of_level in enumerate(levels):
         wanted = first_hits(of_level, uv, fall).height
         for k in range(12):
-            ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 0.5, 1.0, float(level))
+            ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 1.0, 0.5, lod=float(level))
             hit = exact(field, baked, ray, Nothing())
             assert float(hit.height) == pytest.approx(wanted[k], abs=2e-5)
 

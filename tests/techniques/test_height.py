@@ -13,7 +13,7 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Vec2, shader, struct
 from basrelief.lang.frontend import analyse
 from basrelief.lang.program import Program
-from basrelief.techniques.height import height_at
+from basrelief.techniques.height import sharp
 
 SMALL = np.array([[0.0, 0.25, 1.0], [0.5, 0.125, 0.75]], np.float32)
 """Two rows of three texels, no two alike."""
@@ -38,12 +38,12 @@ def reference(heights: np.ndarray, u: float, v: float, edge: str) -> float:
 
 def read(field: HeightField, u: float, v: float) -> np.float32:
     """The shader, run as plain Python."""
-    return height_at(field, Vec2(u, v))
+    return sharp(field, Vec2(u, v))
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_the_shader_is_in_the_subset(edge: str) -> None:
-    assert analyse(height_at, known=lambda name: edge).entry.name == "height_at"
+    assert analyse(sharp, known=lambda name: edge).entry.name == "sharp"
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
@@ -116,7 +116,7 @@ class Read:
 def reading(at: IVec2, field: HeightField) -> Read:
     """The field, a bit more than three tiles of it."""
     uv = Vec2(float(at.x) * 0.0517 - 1.53, float(at.y) * 0.0917 - 1.21)
-    return Read(height_at(field, uv))
+    return Read(sharp(field, uv))
 
 
 SIZE = (67, 31)

@@ -20,6 +20,7 @@ from basrelief.techniques import TECHNIQUES, Nothing, technique
 from basrelief.techniques.own import technique_from_file
 from basrelief.techniques.ray import Hit, Ray
 from helpers.command_line import done, refused, write_heights
+from helpers.rays import flat_ray
 from helpers.repository import REPOSITORY
 
 README = REPOSITORY / "README.md"
@@ -27,8 +28,8 @@ DRAW = ("--size", "20x14", "--samples", "1", "--set", "roughness=0.5")
 
 HEAD = """\
 from basrelief.lang import HeightField, setting, shader, slot, struct
-from basrelief.techniques.height import height_at
-from basrelief.techniques import Hit, Nothing, Ray, at, technique
+from basrelief.techniques.height import sharp
+from basrelief.techniques import Hit, Nothing, Ray, hit_at, t_at, technique
 
 
 """
@@ -45,7 +46,7 @@ class Sinking:
 def sink(field: HeightField, ray: Ray, settings: Sinking) -> Hit:
     """Follow the ray some quarters down, whatever the heights say."""
     height = 1.0 - 0.25 * float(settings.depth_steps)
-    return Hit(at(ray, height), height, True, 0)
+    return hit_at(ray, t_at(ray, height), True, 0)
 '''
 )
 
@@ -109,9 +110,9 @@ def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
     sink = technique_from_file("my.py", "sink")
     assert sink.level == 1.0
     assert sink.settings().depth_steps == 2
-    ray = Ray(Vec2(0.5, 0.5), Vec2(0.25, 0.5), 1.0, 0.7)
+    ray = flat_ray((0.5, 0.5), (0.25, 0.5), cosine=0.7)
     hit = sink(HeightField([np.zeros((1, 1), np.float32)]), ray, sink.settings())
-    assert hit == Hit(Vec2(0.625, 0.75), 0.5, True, 0)
+    assert hit == Hit(Vec2(0.625, 0.75), 0.5, 0.5, True, 0)
 
 
 def test_a_plain_shader_will_do(here: Path) -> None:
@@ -297,7 +298,7 @@ def test_what_is_outside_the_subset(body: str, here: Path) -> None:
     line = told(text)
     assert f"my.py:{line_of(text, body)}: `" in line
     quoted = line.split("`")[1]
-    assert quoted in body or quoted in "Hit(at(ray, height), height, True, 0)"
+    assert quoted in body or quoted in "hit_at(ray, t_at(ray, height), True, 0)"
 
 
 @pytest.mark.parametrize(
@@ -342,19 +343,19 @@ def test_the_example_of_the_readme(here: Path) -> None:
 
 def plain(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """No mark."""
-    return Hit(ray.uv, 1.0, True, 0)
+    return Hit(ray.uv, 1.0, 0.0, True, 0)
 
 
 @technique()
 def without_settings(field: HeightField, ray: Ray) -> Hit:
     """One parameter too few."""
-    return Hit(ray.uv, 1.0, True, 0)
+    return Hit(ray.uv, 1.0, 0.0, True, 0)
 
 
 @technique()
 def without_bake(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
     """Of which table?"""
-    return Hit(ray.uv, stored(baked, IVec2(0, 0)).x, True, 0)
+    return Hit(ray.uv, stored(baked, IVec2(0, 0)).x, 0.0, True, 0)
 
 
 @pytest.mark.parametrize("use", ["render", "compare", "preset", "object"])

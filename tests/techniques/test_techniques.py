@@ -17,14 +17,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.lang import HeightField, IVec2, Texture, Vec2, Vec3, bound, shader
+from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound, shader
 from basrelief.lang.program import Program
 from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.shading.intersection import Meeting
+from basrelief.shading.intersection import Meeting, Placement
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import Depth, Displaced, displaced, move_of, relief_ray
-from basrelief.shading.shapes import FAR, SurfacePoint
+from basrelief.shading.relief import Depth, Intersection, displaced, move_of, relief_ray
+from basrelief.shading.self_shadow import Shadowing
+from basrelief.shading.shapes import FAR, ShapeRay
 from basrelief.shading.tangent_frame import Frame
 from basrelief.shading.variant import Variant
 from basrelief.techniques import (
@@ -58,9 +59,10 @@ from basrelief.techniques.march import (
     steps_by_angle,
 )
 from basrelief.techniques.offset import Offset
-from basrelief.techniques.ray import at
+from basrelief.techniques.ray import at, t_at
 from basrelief.techniques.refine import Contact, Secant
 from basrelief.techniques.technique import Settings
+from helpers.rays import flat_ray
 
 Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
@@ -81,8 +83,8 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
     """Let techniques read a closed form; yields the list of the places read."""
     places: list[tuple[float, float]] = []
 
-    def read(field: HeightField, ray: Ray, height: float) -> np.float32:
-        uv = at(ray, height)
+    def read(field: HeightField, ray: Ray, t: float) -> np.float32:
+        uv = at(ray, t)
         places.append((float(uv.x), float(uv.y)))
         return np.float32(form(float(uv.x), float(uv.y)))
 
@@ -93,7 +95,7 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
 
 
 def ray_of(uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5) -> Ray:
-    return Ray(Vec2(*uv), Vec2(*fall), level, cosine)
+    return flat_ray(uv, fall, level, cosine)
 
 
 def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
@@ -106,23 +108,24 @@ def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[floa
 
 def height_on(ray: Ray, place) -> float:
     """The ray's height at a place, which lies on it."""
-    fall = np.array([*ray.fall], np.float64)
+    travel = np.array([*ray.travel], np.float64)
     moved = np.array(place) - np.array([*ray.uv], np.float64)
-    share = moved @ fall / (fall @ fall)
-    np.testing.assert_allclose(moved, fall * share, atol=1e-6)
-    return float(ray.level - share)
+    t = moved @ travel / (travel @ travel)
+    np.testing.assert_allclose(moved, travel * t, atol=1e-6)
+    return float(1.0 - t)
 
 
 def place_on(ray: Ray, height: float) -> np.ndarray:
     """The texture coordinates of the ray at a height, in float64."""
-    uv, fall = (np.array([*v], np.float64) for v in (ray.uv, ray.fall))
-    return uv + fall * (float(ray.level) - height)
+    uv, travel = (np.array([*v], np.float64) for v in (ray.uv, ray.travel))
+    return uv + travel * (1.0 - height)
 
 
 def assert_ends(hit: Hit, ray: Ray, height: float, tolerance: float = ROUNDING) -> None:
     """The hit is where the ray has a height."""
+    assert hit.t == pytest.approx(1.0 - height, abs=tolerance)
     assert hit.height == pytest.approx(height, abs=tolerance)
-    reach = max(abs(float(f)) for f in ray.fall)
+    reach = max(abs(float(f)) for f in ray.travel)
     wanted = place_on(ray, height)
     np.testing.assert_allclose([*hit.uv], wanted, atol=tolerance * max(reach, 1.0) + ROUNDING)
 
@@ -170,11 +173,11 @@ def test_everything_is_tested_here() -> None:
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 def test_the_level_is_the_height_on_the_polygon(level: float) -> None:
     ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), level=level)
-    assert [*at(ray, level)] == [0.25, 0.5]
+    assert [*at(ray, t_at(ray, level))] == [0.25, 0.5]
     np.testing.assert_allclose(
-        [*at(ray, 1.0)], [0.25 + 0.5 * (1 - level), 0.5 - 0.25 * (1 - level)]
+        [*at(ray, 0.0)], [0.25 + 0.5 * (1 - level), 0.5 - 0.25 * (1 - level)]
     )
-    np.testing.assert_allclose([*at(ray, 0.0)], [0.25 - 0.5 * level, 0.5 + 0.25 * level])
+    np.testing.assert_allclose([*at(ray, 1.0)], [0.25 - 0.5 * level, 0.5 + 0.25 * level])
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
@@ -298,7 +301,7 @@ def ramps(draw):
         return met + slope_u * (x - u) + slope_v * (y - v)
 
     # as the ray falls by one the surface rises by this along it: they meet once, not at grazing
-    rising = slope_u * float(ray.fall.x) + slope_v * float(ray.fall.y)
+    rising = slope_u * float(ray.travel.x) + slope_v * float(ray.travel.y)
     assume(rising > -0.9)
     return ramp, ray, met, rising
 
@@ -334,9 +337,10 @@ def test_relief_is_within_its_last_halving_of_a_ramp(ramp, steps: int, halvings:
 def test_an_offset_takes_the_height_where_the_ray_comes_in(ramp) -> None:
     form, ray, _, _ = ramp
     hit, _ = traced(offset, form, ray, Offset())
-    first = form(float(ray.uv.x), float(ray.uv.y))
-    moved = np.clip(np.array([*ray.fall], np.float64) * (float(ray.level) - first), -1, 1)
-    np.testing.assert_allclose([*hit.uv], np.array([*ray.uv]) + moved, atol=1e-5)
+    start = place_on(ray, float(ray.level))
+    first = form(*start)
+    moved = np.clip(np.array([*ray.travel], np.float64) * (float(ray.level) - first), -1, 1)
+    np.testing.assert_allclose([*hit.uv], start + moved, atol=1e-5)
     assert hit.reads == 1
 
 
@@ -382,9 +386,9 @@ def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
 
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(0, 1))
 def test_interpolation_factors_stay_within_the_step(high, ground, before, low, step) -> None:
-    """The chord's height lies between the last two layers, whatever the surface does."""
-    height = chord(Layers(high - step, low, high, before, step, 2))
-    assert high - step - 1e-5 <= float(height) <= high + 1e-5
+    """The chord lies between the last two layers, whatever the surface does."""
+    t = chord(Layers(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
+    assert high - step - 1e-5 <= 1.0 - float(t) <= high + 1e-5
 
 
 # --- the binary search ----------------------------------------------------------------------------
@@ -614,14 +618,13 @@ VIEWS = [
 def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
     """The ray that the whole pixel makes of a view vector in tangent space."""
     met, depth = meeting(view, aspect), Depth(scale, level, bias)
-    return relief_ray(met, depth, 0.0, 0.0, Variant(projection=kind))
+    return relief_ray(met, depth, scale, 0.0, 0.0, Variant(projection=kind))
 
 
 def meeting(view, aspect: float = 1.0) -> Meeting:
-    up, u, v = Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, -1 / aspect, 0)
-    point = SurfacePoint(True, 2.0, Vec3(0.0), up, u, v, Vec2(0.31, 0.64), FAR, FAR)
-    frame = Frame(u, Vec3(0, 1, 0), up, 1.0, aspect)
-    return Meeting(point, point.uv, frame, Vec3(*view), 1.0, Footprint(Vec2(0.0), Vec2(0.0)))
+    up, u = Vec3(0, 0, 1), Vec3(1, 0, 0)
+    frame = Frame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
+    return Meeting(True, 2.0, FAR, Vec2(0.31, 0.64), frame, Vec3(*view), ShapeRay(up, -up), 1.0)
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -697,7 +700,7 @@ def test_limiting_divides_by_nothing() -> None:
     @shader
     def entry(at: IVec2, depth: Depth, variant: Variant) -> Ray:
         travel = move_of(Vec3(float(at.x), 0.0, 1.0), depth.bias, variant)
-        return Ray(travel, travel, depth.level, 1.0)
+        return Ray(travel, travel, 1.0, 1.0, 1.0)
 
     def body(kind) -> str:
         text = print_wgsl(Program(entry, variant=Variant(projection=kind)).module, "wrap")
@@ -711,7 +714,7 @@ def test_limiting_divides_by_nothing() -> None:
 @pytest.mark.parametrize("kind", ["full", "biased", "limited"])
 def test_along_the_surface_the_ray_stays_finite(view, kind: str) -> None:
     ray = relief_ray_of(view, kind, 0.1, bias=0.0)
-    assert np.isfinite([*ray.fall]).all()
+    assert np.isfinite([*ray.travel]).all()
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -720,9 +723,9 @@ def test_the_limit_is_the_length_of_the_view_on_the_surface(view, scale: float) 
     """G3, G7: length(V.xy) ÷ V.z × height scale, against the view."""
     ray = relief_ray_of(view, "full", scale, level=1.0)
     x, y, z = view
-    assert math.hypot(*ray.fall) == pytest.approx(math.hypot(x, y) / z * scale, abs=1e-6)
-    assert float(ray.fall.x) * x <= 0
-    assert -float(ray.fall.y) * y <= 0
+    assert math.hypot(*ray.travel) == pytest.approx(math.hypot(x, y) / z * scale, abs=1e-6)
+    assert float(ray.travel.x) * x <= 0
+    assert -float(ray.travel.y) * y <= 0
 
 
 @pytest.mark.parametrize("aspect", [0.25, 1.0, 2.0])
@@ -730,15 +733,22 @@ def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
     """W4: a move across the tile's height is more of v the lower the tile is."""
     ray = relief_ray_of((0.36, 0.48, 0.8), "full", 0.1, aspect=aspect)
     np.testing.assert_allclose(
-        [*ray.fall], [-0.1 * 0.36 / 0.8, 0.1 * 0.48 / 0.8 * aspect], rtol=1e-6
+        [*ray.travel], [-0.1 * 0.36 / 0.8, 0.1 * 0.48 / 0.8 * aspect], rtol=1e-6
     )
 
 
-def ended(technique, settings, view, depth: Depth, kind: str = "full") -> Displaced:
+def ended(technique, settings, view, depth: Depth, kind: str = "full") -> Intersection:
     """Where the whole pixel lets a view vector end that meets a relief."""
     variant = Variant(displaced=True, projection=kind)
+    place = Placement(
+        Vec3(0.0), Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)), Vec2(1.0), Vec2(0.0), 1.0
+    )
+    small = Footprint(Vec2(0.0), Vec2(0.0))
     with bound({displace: technique}):
-        return displaced(EMPTY, UNBAKED, meeting(view), depth, Smoothing(), settings, variant)
+        return displaced(
+            EMPTY, UNBAKED, meeting(view), small, place, depth, Smoothing(), settings, Shadowing(),
+            variant,
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize(("technique", "settings"), everywhere(20))
@@ -757,7 +767,7 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
     wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
     # the depth is that of the height, along the true ray
-    assert float(end.further) == pytest.approx((level - height) * 0.1 / z, abs=2e-5)
+    assert float(end.distance) == pytest.approx(2.0 + (level - height) * 0.1 / z, abs=2e-5)
 
 
 def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it() -> None:
@@ -774,7 +784,7 @@ def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
         end = ended(technique, settings, VIEWS[3], Depth(0.0, 0.5, 0.42))
     assert places == []
     assert end.reads == 0
-    assert end.further == 0
+    assert end.distance == 2.0
     np.testing.assert_allclose([*end.uv], [0.31, 0.64], atol=1e-7)
 
 
@@ -786,7 +796,9 @@ def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -
     """One ray a pixel, each coming from elsewhere."""
     x = float(at.x) * 0.11 - 1.3
     y = float(at.y) * 0.17 - 0.9
-    ray = Ray(Vec2(x * 0.37, y * 0.53), Vec2(y, x) * 0.21, 0.7, 0.5 + x * 0.25)
+    travel = Vec2(y, x) * 0.21
+    uv = Vec2(x * 0.37, y * 0.53) - travel * 0.3
+    ray = Ray(uv, travel, 1.0, 1.0, 0.5 + x * 0.25, level=0.7)
     return displace(field, baked, ray, settings)
 
 

@@ -25,7 +25,7 @@ from basrelief.techniques import TECHNIQUES, Nothing, texel
 from basrelief.techniques.columns import INSET, side_at
 from basrelief.techniques.ray import Ray
 from helpers.made_up import drawn, map_of, on_plane, rays, unit
-from helpers.rays import Fan, scattered
+from helpers.rays import Fan, flat_ray, scattered
 
 RANDOM = np.random.default_rng(5)
 MAPS = {
@@ -59,7 +59,7 @@ def boxed(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
     n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
     fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
-    hit = texel(field, Ray(uv, fall, 1.0, 0.5), Nothing())
+    hit = texel(field, Ray(uv, fall, 1.0, 1.0, 0.5), Nothing())
     side = side_at(field, hit.uv, hit.height, fall)
     return Boxed(uv, fall, hit.uv, hit.height, hit.found, hit.reads, side)
 
@@ -123,9 +123,9 @@ WALL = np.array([[0.0, 0.0, 0.75, 0.75], [0.0, 0.0, 0.75, 0.75]], np.float32)
 
 def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", level: float = 1.0):
     field = HeightField([heights], edge)
-    ray = Ray(Vec2(*uv), Vec2(*fall), level, 0.5)
+    ray = flat_ray(uv, fall, level)
     hit = texel(field, ray, Nothing())
-    side = side_at(field, hit.uv, hit.height, ray.fall)
+    side = side_at(field, hit.uv, hit.height, ray.travel)
     return hit, tuple(float(n) for n in side)
 
 

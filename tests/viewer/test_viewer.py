@@ -936,7 +936,7 @@ def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
 
 OWN = """
 from basrelief.lang import HeightField, setting, shader, struct
-from basrelief.techniques import Hit, Ray, at, height_under, technique
+from basrelief.techniques import Hit, Ray, height_under, hit_at, t_at, technique
 
 @struct
 class Halving:
@@ -944,8 +944,8 @@ class Halving:
 
 @technique()
 def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
-    height = height_under(field, ray, 1.0 - settings.share)
-    return Hit(at(ray, height), height, True, 1)
+    height = height_under(field, ray, settings.share)
+    return hit_at(ray, t_at(ray, height), True, 1)
 """
 
 

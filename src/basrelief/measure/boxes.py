@@ -30,27 +30,27 @@ class BoxHits:
 
 
 def first_box_hits(
-    heights: ArrayLike, uv: ArrayLike, fall: ArrayLike, edge: Edge = "wrap"
+    heights: ArrayLike, uv: ArrayLike, travel: ArrayLike, edge: Edge = "wrap"
 ) -> BoxHits:
     """The first place at which each ray is not above the box of the texel that it is over.
 
-    `heights` (h, w) within 0 to 1; `uv` (n, 2) where the rays are at height 1; `fall` (n, 2) how
+    `heights` (h, w) within 0 to 1; `uv` (n, 2) where the rays are at height 1; `travel` (n, 2) how
     far they move while they fall to 0; `edge` what lies beyond the map.
     Raises ValueError for another edge.
     """
     if edge not in get_args(Edge):
         raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     field = np.asarray(heights, np.float64)
-    start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, fall))
+    start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
     met = [_first(field, s, w, edge) for s, w in zip(start, way, strict=True)]
     t = np.array([each[0] for each in met])
     return BoxHits(t, start + way * t[:, None], np.array([each[1] for each in met]))
 
 
-def _first(field: Floats, uv: Floats, fall: Floats, edge: Edge) -> tuple[float, tuple[int, int]]:
+def _first(field: Floats, uv: Floats, travel: Floats, edge: Edge) -> tuple[float, tuple[int, int]]:
     """When one ray meets a box, and which way the side faces."""
     texels = np.array(field.shape[::-1], np.float64)
-    start, way = uv * texels, fall * texels
+    start, way = uv * texels, travel * texels
     times, axes = _walls(start, way)
     begins, ends = np.concatenate([[0.0], times]), np.concatenate([times, [1.0]])
     middles = start + way * ((begins + ends) / 2)[:, None]

@@ -97,7 +97,7 @@ def overshoot(frame: Frame, truth: Truth) -> Floats:
 
     Below 0 it stops short. A ray that falls straight has no way to be late on: 0. NaN as above.
     """
-    way = truth.fall * truth.texels
+    way = truth.travel * truth.texels
     length = np.linalg.norm(way, axis=-1, keepdims=True)
     unit = way / np.where(length > 0.0, length, 1.0)
     along: Floats = (_apart(frame, truth) * truth.texels * unit).sum(-1)

@@ -24,13 +24,13 @@ from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_he
 from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
-from basrelief.shading.camera import primary_ray
-from basrelief.shading.intersection import Meeting, meet
-from basrelief.shading.relief import depth_seen, lod_seen, relief_ray
+from basrelief.shading.camera import CameraRay, primary_ray
+from basrelief.shading.intersection import Meeting, footprint_at, meet
+from basrelief.shading.relief import depth_seen, height_range, lod_seen, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
-from basrelief.techniques.ray import Ray, at
+from basrelief.techniques.ray import Ray, at, height_at
 
 __all__ = ["Explanation", "Sample", "explain"]
 
@@ -65,7 +65,7 @@ def explain(
     met = [each for thing in scene.objects if (each := _met(thing, scene, pixel, size)) is not None]
     if not met:
         raise InputError(f"pixel {x},{y} meets nothing; choose one on the object")
-    thing, meeting = min(met, key=lambda pair: float(pair[1].point.distance))
+    thing, meeting = min(met, key=lambda pair: float(pair[1].distance))
     if not thing.has_relief:
         raise InputError(
             f"pixel {x},{y} meets a {thing.shape} without relief, where nothing is read; "
@@ -78,9 +78,13 @@ def _met(
     thing: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
 ) -> tuple[Object, Meeting] | None:
     """An object with where the ray through the middle of a pixel meets its shape."""
-    ray = primary_ray(scene.shader_camera(size), Vec2(pixel[0] + 0.5, pixel[1] + 0.5))
+    ray = _camera_ray(scene, pixel, size)
     meeting = meet(ray, thing.placement(), variant_of(thing, scene))
-    return (thing, meeting) if meeting.point.found else None
+    return (thing, meeting) if meeting.found else None
+
+
+def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> CameraRay:
+    return primary_ray(scene.shader_camera(size), Vec2(pixel[0] + 0.5, pixel[1] + 0.5))
 
 
 def _explained(
@@ -90,25 +94,28 @@ def _explained(
     values = values_of(thing, scene, size, choose_engine("cpu"))
     field, technique = values["field"], thing.drawn_with
     variant = variant_of(thing, scene)
-    deep = depth_seen(values["depth"], met.point.distance, variant)
-    if deep.scale <= 0.0:
+    seen = depth_seen(values["depth"], met.distance, variant)
+    if seen.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
-    lod = lod_seen(field, met.footprint, values["smoothing"])
-    ray = relief_ray(met, deep, lod, values["smoothing"].mip_fade, variant)
+    camera, placement = _camera_ray(scene, pixel, size), thing.placement()
+    footprint = footprint_at(camera, placement, met, met.distance)
+    lod = lod_seen(field, footprint, values["smoothing"])
+    deep = height_range(seen, placement, variant)
+    ray = relief_ray(met, seen, deep, lod, values["smoothing"].mip_fade, variant)
     notes = _Notes(ray, field, technique.boxes)
     baked = values.get("baked") or _UNBAKED
     with bound({displace: technique}), watched(notes.watch):
         hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
-    top, fall = _at(ray, 1.0), _numbers(ray.fall)
+    travel = _numbers(ray.travel)
     first = first_box_hits if technique.boxes else first_hits
-    true = first(notes.heights, top, fall, map_edge(thing))
+    true = first(notes.heights, _numbers(ray.uv), travel, map_edge(thing))
     return Explanation(
         material=thing.material.name,
         technique=technique.name,
         settings={f.name: getattr(thing.settings, f.name) for f in fields(thing.settings)},
         pixel=pixel,
-        uv=_pair(_numbers(ray.uv)),
-        fall=_pair(fall),
+        uv=_pair(_numbers(met.uv)),
+        travel=_pair(travel),
         level=float(ray.level),
         samples=tuple(notes.samples),
         hit=hit,
@@ -163,7 +170,7 @@ class _Notes:
             return result
         result = run()
         if shader is at:
-            self.known[_key(result)] = float(given["height"])
+            self.known[_key(result)] = float(height_at(self.ray, given["t"]))
         elif shader is in_tile:
             self._reads_at(given["uv"], [])
         elif shader is cells_in_map:
@@ -216,15 +223,15 @@ class _Notes:
 
     def _height_at(self, place: Floats) -> float:
         """The ray's height over a place, by how far along its way it is."""
-        fall = _numbers(self.ray.fall)
+        travel = _numbers(self.ray.travel)
         moved = place - _numbers(self.ray.uv)
-        return float(self.ray.level - moved @ fall / max(float(fall @ fall), 1e-30))
+        return float(1.0 - moved @ travel / max(float(travel @ travel), 1e-30))
 
     def _add_cell(self, kind: Kind, cell: IVec2) -> None:
         """A read of a whole cell, or box: noted where the ray comes to it."""
         texels = np.array(self.heights.shape[::-1], np.float64)
         half = 0.0 if self.boxes else 0.5
-        start, way = _at(self.ray, 1.0) * texels - half, _numbers(self.ray.fall) * texels
+        start, way = _numbers(self.ray.uv) * texels - half, _numbers(self.ray.travel) * texels
         low = np.array([int(cell.x), int(cell.y)], np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
             walls = np.divide(low + (way <= 0) - start, way)
@@ -234,11 +241,6 @@ class _Notes:
         inner = (np.clip(start + way * enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
         surface = float(surface_heights(self.heights, inner[None], self.edge, self.boxes)[0])
         self.samples.append(Sample(kind, _pair(place), 1.0 - enter, surface))
-
-
-def _at(ray: Ray, height: float) -> Floats:
-    """The ray's texture coordinates at a height, in float64."""
-    return _numbers(ray.uv) + _numbers(ray.fall) * (float(ray.level) - height)
 
 
 def _numbers(v: Vec2) -> Floats:

@@ -58,7 +58,7 @@ class _Section:
         self.labels: list[tuple[float, float]] = []
 
     def uv_at(self, height: float) -> NDArray[np.float64]:
-        return np.array(self.of.uv) + np.array(self.of.fall) * (self.of.level - height)
+        return np.array(self.of.uv) + np.array(self.of.travel) * (self.of.level - height)
 
     def draw(self) -> None:
         self.ground()
@@ -86,9 +86,9 @@ class _Section:
     def ray(self) -> None:
         """The ray from above the heights to where it truly ends, and faintly on."""
         true = self.of.true_height
-        travel = max(self.of.travel, 1e-6)
+        length = max(self.of.length, 1e-6)
         # from where it comes into the picture, through its top or its side
-        top = min(1.14, self.of.level + (self.of.along(self.of.uv) - self.left) / travel)
+        top = min(1.14, self.of.level + (self.of.along(self.of.uv) - self.left) / length)
         from_x, to_x, end_x = self.of.along([self.uv_at(h) for h in (top, true, 0.0)])
         self.axes.plot([to_x, end_x], [true, 0.0], color=_QUIET, linewidth=1.0, ls=":", zorder=4)
         self.axes.annotate(

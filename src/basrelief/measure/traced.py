@@ -40,7 +40,7 @@ class TracedRay:
     """The ray of one pixel, what a technique read along it, and where it should have ended.
 
     `uv` is where the ray meets the polygon, at height `level`; while it falls from height 1 to 0 it
-    moves by `fall`, in texture coordinates. `hit` is the technique's own; `true_uv` and
+    moves by `travel`, in texture coordinates. `hit` is the technique's own; `true_uv` and
     `true_height` those of the first hit in float64, on the bilinear surface, or on boxes where the
     technique takes texels for boxes. `heights` are the map, (height, width) float64.
     """
@@ -50,7 +50,7 @@ class TracedRay:
     settings: Mapping[str, float]
     pixel: tuple[int, int]
     uv: tuple[float, float]
-    fall: tuple[float, float]
+    travel: tuple[float, float]
     level: float
     samples: tuple[Sample, ...]
     hit: Hit
@@ -66,9 +66,9 @@ class TracedRay:
         return np.array(self.heights.shape[::-1], np.float64)
 
     @property
-    def travel(self) -> float:
+    def length(self) -> float:
         """How far the ray moves over the map while it falls from height 1 to 0, in texels."""
-        return float(np.linalg.norm(np.array(self.fall) * self.texels))
+        return float(np.linalg.norm(np.array(self.travel) * self.texels))
 
     @property
     def error(self) -> float:
@@ -85,7 +85,7 @@ class TracedRay:
     @property
     def direction(self) -> Floats:
         """The ray's way over the map in texels, of length 1; along u where there is none."""
-        way: Floats = np.array(self.fall) * self.texels
+        way: Floats = np.array(self.travel) * self.texels
         length = float(np.linalg.norm(way))
         return way / length if length > 1e-9 else np.array([1.0, 0.0])
 

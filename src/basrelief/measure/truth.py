@@ -34,7 +34,7 @@ class Truth:
 
     `uv` (…, 2) are the texture coordinates of the hit, not taken into one tile; `height` (0 to 1)
     is that of the surface there, `depth` the distance along the ray in world units. `there` says
-    which pixels show the object at all; where it is False the others are 0. `fall` (…, 2) is how
+    which pixels show the object at all; where it is False the others are 0. `travel` (…, 2) is how
     far the ray's coordinates move while it falls from height 1 to 0. `texels` is the size of the
     height map, (along u, along v), and `wraps` whether it repeats.
     """
@@ -43,7 +43,7 @@ class Truth:
     height: Floats
     depth: Floats
     there: NDArray[np.bool_]
-    fall: Floats
+    travel: Floats
     texels: tuple[int, int]
     wraps: bool
 
@@ -62,22 +62,20 @@ def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine =
     values = values_of(thing, scene, size, runner)
     rays = runner.run(rays_of(thing), values, size)
     found = rays["found"] != 0
-    start, fall = (
+    start, travel = (
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1).astype(np.float64)
-        for name in ("uv", "fall")
+        for name in ("uv", "travel")
     )
     heights = _heights(thing)
-    # where the ray is at height 1
-    start = start + fall * (thing.relief_level - 1.0)
     uv, height = np.zeros_like(start), np.zeros(found.shape)
-    uv[found], height[found] = _met(heights, start[found], fall[found], map_edge(thing))
-    depth = rays["distance"] + (thing.relief_level - height) * rays["per_height"].astype(float)
+    uv[found], height[found] = _met(heights, start[found], travel[found], map_edge(thing))
+    depth = rays["distance"] + (1.0 - height) * rays["length"].astype(float)
     there = found & (depth > 0.0)
     if thing.edge == "clip":
         place = (uv - thing.shift) / thing.tiles
         there &= ((place >= 0.0) & (place <= 1.0)).all(-1)
     return Truth(
-        uv, height, np.where(there, depth, 0.0), there, fall, heights.shape[::-1],
+        uv, height, np.where(there, depth, 0.0), there, travel, heights.shape[::-1],
         map_edge(thing) == "wrap",
     )  # fmt: skip
 
@@ -103,11 +101,11 @@ def _heights(thing: Object) -> NDArray[np.float32]:
 
 
 def _met(
-    heights: NDArray[np.float32], start: Floats, fall: Floats, edge: Edge
+    heights: NDArray[np.float32], start: Floats, travel: Floats, edge: Edge
 ) -> tuple[Floats, Floats]:
     uv, height = np.empty_like(start), np.empty(len(start))
     for first in range(0, len(start), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        hits = first_hits(heights, start[some], fall[some], edge)
+        hits = first_hits(heights, start[some], travel[some], edge)
         uv[some], height[some] = hits.uv, hits.height
     return uv, height

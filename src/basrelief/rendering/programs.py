@@ -16,9 +16,9 @@ from basrelief.rendering import textures
 from basrelief.rendering.textures import Source
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shading import pixel
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import Light
+from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.landscape import landscape_surface
 from basrelief.shading.surfaces.standard import standard_surface
 from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
@@ -56,12 +56,12 @@ def mapped(thing: Object) -> dict[str, bool]:
 
 def program_of(thing: Object, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene: only what it needs is in it."""
-    return _program(pixel.pixel, thing, variant_of(thing, scene or Scene((thing,))))
+    return _program(thing, variant_of(thing, scene or Scene((thing,))))
 
 
-def _program(entry: Shader[..., Any], thing: Object, variant: Variant) -> Program:
+def _program(thing: Object, variant: Variant) -> Program:
     bound: Bindings = {displace: displaced_by(thing), surface_at: SURFACES[thing.surface]}
-    return Program(entry, bound, map_edge(thing), height_filter(thing), variant)
+    return Program(pixel, bound, map_edge(thing), height_filter(thing), variant)
 
 
 def variant_of(thing: Object, scene: Scene) -> Variant:
@@ -91,12 +91,13 @@ def variant_of(thing: Object, scene: Scene) -> Variant:
     return Variant(**shared | derived)
 
 
-def reach_of(thing: Object) -> Program:
+def depth_program_of(thing: Object) -> Program:
     """The program that draws an object's part of a depth map."""
     opaque = thing.casts == "opaque"
     variant = variant_of(thing, Scene((thing,)))
     variant = replace(
         variant,
+        depth_only=True,
         # a relief fades with the distance from the camera, not from a light
         fades=False,
         # of the surface only the opacity matters
@@ -107,7 +108,7 @@ def reach_of(thing: Object) -> Program:
         emission_map=False,
         layer=False,
     )
-    return _program(pixel.reach, thing, variant)
+    return _program(thing, variant)
 
 
 def rays_of(thing: Object) -> Program:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine
 from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
-from basrelief.rendering.programs import map_edge, own_values, reach_of
+from basrelief.rendering.programs import depth_program_of, map_edge, own_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
 from basrelief.scene.lights import numbers_of
@@ -145,7 +145,7 @@ def _distances(
     """How far each view of each light reaches until it meets an object."""
     if thing.casts == "none" or not views:
         return None
-    program, values = reach_of(thing), own_values(thing, engine)
+    program, values = depth_program_of(thing), own_values(thing, engine)
     made = []
     for view in views:
         seen = View(view.camera, Vec2(0.5, 0.5))

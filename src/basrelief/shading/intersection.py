@@ -1,12 +1,12 @@
-"""Where the view ray meets the object, in object space: point, frame, view, the pixel."""
+"""Where a ray meets the object: in world and object space, and on the texture."""
 
 from __future__ import annotations
 
 from basrelief.lang import Mat3, Vec2, Vec3, length, shader, struct
 from basrelief.shading.camera import Camera, CameraRay
-from basrelief.shading.ray_differentials import Footprint, along, transferred
-from basrelief.shading.shapes import ShapeRay, SurfacePoint, on_shape, shape
-from basrelief.shading.tangent_frame import Frame, frame_of, to_tangent
+from basrelief.shading.ray_differentials import Footprint, transferred
+from basrelief.shading.shapes import ShapeRay, chart, on_shape, shape
+from basrelief.shading.tangent_frame import Frame, frame_of, to_tangent, to_texture
 from basrelief.shading.variant import Variant
 
 
@@ -36,15 +36,20 @@ class Placement:
 
 @struct
 class Meeting:
-    """Where the view ray meets the object: the polygon's point, texture coordinates there, frame,
-    view, the pixel."""
+    """Where a ray meets an object's shape: how far along it, in world units, and where it leaves
+    the shape again; texture coordinates, tangent frame, unit vector to the viewer in that frame.
 
-    point: SurfacePoint
+    `inside` is the ray in object space, `stretch` how many of its units are one of the world.
+    """
+
+    found: bool
+    distance: float
+    t_exit: float
     uv: Vec2
     frame: Frame
     view: Vec3
-    falling: float
-    footprint: Footprint
+    inside: ShapeRay
+    stretch: float
 
 
 @shader
@@ -52,35 +57,48 @@ def meet(ray: CameraRay, placement: Placement, variant: Variant) -> Meeting:
     """Meet the object in its own space, where the relief is set: it scales with the object."""
     origin = placement.to_object @ (ray.origin - placement.origin)
     direction = placement.to_object @ ray.direction
-    met = shape(ShapeRay(origin, direction), variant)
-    along_u = met.along_u / placement.tiling.x
-    along_v = met.along_v / placement.tiling.y
-    frame = frame_of(met.normal, along_u, along_v)
     # with a unit direction, so that a large object is no different from a small one
-    falling = length(direction)
-    unit = direction / falling
-    away = met.distance * falling
+    stretch = length(direction)
+    inside = ShapeRay(origin, direction)
+    met = shape(inside, variant)
+    lies = chart(met.position, met.normal, variant)
+    frame = frame_of(
+        met.normal, lies.along_u / placement.tiling.x, lies.along_v / placement.tiling.y
+    )
+    return Meeting(
+        found=met.found,
+        distance=met.distance,
+        t_exit=met.t_exit,
+        uv=lies.uv * placement.tiling + placement.shift,
+        frame=frame,
+        view=to_tangent(frame, direction / -stretch),
+        inside=inside,
+        stretch=stretch,
+    )
+
+
+@shader
+def footprint_at(ray: CameraRay, placement: Placement, met: Meeting, distance: float) -> Footprint:
+    """How far a pixel reaches over the texture, at a distance along the ray."""
+    unit = met.inside.direction / met.stretch
+    away = distance * met.stretch
     right = transferred(
         away,
         unit,
-        met.normal,
+        met.frame.normal,
         placement.to_object @ ray.origin_dx,
-        placement.to_object @ ray.direction_dx / falling,
+        placement.to_object @ ray.direction_dx / met.stretch,
     )
     down = transferred(
         away,
         unit,
-        met.normal,
+        met.frame.normal,
         placement.to_object @ ray.origin_dy,
-        placement.to_object @ ray.direction_dy / falling,
+        placement.to_object @ ray.direction_dy / met.stretch,
     )
-    return Meeting(
-        point=met,
-        uv=met.uv * placement.tiling + placement.shift,
-        frame=frame,
-        view=to_tangent(frame, -unit),
-        falling=falling,
-        footprint=Footprint(along(right, along_u, along_v), along(down, along_u, along_v)),
+    return Footprint(
+        to_texture(met.frame, to_tangent(met.frame, right).xy),
+        to_texture(met.frame, to_tangent(met.frame, down).xy),
     )
 
 

@@ -6,6 +6,7 @@ For pages, which have no float64; `measure.errors` computes the same for the lib
 from __future__ import annotations
 
 from basrelief.lang import Buffer, IVec2, Map, Vec2, dot, length, shader, struct
+from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View
 from basrelief.shading.relief import Depth
 from basrelief.shading.variant import Variant
@@ -57,6 +58,7 @@ def missed_hit(
     picture: PictureSize,
     drawn: Buffer[DrawnHit],
     truth: Buffer[TrueHit],
+    geometry: Geometry,
     map: Map,
     variant: Variant,
 ) -> MissedHit:
@@ -72,6 +74,6 @@ def missed_hit(
     if drawn[k].hit == 0:
         return MissedHit(True, False)
     off = drawn[k].uv - truth[k].uv
-    ray = view_ray(at, view, placement, depth, variant)
-    along = dot(off * picture.texels, ray.fall * picture.texels)
+    ray = view_ray(at, view, placement, depth, geometry, variant)
+    along = dot(off * picture.texels, ray.travel * picture.texels)
     return MissedHit(length(nearest_copy(map, off) * picture.texels) > WITHIN, along > 0.0)

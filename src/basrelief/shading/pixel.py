@@ -21,9 +21,18 @@ from basrelief.lang import (
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, reflectance
 from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.fog import Fog, fogged
-from basrelief.shading.intersection import Meeting, Placement, View, clipped, meet
+from basrelief.shading.geometry import Geometry
+from basrelief.shading.intersection import (
+    Meeting,
+    Placement,
+    View,
+    clipped,
+    footprint_at,
+    meet,
+)
 from basrelief.shading.lights import Light, arriving
-from basrelief.shading.relief import Depth, Displaced, displaced, self_shadowed, slope_of
+from basrelief.shading.ray_differentials import Footprint
+from basrelief.shading.relief import Depth, Intersection, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, past_others
 from basrelief.shading.surfaces.surface import (
@@ -34,7 +43,7 @@ from basrelief.shading.surfaces.surface import (
     SurfaceSettings,
     surface_at,
 )
-from basrelief.shading.tangent_frame import from_tangent
+from basrelief.shading.tangent_frame import aspect, from_tangent
 from basrelief.shading.variant import Variant
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.technique import Settings
@@ -68,6 +77,7 @@ def pixel(
     shading: Shading,
     shadowing: Shadowing,
     fog: Fog,
+    geometry: Geometry,
     field: HeightField,
     baked: Texture,
     maps: SurfaceMaps,
@@ -79,14 +89,19 @@ def pixel(
     """Find the object, displace the texture, read its maps there, and light it."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
     met = meet(ray, placement, variant)
-    if not met.point.found:
+    if not met.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
-    moved = displaced(field, baked, met, depth, smoothing, settings, variant)
-    distance = met.point.distance + moved.further
+    footprint = footprint_at(ray, placement, met, met.distance)
+    moved = displaced(
+        field, baked, met, footprint, placement, depth, smoothing, settings, shadowing, variant
+    )
+    distance = moved.distance
     if distance <= 0.0 or clipped(moved.uv, placement, variant):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    spot = spot_on(field, met, moved, variant)
+    spot = spot_on(field, met, moved, footprint, variant)
     surface = surface_at(spot, finish, places, maps, variant)
+    if variant.depth_only:
+        return Pixel(Vec4(0.0), distance, moved.uv, surface.opacity >= SOLID, moved.reads)
     if surface.opacity <= 0.0:
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     point = shading_point(ray, placement, met, surface, spot.slope, distance, variant)
@@ -104,7 +119,9 @@ def pixel(
                 share = past_others(distances, views, k, receiving)
             if variant.shadows != "none":
                 towards = placement.to_object @ incoming.direction
-                reaching = self_shadowed(field, met, moved, smoothing, towards, shadowing, variant)
+                reaching = self_shadowed(
+                    field, baked, met, moved, smoothing, towards, settings, shadowing, variant
+                )
                 share = share * reaching.share
                 reads = reads + reaching.reads
             if variant.occlusion_kind == "directional":
@@ -115,61 +132,23 @@ def pixel(
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
 
-# --- a depth map ---------------------------------------------------------------------------------
-
-
-@struct
-class Reach:
-    """How far a ray goes until it meets the object, in world units; `hit` says whether it does."""
-
-    depth: float
-    hit: bool
-
-
-@shader
-def reach(
-    at: IVec2,
-    view: View,
-    placement: Placement,
-    depth: Depth,
-    smoothing: Smoothing,
-    settings: Settings,
-    finish: SurfaceSettings,
-    places: MapPlaces,
-    field: HeightField,
-    baked: Texture,
-    maps: SurfaceMaps,
-    variant: Variant,
-) -> Reach:
-    """The pixel of a depth map: the same object, relief and opacity, and no light."""
-    ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
-    met = meet(ray, placement, variant)
-    if not met.point.found:
-        return Reach(0.0, False)
-    moved = displaced(field, baked, met, depth, smoothing, settings, variant)
-    distance = met.point.distance + moved.further
-    if distance <= 0.0 or clipped(moved.uv, placement, variant):
-        return Reach(0.0, False)
-    spot = spot_on(field, met, moved, variant)
-    surface = surface_at(spot, finish, places, maps, variant)
-    return Reach(distance, surface.opacity >= SOLID)
-
-
 # --- the steps -----------------------------------------------------------------------------------
 
 
 @shader
-def spot_on(field: HeightField, met: Meeting, moved: Displaced, variant: Variant) -> Spot:
+def spot_on(
+    field: HeightField, met: Meeting, moved: Intersection, footprint: Footprint, variant: Variant
+) -> Spot:
     """The place on the relief where the ray ended."""
     slope = slope_of(field, moved, met, variant)
     return Spot(
         uv=moved.uv,
-        footprint=met.footprint,
+        footprint=footprint,
         height=moved.height,
         found=moved.found,
         slope=slope.normal,
         deep=slope.deep,
-        aspect=met.frame.aspect,
+        aspect=aspect(met.frame),
     )
 
 
@@ -185,7 +164,7 @@ def shading_point(
 ) -> ShadingPoint:
     """The displaced point in world space, its normal bent by the normal map."""
     # a tile of other proportions than its maps is as steep as they are stretched
-    stretch = met.frame.aspect / placement.proportion
+    stretch = aspect(met.frame) / placement.proportion
     slanted = Vec3(surface.normal.x, surface.normal.y * stretch, surface.normal.z)
     bent = from_tangent(met.frame, facing(slanted, slope, variant))
     return ShadingPoint(
@@ -218,7 +197,7 @@ def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting, variant: Variant
     seen, or on the polygon, as where displacement does not reach the shadows: they float above."""
     if variant.shadows_on == "relief":
         return point.position
-    return ray.origin + ray.direction * met.point.distance
+    return ray.origin + ray.direction * met.distance
 
 
 # --- occlusion with a direction ------------------------------------------------------------------

@@ -31,14 +31,6 @@ def transferred(
 
 
 @shader
-def along(move: Vec3, along_u: Vec3, along_v: Vec3) -> Vec2:
-    """A move along the surface in texture coordinates; ∂P/∂u and ∂P/∂v at right angles."""
-    return Vec2(
-        dot(move, along_u) / dot(along_u, along_u), dot(move, along_v) / dot(along_v, along_v)
-    )
-
-
-@shader
 def level_of_detail(footprint: Footprint, extent: IVec2) -> float:
     """The mip level at which a pixel's longer side covers one texel; 0 or more.
 

@@ -14,18 +14,18 @@ from basrelief.lang import (
     saturate,
     shader,
     size,
-    sqrt,
     struct,
 )
-from basrelief.shading.intersection import Meeting
+from basrelief.shading.intersection import Meeting, Placement
 from basrelief.shading.ray_differentials import Footprint, level_of_detail
-from basrelief.shading.self_shadow import Reaching, Shadowing, ShadowRay, shadow
-from basrelief.shading.tangent_frame import to_tangent, to_texture
+from basrelief.shading.self_shadow import Reaching, Shadowing, shadow
+from basrelief.shading.shapes import Interval, shell_depth, widest
+from basrelief.shading.tangent_frame import aspect, to_tangent, to_texture
 from basrelief.shading.variant import Variant
 from basrelief.techniques.columns import INSET, side_at, top_at
-from basrelief.techniques.height import Smoothing, height_at, slope_at, surface_height
+from basrelief.techniques.height import Smoothing, sharp, slope_at, surface_height
 from basrelief.techniques.projection import SHALLOWEST, biased, full, limited
-from basrelief.techniques.ray import Hit, Ray
+from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings, displace
 
 
@@ -46,16 +46,21 @@ class Depth:
 
 
 @struct
-class Displaced:
-    """Where the ray ends: texture coordinates, how far beyond the polygon, the height there,
-    whether anything was met, heights read. And how the relief is drawn there: its `scale` (0 where
-    it is flat), and the level `lod` that heights are read from."""
+class Intersection:
+    """Where a ray ends in the relief.
 
-    uv: Vec2
-    further: float
-    height: float
+    `distance` is along the ray, in world units; `uv` and `height` are the place, `found` whether
+    anything was met there, `reads` the heights read. `open` is how much of a light comes through
+    where the ray goes to one, 1 all of it. The relief is drawn there `scale` tile widths deep (0
+    where it is flat), from the level `lod` of its heights.
+    """
+
     found: bool
+    distance: float
+    uv: Vec2
+    height: float
     reads: int
+    open: float = 1.0
     scale: float = 0.0
     lod: float = 0.0
 
@@ -88,7 +93,40 @@ def lod_seen(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> 
     return 0.0
 
 
-# --- where the ray ends --------------------------------------------------------------------------
+@shader
+def height_range(depth: Depth, placement: Placement, variant: Variant) -> float:
+    """The range of heights in units of object space: one number for all of the object, by its
+    widest tile."""
+    return depth.scale * widest(variant) / abs(placement.tiling.x)
+
+
+# --- where a ray ends ----------------------------------------------------------------------------
+
+
+@shader
+def trace(
+    field: HeightField,
+    baked: Texture,
+    ray: Ray,
+    span: Interval,
+    settings: Settings,
+    shadowing: Shadowing,
+    to_light: bool,
+    variant: Variant,
+) -> Intersection:
+    """Follow a ray through the relief: the view ray as the technique does, one to a light as the
+    self-shadow does. The segment is what the relief has of the ray over `span`, in world units.
+    """
+    if variant.shadows != "none" and to_light:
+        reaching = shadow(field, ray, shadowing, variant)
+        return Intersection(
+            reaching.share < 1.0, span.leave, ray.uv, ray.height, reaching.reads, reaching.share
+        )
+    hit = displace(field, baked, ray, settings)
+    distance = span.enter + hit.t * (span.leave - span.enter)
+    # the base is solid
+    found = hit.found or hit.t >= 1.0
+    return Intersection(found, distance, hit.uv, hit.height, hit.reads, 1.0, ray.scale, ray.lod)
 
 
 @shader
@@ -96,23 +134,33 @@ def displaced(
     field: HeightField,
     baked: Texture,
     met: Meeting,
+    footprint: Footprint,
+    placement: Placement,
     depth: Depth,
     smoothing: Smoothing,
     settings: Settings,
+    shadowing: Shadowing,
     variant: Variant,
-) -> Displaced:
-    """Where the ray ends: on the relief, as the technique says, or on the polygon itself."""
+) -> Intersection:
+    """Where the view ray ends: on the relief, as the technique says, or on the polygon itself."""
     if not variant.displaced:
-        return Displaced(met.uv, 0.0, 1.0, True, 0)
-    deep = depth_seen(depth, met.point.distance, variant)
+        return Intersection(True, met.distance, met.uv, 1.0, 0)
+    seen = depth_seen(depth, met.distance, variant)
     # where it is flat the technique reads nothing
-    if deep.scale <= 0.0:
-        return Displaced(met.uv, 0.0, flat_height(field, met.uv, variant), True, 0)
-    lod = lod_seen(field, met.footprint, smoothing)
-    ray = relief_ray(met, deep, lod, smoothing.mip_fade, variant)
-    hit = displace(field, baked, ray, settings)
-    further = beyond(met, deep, hit)
-    return Displaced(hit.uv, further, hit.height, hit.found, hit.reads, deep.scale, lod)
+    if seen.scale <= 0.0:
+        return Intersection(True, met.distance, met.uv, flat_height(field, met.uv, variant), 0)
+    deep = height_range(seen, placement, variant)
+    lod = lod_seen(field, footprint, smoothing)
+    ray = relief_ray(met, seen, deep, lod, smoothing.mip_fade, variant)
+    span = span_of(met, seen.level, deep)
+    ended = trace(field, baked, ray, span, settings, shadowing, False, variant)
+    # the relief of a curved surface is that of its tangent plane, which near the outline runs far
+    # from the shape: what is pushed in stays within it, what is raised within a shell around it
+    shell = shell_depth((1.0 - seen.level) * deep, variant) / met.stretch
+    distance = clamp(met.distance + ended.distance, met.distance - shell, met.t_exit)
+    return Intersection(
+        ended.found, distance, ended.uv, ended.height, ended.reads, 1.0, ended.scale, ended.lod
+    )
 
 
 @shader
@@ -120,16 +168,37 @@ def flat_height(field: HeightField, uv: Vec2, variant: Variant) -> float:
     """The height that a flat relief reports: the map's, where a landscape's water or the shade of a
     pit go by it."""
     if variant.surface == "landscape" or variant.occlusion_kind == "directional":
-        return top_at(field, uv) if field.filter == "boxes" else height_at(field, uv)
+        return top_at(field, uv) if field.filter == "boxes" else sharp(field, uv)
     return 1.0
 
 
 @shader
-def relief_ray(met: Meeting, depth: Depth, lod: float, fade: float, variant: Variant) -> Ray:
-    """The ray that a technique follows: the chosen projection, in texture coordinates."""
-    falling = move_of(met.view, depth.bias, variant) * -depth.scale
-    fall = to_texture(falling, met.frame.aspect)
-    return Ray(met.uv, fall, depth.level, met.view.z, depth.scale, lod, fade)
+def relief_ray(
+    met: Meeting, depth: Depth, deep: float, lod: float, fade: float, variant: Variant
+) -> Ray:
+    """The ray that a technique follows through a relief that is `deep`: the chosen projection."""
+    travel = to_texture(met.frame, move_of(met.view, depth.bias, variant) * -deep)
+    return Ray(
+        uv=met.uv + travel * (depth.level - 1.0),
+        travel=travel,
+        height=1.0,
+        drop=1.0,
+        cosine=met.view.z,
+        level=depth.level,
+        scale=deep / met.frame.width,
+        lod=lod,
+        fade=fade,
+    )
+
+
+@shader
+def span_of(met: Meeting, level: float, deep: float) -> Interval:
+    """Where the true view ray is in the relief, in world units from the polygon on.
+
+    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
+    """
+    whole = deep / (max(met.view.z, SHALLOWEST) * met.stretch)
+    return Interval((level - 1.0) * whole, level * whole)
 
 
 @shader
@@ -140,21 +209,6 @@ def move_of(view: Vec3, bias: float, variant: Variant) -> Vec2:
     if variant.projection == "limited":
         return limited(view, bias)
     return full(view, bias)
-
-
-@shader
-def beyond(met: Meeting, depth: Depth, hit: Hit) -> float:
-    """How much further than the polygon the true ray goes to reach the hit's height.
-
-    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
-    The relief of a curved surface is that of its tangent plane, which near the outline runs far
-    from the shape: what is pushed in stays within it, what is raised within a shell around it.
-    """
-    width = depth.scale * met.frame.width
-    further = (depth.level - hit.height) * width / (max(met.view.z, SHALLOWEST) * met.falling)
-    shell = (1.0 - depth.level) * width
-    before = sqrt(shell * (2.0 * met.point.radius + shell)) / met.falling
-    return clamp(further, -before, met.point.leave - met.point.distance)
 
 
 # --- how steep -----------------------------------------------------------------------------------
@@ -169,7 +223,7 @@ class Slope:
 
 
 @shader
-def slope_of(field: HeightField, moved: Displaced, met: Meeting, variant: Variant) -> Slope:
+def slope_of(field: HeightField, moved: Intersection, met: Meeting, variant: Variant) -> Slope:
     """How the relief lies where the ray ended, for what asks: the sides of boxes, and colours that
     are laid on from three sides."""
     if variant.boxed:
@@ -180,22 +234,21 @@ def slope_of(field: HeightField, moved: Displaced, met: Meeting, variant: Varian
 
 
 @shader
-def of_heights(field: HeightField, moved: Displaced, met: Meeting) -> Slope:
+def of_heights(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
     """As the bilinear surface lies."""
     slope = slope_at(field, moved.uv) * moved.scale
     # v runs down where y runs up, and a tile is as high as it is wide ÷ aspect
-    normal = normalize(Vec3(-slope.x, slope.y * met.frame.aspect, 1.0))
+    normal = normalize(Vec3(-slope.x, slope.y * aspect(met.frame), 1.0))
     return Slope(normal, moved.height * moved.scale)
 
 
 @shader
-def of_boxes(field: HeightField, moved: Displaced, met: Meeting) -> Slope:
+def of_boxes(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
     """Level on the top of a box; on its side, as the side faces."""
     deep = moved.height * moved.scale
     if moved.scale <= 0.0 or not moved.found:
         return Slope(Vec3(0.0, 0.0, 1.0), deep)
-    way = to_texture(-met.view.xy, met.frame.aspect)
-    side = side_at(field, moved.uv, moved.height, way)
+    side = side_at(field, moved.uv, moved.height, to_texture(met.frame, -met.view.xy))
     # v runs down where y runs up
     return Slope(Vec3(side.x, -side.y, 1.0 - abs(side.x) - abs(side.y)), deep)
 
@@ -206,10 +259,12 @@ def of_boxes(field: HeightField, moved: Displaced, met: Meeting) -> Slope:
 @shader
 def self_shadowed(
     field: HeightField,
+    baked: Texture,
     met: Meeting,
-    moved: Displaced,
+    moved: Intersection,
     smoothing: Smoothing,
     towards: Vec3,
+    settings: Settings,
     shadowing: Shadowing,
     variant: Variant,
 ) -> Reaching:
@@ -220,17 +275,28 @@ def self_shadowed(
         return Reaching(0.0, 0)
     if moved.scale <= 0.0:
         return Reaching(1.0, 0)
-    fade = smoothing.mip_fade
     uv = moved.uv
     height = moved.height
     if variant.boxed:
         # from the box's top, or as far before its side as the view ray was put within it
-        side = side_at(field, uv, height, to_texture(-met.view.xy, met.frame.aspect))
+        side = side_at(field, uv, height, to_texture(met.frame, -met.view.xy))
         extent = size(field, 0)
         uv = uv + side * (2.0 * INSET) / Vec2(float(extent.x), float(extent.y))
     else:
         # from the surface itself: a technique may end the view ray below it
-        height = surface_height(field, uv, moved.lod, fade)
-    rise = to_texture(light.xy * (moved.scale / light.z), met.frame.aspect)
-    reaching = shadow(field, ShadowRay(uv, height, rise, moved.lod, fade), shadowing, variant)
-    return Reaching(reaching.share, reaching.reads + 1)
+        height = surface_height(field, uv, moved.lod, smoothing.mip_fade)
+    climb = 1.0 - height
+    whole = moved.scale * met.frame.width / light.z
+    ray = Ray(
+        uv=uv,
+        travel=to_texture(met.frame, light.xy * (whole * climb)),
+        height=height,
+        drop=-climb,
+        cosine=light.z,
+        scale=moved.scale,
+        lod=moved.lod,
+        fade=smoothing.mip_fade,
+    )
+    span = Interval(0.0, whole * climb / met.stretch)
+    ended = trace(field, baked, ray, span, settings, shadowing, True, variant)
+    return Reaching(ended.open, ended.reads + 1)

@@ -6,10 +6,11 @@ Surface Rendering, 2006, for the soft form.
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, saturate, setting, shader, size, struct
+from basrelief.lang import HeightField, saturate, setting, shader, size, struct
 from basrelief.shading.variant import Variant
 from basrelief.techniques.columns import MOST_BOXES, leaving, line_over, next_box, top_of
-from basrelief.techniques.height import surface_height
+from basrelief.techniques.height import height_under
+from basrelief.techniques.ray import Ray, height_at
 
 MOST_READS = 4096
 """However many steps are asked for, no light takes more."""
@@ -34,20 +35,6 @@ class Shadowing:
 
 
 @struct
-class ShadowRay:
-    """The way to a light: while it rises through the whole range, from 0 to 1, it moves by `rise`.
-
-    It leaves `uv` at `height`; heights are read as the view ray reads them (`techniques.height`).
-    """
-
-    uv: Vec2
-    height: float
-    rise: Vec2
-    lod: float = 0.0
-    fade: float = 0.0
-
-
-@struct
 class Reaching:
     """How much of a light reaches a point, 0 to 1, and how many heights were read to know."""
 
@@ -56,8 +43,8 @@ class Reaching:
 
 
 @shader
-def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing, variant: Variant) -> Reaching:
-    """How much of a light reaches the start of the ray."""
+def shadow(field: HeightField, ray: Ray, shadowing: Shadowing, variant: Variant) -> Reaching:
+    """How much of a light reaches the start of a ray that rises to the light, out of the relief."""
     if variant.boxed:
         if variant.shadows == "hard":
             return hard_of_boxes(field, ray, shadowing)
@@ -68,32 +55,29 @@ def shadow(field: HeightField, ray: ShadowRay, shadowing: Shadowing, variant: Va
 
 
 @shader
-def hard(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+def hard(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """All of it, or none once anything stands above the ray."""
     count = min(max(shadowing.shadow_steps, 1), MOST_READS)
-    step = (1.0 - ray.height) / float(count)
+    step = 1.0 / float(count)
     reads = 0
     for k in range(count):
-        risen = (float(k) + 1.0) * step
-        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
+        t = (float(k) + 1.0) * step
         reads = reads + 1
-        if surface > ray.height + risen + shadowing.shadow_offset:
+        if height_under(field, ray, t) > height_at(ray, t) + shadowing.shadow_offset:
             return Reaching(0.0, reads)
     return Reaching(1.0, reads)
 
 
 @shader
-def soft(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+def soft(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """Less the more stands above the ray, what is near counting most."""
     count = min(max(shadowing.shadow_steps, 1), MOST_READS)
-    step = (1.0 - ray.height) / float(count)
+    step = 1.0 / float(count)
     darkest = 0.0
     for k in range(count):
-        share = (float(k) + 1.0) / float(count)
-        risen = (float(k) + 1.0) * step
-        surface = surface_height(field, ray.uv + ray.rise * risen, ray.lod, ray.fade)
-        above = surface - ray.height - risen - shadowing.shadow_offset
-        darkest = max(darkest, above * (1.0 - share))
+        t = (float(k) + 1.0) * step
+        above = height_under(field, ray, t) - height_at(ray, t) - shadowing.shadow_offset
+        darkest = max(darkest, above * (1.0 - t))
     return Reaching(1.0 - saturate(darkest * shadowing.shadow_softness), count)
 
 
@@ -101,14 +85,14 @@ def soft(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
 
 
 @shader
-def hard_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+def hard_of_boxes(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """All of it, or none once a box stands above the ray: exact, however many steps are asked."""
     most = above_boxes(field, ray, shadowing.shadow_offset, 0.0)
     return Reaching(1.0 if most.share <= 0.0 else 0.0, most.reads)
 
 
 @shader
-def soft_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> Reaching:
+def soft_of_boxes(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """Less the more of a box stands above the ray, what is near counting most."""
     softness = shadowing.shadow_softness
     most = above_boxes(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
@@ -116,23 +100,22 @@ def soft_of_boxes(field: HeightField, ray: ShadowRay, shadowing: Shadowing) -> R
 
 
 @shader
-def above_boxes(field: HeightField, ray: ShadowRay, offset: float, enough: float) -> Reaching:
+def above_boxes(field: HeightField, ray: Ray, offset: float, enough: float) -> Reaching:
     """How far boxes stand above the ray where it comes to them, the most of it, and the reads.
 
     The box that the ray leaves does not count, and the walk ends once it is more than `enough`.
     """
     extent = size(field, 0)
-    climb = 1.0 - ray.height
-    line = line_over(extent, ray.uv, ray.rise * climb)
+    line = line_over(extent, ray.uv, ray.travel)
     cell = line.cell
     most = 0.0
     reads = 0
-    share = 0.0
-    while reads < MOST_BOXES and share < 1.0 and most <= enough:
+    t = 0.0
+    while reads < MOST_BOXES and t < 1.0 and most <= enough:
         leave = leaving(line, cell)
-        share = max(min(leave.x, leave.y), share)
+        t = max(min(leave.x, leave.y), t)
         cell = next_box(line, cell, leave)
-        above = top_of(field, extent, cell) - ray.height - share * climb - offset
-        most = max(most, above * max(1.0 - share, 0.0))
+        above = top_of(field, extent, cell) - height_at(ray, t) - offset
+        most = max(most, above * max(1.0 - t, 0.0))
         reads = reads + 1
     return Reaching(most, reads)

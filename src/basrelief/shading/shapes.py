@@ -35,9 +35,7 @@ has 1e-7 of itself as its last place), and the quotients by it far from overflow
 SLOWEST_SQUARED = 1e-24
 """The same for the squared length of a direction seen along an axis."""
 FAR = 1e9
-"""Further than anything is, its square finite."""
-BULGE = 1.0
-"""The radius that bounds what is raised above a solid's flat faces, which end somewhere."""
+"""Further than anything is."""
 NARROWEST = 1e-4
 """The sine of the angle from the pole below which the sphere's circle of latitude is held."""
 
@@ -52,24 +50,28 @@ class ShapeRay:
 
 @struct
 class SurfacePoint:
-    """Where a ray meets a surface, in object space.
+    """Where a ray meets a shape, in object space.
 
-    `distance` is the ray's parameter there, above 0, `leave` that where it leaves the shape again
-    (FAR for the plane, which has no inside); `normal` the outward unit normal; `along_u` and
-    `along_v` are ∂P/∂u and ∂P/∂v, never of length 0; `radius` is that of the curvature (BULGE on
-    a solid's flat faces, FAR on the plane). Where nothing is `found` the vectors are sound all the
-    same, those of a plane.
+    `distance` is the ray's parameter there, above 0, `t_exit` that where it leaves the shape again,
+    FAR for the plane, which has no inside; `normal` the outward unit normal. Where nothing is
+    `found` position and normal are sound all the same, those of the front.
     """
 
     found: bool
     distance: float
+    t_exit: float
     position: Vec3
     normal: Vec3
+
+
+@struct
+class Chart:
+    """How the shape's own texture lies at a point: coordinates, and ∂P/∂u and ∂P/∂v there, never of
+    length 0."""
+
+    uv: Vec2
     along_u: Vec3
     along_v: Vec3
-    uv: Vec2
-    leave: float
-    radius: float
 
 
 @struct
@@ -92,119 +94,30 @@ def shape(ray: ShapeRay, variant: Variant) -> SurfacePoint:
     return plane(ray)
 
 
-# --- the shapes ------------------------------------------------------------------------------
+@shader
+def chart(position: Vec3, normal: Vec3, variant: Variant) -> Chart:
+    """How the texture lies on the chosen shape, at a point of it."""
+    if variant.shape == "sphere":
+        return globe(normal)
+    if variant.shape == "cylinder":
+        return barrel(position, normal)
+    return square(position, normal)
 
 
 @shader
-def plane(ray: ShapeRay) -> SurfacePoint:
-    """The square from −½ to ½ in x and y at z = 0, facing +z: u along +x, v along −y."""
-    height = ray.origin.z
-    falling = -ray.direction.z
-    if height <= 0.0 or falling < SLOWEST:
-        return nothing()
-    distance = height / falling
-    met = ray.origin + ray.direction * distance
-    if max(abs(met.x), abs(met.y)) > 0.5:
-        return nothing()
-    up = Vec3(0.0, 1.0, 0.0)
-    return unit_square(distance, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0), up, FAR, FAR)
-
-
-@shader
-def box(ray: ShapeRay) -> SurfacePoint:
-    """The cube from −½ to ½, the whole texture on each of its six faces.
-
-    Seen from outside, the four sides have the picture's top towards +y. Top and bottom go on
-    from the front (+z) where they meet it: the top's picture has its top towards −z, the bottom's
-    towards +z, and u runs along +x on both.
+def shell_depth(raised: float, variant: Variant) -> float:
+    """The longest way of a ray through a shell around the chosen shape, `raised` thick, before it
+    meets the shape: all but along it. The flat faces of a box end like a curve of twice the radius.
     """
-    x = slab(ray.origin.x, ray.direction.x)
-    y = slab(ray.origin.y, ray.direction.y)
-    z = slab(ray.origin.z, ray.direction.z)
-    distance = max(x.enter, max(y.enter, z.enter))
-    leave = min(x.leave, min(y.leave, z.leave))
-    if distance <= 0.0 or distance > leave:
-        return nothing()
-    met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
-    up = Vec3(0.0, 1.0, 0.0)
-    normal = Vec3(0.0, 0.0, -copysign(1.0, ray.direction.z))
-    position = Vec3(met.xy, 0.5 * normal.z)
-    if x.enter >= max(y.enter, z.enter):
-        normal = Vec3(-copysign(1.0, ray.direction.x), 0.0, 0.0)
-        position = Vec3(0.5 * normal.x, met.yz)
-    elif y.enter >= z.enter:
-        normal = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
-        position = Vec3(met.x, 0.5 * normal.y, met.z)
-        up = Vec3(0.0, 0.0, -normal.y)
-    return unit_square(distance, position, normal, up, leave, BULGE)
+    if variant.shape == "plane":
+        return FAR
+    return sqrt(raised * ((2.0 if variant.shape == "box" else 1.0) + raised))
 
 
 @shader
-def sphere(ray: ShapeRay) -> SurfacePoint:
-    """The sphere of radius ½: u around the y axis, ½ at +z; v from the north pole (+y) down.
-
-    At the poles ∂P/∂u vanishes; closer to them than an angle of 1e-4 its length is held there.
-    """
-    span = ball(ray.origin, ray.direction)
-    if span.enter <= 0.0 or span.enter > span.leave:
-        return nothing()
-    normal = normalize(ray.origin + ray.direction * span.enter)
-    ring = sqrt(normal.x * normal.x + normal.z * normal.z)
-    east = east_of(normal, ring)
-    return SurfacePoint(
-        found=True,
-        distance=span.enter,
-        position=normal * 0.5,
-        normal=normal,
-        along_u=east * (PI * max(ring, NARROWEST)),
-        along_v=Vec3(normal.y * -east.z, -ring, normal.y * east.x) * (0.5 * PI),
-        uv=Vec2(around(normal), atan2(ring, normal.y) / PI),
-        leave=span.leave,
-        radius=0.5,
-    )
-
-
-@shader
-def cylinder(ray: ShapeRay) -> SurfacePoint:
-    """The cylinder of radius ½ from y = −½ to ½, closed by flat caps.
-
-    On the side u runs around the y axis, ½ at +z, and v from the top down. The caps lie as a
-    box's top and bottom do, a tile as wide as on the side: the width of the cap is 1/π of u.
-    """
-    side = ball(Vec3(ray.origin.x, 0.0, ray.origin.z), Vec3(ray.direction.x, 0.0, ray.direction.z))
-    caps = slab(ray.origin.y, ray.direction.y)
-    distance = max(side.enter, caps.enter)
-    leave = min(side.leave, caps.leave)
-    if distance <= 0.0 or distance > leave:
-        return nothing()
-    met = clamp(ray.origin + ray.direction * distance, -0.5, 0.5)
-    if caps.enter >= side.enter:
-        cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
-        up = Vec3(0.0, 0.0, -cap.y)
-        square = unit_square(distance, Vec3(met.x, 0.5 * cap.y, met.z), cap, up, leave, BULGE)
-        return SurfacePoint(
-            found=True,
-            distance=distance,
-            position=square.position,
-            normal=cap,
-            along_u=square.along_u * PI,
-            along_v=square.along_v,
-            uv=Vec2(0.5 + met.x / PI, square.uv.y),
-            leave=leave,
-            radius=BULGE,
-        )
-    normal = normalize(Vec3(met.x, 0.0, met.z))
-    return SurfacePoint(
-        found=True,
-        distance=distance,
-        position=Vec3(0.5 * normal.x, met.y, 0.5 * normal.z),
-        normal=normal,
-        along_u=east_of(normal, 1.0) * PI,
-        along_v=Vec3(0.0, -1.0, 0.0),
-        uv=Vec2(around(normal), 0.5 - met.y),
-        leave=leave,
-        radius=0.5,
-    )
+def widest(variant: Variant) -> float:
+    """The length of u from 0 to 1 where it is longest: a side, or the circumference."""
+    return PI if variant.shape in ("sphere", "cylinder") else 1.0
 
 
 @shader
@@ -216,42 +129,121 @@ def on_shape(uv: Vec2, variant: Variant) -> bool:
     return min(uv.x, uv.y) >= 0.0 and max(uv.x, uv.y) <= 1.0
 
 
-# --- what they are made of -------------------------------------------------------------------
+# --- where a ray meets them ------------------------------------------------------------------
+
+
+@shader
+def plane(ray: ShapeRay) -> SurfacePoint:
+    """The square from −½ to ½ in x and y at z = 0, facing +z."""
+    height = ray.origin.z
+    falling = -ray.direction.z
+    if height <= 0.0 or falling < SLOWEST:
+        return nothing()
+    distance = height / falling
+    met = ray.origin + ray.direction * distance
+    if max(abs(met.x), abs(met.y)) > 0.5:
+        return nothing()
+    return SurfacePoint(True, distance, FAR, Vec3(met.xy, 0.0), Vec3(0.0, 0.0, 1.0))
+
+
+@shader
+def box(ray: ShapeRay) -> SurfacePoint:
+    """The cube from −½ to ½."""
+    x = slab(ray.origin.x, ray.direction.x)
+    y = slab(ray.origin.y, ray.direction.y)
+    z = slab(ray.origin.z, ray.direction.z)
+    span = both(both(x, y), z)
+    if span.enter <= 0.0 or span.enter > span.leave:
+        return nothing()
+    met = clamp(ray.origin + ray.direction * span.enter, -0.5, 0.5)
+    normal = Vec3(0.0, 0.0, -copysign(1.0, ray.direction.z))
+    position = Vec3(met.xy, 0.5 * normal.z)
+    if x.enter >= max(y.enter, z.enter):
+        normal = Vec3(-copysign(1.0, ray.direction.x), 0.0, 0.0)
+        position = Vec3(0.5 * normal.x, met.yz)
+    elif y.enter >= z.enter:
+        normal = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
+        position = Vec3(met.x, 0.5 * normal.y, met.z)
+    return SurfacePoint(True, span.enter, span.leave, position, normal)
+
+
+@shader
+def sphere(ray: ShapeRay) -> SurfacePoint:
+    """The sphere of radius ½."""
+    span = ball(ray.origin, ray.direction)
+    if span.enter <= 0.0 or span.enter > span.leave:
+        return nothing()
+    normal = normalize(ray.origin + ray.direction * span.enter)
+    return SurfacePoint(True, span.enter, span.leave, normal * 0.5, normal)
+
+
+@shader
+def cylinder(ray: ShapeRay) -> SurfacePoint:
+    """The cylinder of radius ½ around the y axis from y = −½ to ½, closed by flat caps."""
+    side = ball(Vec3(ray.origin.x, 0.0, ray.origin.z), Vec3(ray.direction.x, 0.0, ray.direction.z))
+    caps = slab(ray.origin.y, ray.direction.y)
+    span = both(side, caps)
+    if span.enter <= 0.0 or span.enter > span.leave:
+        return nothing()
+    met = clamp(ray.origin + ray.direction * span.enter, -0.5, 0.5)
+    if caps.enter >= side.enter:
+        cap = Vec3(0.0, -copysign(1.0, ray.direction.y), 0.0)
+        return SurfacePoint(True, span.enter, span.leave, Vec3(met.x, 0.5 * cap.y, met.z), cap)
+    normal = normalize(Vec3(met.x, 0.0, met.z))
+    position = Vec3(0.5 * normal.x, met.y, 0.5 * normal.z)
+    return SurfacePoint(True, span.enter, span.leave, position, normal)
 
 
 @shader
 def nothing() -> SurfacePoint:
-    """No point: not found, the vectors those of a plane."""
-    return SurfacePoint(
-        found=False,
-        distance=0.0,
-        position=Vec3(0.0),
-        normal=Vec3(0.0, 0.0, 1.0),
-        along_u=Vec3(1.0, 0.0, 0.0),
-        along_v=Vec3(0.0, -1.0, 0.0),
-        uv=Vec2(0.0),
-        leave=FAR,
-        radius=FAR,
+    """No point."""
+    return SurfacePoint(False, 0.0, FAR, Vec3(0.0, 0.0, 0.5), Vec3(0.0, 0.0, 1.0))
+
+
+# --- how the texture lies on them ------------------------------------------------------------
+
+
+@shader
+def square(position: Vec3, normal: Vec3) -> Chart:
+    """The whole texture on a flat face of a plane or box, u to the right.
+
+    Seen from outside, the plane and the four sides have the picture's top towards +y. Top and
+    bottom go on from the front (+z) where they meet it: the top's picture has its top towards −z,
+    the bottom's towards +z, and u runs along +x on both.
+    """
+    up = Vec3(0.0, 1.0 - abs(normal.y), -normal.y)
+    right = cross(up, normal)
+    return Chart(Vec2(0.5 + dot(position, right), 0.5 - dot(position, up)), right, -up)
+
+
+@shader
+def globe(normal: Vec3) -> Chart:
+    """The sphere: u around the y axis, ½ at +z; v from the north pole (+y) down.
+
+    At the poles ∂P/∂u vanishes; closer to them than an angle of 1e-4 its length is held there.
+    """
+    ring = sqrt(normal.x * normal.x + normal.z * normal.z)
+    east = east_of(normal, ring)
+    return Chart(
+        uv=Vec2(around(normal), atan2(ring, normal.y) / PI),
+        along_u=east * (PI * max(ring, NARROWEST)),
+        along_v=Vec3(normal.y * -east.z, -ring, normal.y * east.x) * (0.5 * PI),
     )
 
 
 @shader
-def unit_square(
-    distance: float, position: Vec3, normal: Vec3, up: Vec3, leave: float, radius: float
-) -> SurfacePoint:
-    """A point on a unit square centred on an axis, its picture's top towards `up`."""
-    right = cross(up, normal)
-    return SurfacePoint(
-        found=True,
-        distance=distance,
-        position=position,
-        normal=normal,
-        along_u=right,
-        along_v=-up,
-        uv=Vec2(0.5 + dot(position, right), 0.5 - dot(position, up)),
-        leave=leave,
-        radius=radius,
-    )
+def barrel(position: Vec3, normal: Vec3) -> Chart:
+    """The cylinder: on its side u runs around the y axis, ½ at +z, and v from the top down. The
+    caps lie as a box's top and bottom do, a tile as wide as on the side: a cap is 1/π of u wide.
+    """
+    if normal.y != 0.0:
+        cap = square(position, normal)
+        return Chart(Vec2(0.5 + position.x / PI, cap.uv.y), cap.along_u * PI, cap.along_v)
+    east = east_of(normal, 1.0)
+    return Chart(Vec2(around(normal), 0.5 - position.y), east * PI, Vec3(0.0, -1.0, 0.0))
+
+
+# --- what they are made of -------------------------------------------------------------------
 
 
 @shader
@@ -264,6 +256,12 @@ def slab(origin: float, direction: float) -> Interval:
     step = copysign(max(abs(direction), SLOWEST), direction)
     half = copysign(0.5, direction)
     return Interval((-half - origin) / step, (half - origin) / step)
+
+
+@shader
+def both(a: Interval, b: Interval) -> Interval:
+    """What two intervals share."""
+    return Interval(max(a.enter, b.enter), min(a.leave, b.leave))
 
 
 @shader

@@ -5,32 +5,46 @@ Tangent space: x along +u, y up in the picture (−v), z along the outward norma
 
 from __future__ import annotations
 
-from basrelief.lang import Vec2, Vec3, copysign, cross, dot, length, normalize, shader, struct
+from basrelief.lang import Vec2, Vec3, copysign, cross, dot, normalize, shader, struct
 
 
 @struct
 class Frame:
-    """An orthonormal frame on a surface, in object space, and the texture's scale there.
+    """An orthonormal frame on a surface, in object space, and how a tile of the texture lies in it.
 
     The bitangent is cross(normal, tangent) · w, the handedness w being −1 where the texture is
-    mirrored. `width` is |∂P/∂u|, the width of one tile; `aspect` is |∂P/∂u| ÷ |∂P/∂v|.
+    mirrored. A tile is `width` = |∂P/∂u| wide, `height` high across that, and slanted by `shear`:
+    ∂P/∂v = shear · tangent − height · bitangent.
     """
 
     tangent: Vec3
     bitangent: Vec3
     normal: Vec3
     width: float
-    aspect: float
+    height: float
+    shear: float
 
 
 @shader
 def frame_of(normal: Vec3, along_u: Vec3, along_v: Vec3) -> Frame:
-    """The frame of a unit normal and the derivatives ∂P/∂u and ∂P/∂v, none of length 0."""
+    """The frame of a unit normal and the derivatives ∂P/∂u and ∂P/∂v, neither along the other."""
     tangent = normalize(along_u - normal * dot(normal, along_u))
     across = cross(normal, tangent)
-    handedness = copysign(1.0, -dot(across, along_v))
-    width = length(along_u)
-    return Frame(tangent, across * handedness, normal, width, width / length(along_v))
+    down = dot(across, along_v)
+    return Frame(
+        tangent=tangent,
+        bitangent=across * copysign(1.0, -down),
+        normal=normal,
+        width=dot(tangent, along_u),
+        height=abs(down),
+        shear=dot(tangent, along_v),
+    )
+
+
+@shader
+def aspect(frame: Frame) -> float:
+    """The width of a tile ÷ its height."""
+    return frame.width / frame.height
 
 
 @shader
@@ -46,9 +60,10 @@ def from_tangent(frame: Frame, v: Vec3) -> Vec3:
 
 
 @shader
-def to_texture(move: Vec2, aspect: float) -> Vec2:
-    """A move in tangent space, in tile widths, as a move of texture coordinates.
+def to_texture(frame: Frame, move: Vec2) -> Vec2:
+    """A move in tangent space, in units of object space, as a move of texture coordinates.
 
-    v runs down where y runs up, and a tile may be as wide as it likes: both are settled here.
+    The two equations ∂P/∂u · du + ∂P/∂v · dv = move, solved; v runs down where y runs up.
     """
-    return Vec2(move.x, -move.y * aspect)
+    dv = -move.y / frame.height
+    return Vec2((move.x - frame.shear * dv) / frame.width, dv)

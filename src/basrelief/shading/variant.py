@@ -28,7 +28,8 @@ class Variant:
     `displaced` says whether there is a relief, `boxed` whether each texel of it is a box, `fades`
     whether it fades with distance; `own_tilings` whether maps have tilings of their own, `layer`
     whether there is a second one; `X_map` whether there is such a map; `shadow_maps` whether other
-    objects cast shadows on this one. Of `edge` only "clip" matters beside the edge of the maps.
+    objects cast shadows on this one; `depth_only` whether the picture is a depth map, in which only
+    distance and opacity count. Of `edge` only "clip" matters beside the edge of the maps.
     """
 
     # --- of the object
@@ -57,3 +58,4 @@ class Variant:
     shading_model: ShadingModel = "ggx"
     occlusion_kind: OcclusionKind = "ambient"
     fog: FogKind = "none"
+    depth_only: bool = False

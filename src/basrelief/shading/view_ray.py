@@ -8,40 +8,41 @@ from __future__ import annotations
 
 from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
+from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View, meet
-from basrelief.shading.relief import Depth, beyond, depth_seen
-from basrelief.shading.tangent_frame import to_texture
+from basrelief.shading.relief import Depth, depth_seen, height_range, relief_ray, span_of
 from basrelief.shading.variant import Variant
-from basrelief.techniques.projection import full
-from basrelief.techniques.ray import Hit
 
 
 @struct
 class ViewRay:
-    """Where a pixel's ray meets the polygon, and how it goes on.
+    """A pixel's ray through the relief.
 
-    `uv` and `fall` are those of `techniques.Ray`; `distance` is the polygon's along the ray, in
-    world units, and `per_height` how much further the ray goes while it falls through all heights.
+    It comes in at texture coordinates `uv`, at height 1, and moves by `travel` until height 0, as
+    those of `techniques.Ray`; `distance` is how far along the ray it comes in, and `length` how far
+    it goes from there to height 0, in world units.
     """
 
     found: bool
     uv: Vec2
-    fall: Vec2
+    travel: Vec2
     distance: float
-    per_height: float
+    length: float
 
 
 @shader
 def view_ray(
-    at: IVec2, view: View, placement: Placement, depth: Depth, variant: Variant
+    at: IVec2, view: View, placement: Placement, depth: Depth, geometry: Geometry, variant: Variant
 ) -> ViewRay:
     """The ray of one pixel."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
     met = meet(ray, placement, variant)
-    if not met.point.found:
+    if not met.found:
         return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
-    deep = depth_seen(depth, met.point.distance, variant)
-    fall = to_texture(full(met.view, 0.0) * -deep.scale, met.frame.aspect)
-    lowest = beyond(met, deep, Hit(met.uv, 0.0, True, 0))
-    highest = beyond(met, deep, Hit(met.uv, 1.0, True, 0))
-    return ViewRay(True, met.uv, fall, met.point.distance, lowest - highest)
+    seen = depth_seen(depth, met.distance, variant)
+    deep = height_range(seen, placement, variant)
+    straight = relief_ray(met, seen, deep, 0.0, 0.0, variant)
+    span = span_of(met, seen.level, deep)
+    return ViewRay(
+        True, straight.uv, straight.travel, met.distance + span.enter, span.leave - span.enter
+    )

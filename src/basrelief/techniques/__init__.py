@@ -18,7 +18,7 @@ from basrelief.techniques.exact_bake import BOUNDS
 from basrelief.techniques.height import height_under
 from basrelief.techniques.march import fixed_length, parallax_occlusion, relief, steep
 from basrelief.techniques.offset import flat, offset, offset_limited
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import Hit, Ray, at, height_at, hit_at, t_at
 from basrelief.techniques.refine import contact, secant
 from basrelief.techniques.technique import Nothing, Technique, displace, technique
 from basrelief.techniques.texel import texel
@@ -26,8 +26,9 @@ from basrelief.techniques.texel import texel
 __all__ = [
     "BAKES", "BOUNDS", "CONE_MAP", "RELAXED_CONE_MAP", "TECHNIQUES", "Bake", "HeightField", "Hit",
     "Nothing", "Ray", "Technique", "Texture", "at", "cone", "contact", "displace", "exact",
-    "fixed_length", "flat", "height_under", "offset", "offset_limited", "parallax_occlusion",
-    "relaxed_cone", "relief", "secant", "setting", "steep", "struct", "technique", "texel",
+    "fixed_length", "flat", "height_at", "height_under", "hit_at", "offset", "offset_limited",
+    "parallax_occlusion", "relaxed_cone", "relief", "secant", "setting", "steep", "struct", "t_at",
+    "technique", "texel",
 ]  # fmt: skip
 
 

@@ -32,13 +32,13 @@ from basrelief.techniques.exact import (
     line_of,
     walls_of,
 )
-from basrelief.techniques.height import cell_at, extent_of, height_at
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.height import cell_at, extent_of, sharp
+from basrelief.techniques.ray import Hit, Ray, at, fastest_fall, height_at, hit_at
 from basrelief.techniques.technique import technique
 
 UNIT = 1.0 / 65535.0
 SHORTEST = 1e-6
-"""The least of its fall that a ray goes on by: less, and float32 would leave it where it is."""
+"""The least of its way that a ray goes on by: less, and float32 would leave it where it is."""
 
 
 @struct
@@ -76,7 +76,7 @@ def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     k = 0
     while k < settings.steps and not found and t < 1.0:
         walls = walls_of(line, cell)
-        out = max(min(walls.x, walls.y), t)
+        out = min(max(min(walls.x, walls.y), t), 1.0)
         above = clearance(field, line, cell, extent, t, out)
         found = is_met(above)
         reads = reads + 1
@@ -84,13 +84,13 @@ def cone(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
             # at its far wall the ray is still above this cell, and in its cone
             room = max(clearance_after(above, above.span), 0.0)
             held = cell_of_map(baked, line, cell, extent)
-            t = out + room * share_of_cone(baked, IVec2(int(held.x), int(held.y)), travel)
+            rate = fastest_fall(ray, out)
+            t = out + room * share_of_cone(baked, IVec2(int(held.x), int(held.y)), rate, travel)
+            t = min(t, 1.0)
             cell = cell_after(line, cell, walls, t)
             reads = reads + 1
         k = k + 1
-    met = t + first_root(above) if found else t
-    height = 1.0 - min(met, 1.0)
-    return Hit(at(ray, height), height, found or met >= 1.0, reads)
+    return hit_at(ray, t + first_root(above) if found else t, found, reads)
 
 
 @technique(bake=RELAXED_CONE_MAP, most_reads=36)
@@ -105,27 +105,28 @@ def relaxed_cone(field: HeightField, baked: Texture, ray: Ray, settings: Relaxed
     Relief Mapping, GPU Gems 3, 2007.
     """
     extent = size(field, 0)
-    travel = length(ray.fall * Vec2(float(extent.x), float(extent.y)))
+    travel = length(ray.travel * Vec2(float(extent.x), float(extent.y)))
     t = 0.0
     before = 0.0
-    clearance = 1.0 - height_at(field, at(ray, 1.0))
+    clearance = ray.height - sharp(field, ray.uv)
     reads = 1
     k = 0
     while k < settings.steps and clearance > 0.0 and t < 1.0:
         before = t
-        here = cell_of_baked(field, at(ray, 1.0 - t), extent)
-        t = min(t + max(clearance * share_of_cone(baked, here, travel), SHORTEST), 1.0)
-        clearance = (1.0 - t) - height_at(field, at(ray, 1.0 - t))
+        here = cell_of_baked(field, at(ray, t), extent)
+        ahead = clearance * share_of_cone(baked, here, fastest_fall(ray, t), travel)
+        t = min(t + max(ahead, SHORTEST), 1.0)
+        clearance = height_at(ray, t) - sharp(field, at(ray, t))
         reads = reads + 2
         k = k + 1
     found = clearance <= 0.0
     rounds = settings.search_steps if found and k > 0 else 0
     for _ in range(rounds):
         middle = 0.5 * (before + t)
-        above = height_at(field, at(ray, 1.0 - middle)) < 1.0 - middle
+        above = sharp(field, at(ray, middle)) < height_at(ray, middle)
         before = middle if above else before
         t = t if above else middle
-    return Hit(at(ray, 1.0 - t), 1.0 - t, found or t >= 1.0, reads + rounds)
+    return hit_at(ray, t, found, reads + rounds)
 
 
 @shader
@@ -136,12 +137,13 @@ def cell_of_baked(field: HeightField, uv: Vec2, extent: IVec2) -> IVec2:
 
 
 @shader
-def share_of_cone(baked: Texture, cell: IVec2, travel: float) -> float:
+def share_of_cone(baked: Texture, cell: IVec2, rate: float, travel: float) -> float:
     """How far a ray goes on within a cell's cone for each height that it is above the tip.
 
-    The ray moves by `travel` texels while it falls by 1. With the slope s of the cone it leaves it
-    after 1 ÷ (1 + s · travel) of the height; stored is c = 1 ÷ (1 + s).
+    In all of its t the ray moves by `travel` texels, and falls by no more than `rate`. With the
+    slope s of the cone it leaves it after 1 ÷ (rate + s · travel) of the height, or never where it
+    rises as steeply; stored is c = 1 ÷ (1 + s).
     """
     # before the first cell of a border that goes on, the surface is no steeper than in that cell
     c = stored(baked, IVec2(max(cell.x, 0), max(cell.y, 0))).x * UNIT
-    return c / max(c + (1.0 - c) * travel, 1e-9)
+    return c / max(c * rate + (1.0 - c) * travel, 1e-9)

@@ -43,7 +43,16 @@ from basrelief.techniques.exact_records import (
     near_blocks,
 )
 from basrelief.techniques.height import extent_of, level_under, patch_of
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import (
+    SLOWEST,
+    Hit,
+    Ray,
+    fall_at,
+    fastest_fall,
+    height_at,
+    hit_at,
+    lost_at,
+)
 from basrelief.techniques.technique import Nothing, technique
 
 MOST_STEPS = 16384
@@ -59,12 +68,13 @@ UNIT = 1.0 / 65535.0
 class Line:
     """A ray in texels, mirrored so that it never runs back, from the corner of its first cell.
 
-    It is at `start` at height 1 and at `start + way` at height 0; `pace` is the share of it that
-    one texel along each axis takes, `brisk` the less of both. Of the map's level `level` its first
-    cell is `first`, and the next along each axis lies `sign` away. `near` and `far` are where the
-    records for the way it goes begin, `doubt` the height that its plane may be off by.
+    The `ray` begins at `start` and ends at `start + way`; `pace` is the share of it that one texel
+    along each axis takes, `brisk` the less of both. Of the map's level `level` its first cell is
+    `first`, and the next along each axis lies `sign` away. `near` and `far` are where the records
+    for the way it goes begin, `doubt` the height that its plane may be off by.
     """
 
+    ray: Ray
     start: Vec2
     way: Vec2
     pace: Vec2
@@ -119,14 +129,13 @@ def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hi
         if goes_on(walk):
             walk = step(field, baked, line, extent, walk)
         k = k + 1
-    met = walk.t + first_root(walk.above) if walk.found else walk.t
-    height = 1.0 - min(met, 1.0)
-    return Hit(at(ray, height), height, walk.found or met >= 1.0, walk.reads)
+    t = walk.t + first_root(walk.above) if walk.found else min(walk.t, 1.0)
+    return hit_at(ray, t, walk.found, walk.reads)
 
 
 @shader
 def goes_on(walk: Walk) -> bool:
-    """Whether the ray has neither met anything nor come to the bottom."""
+    """Whether the ray has neither met anything nor come to its end."""
     return not walk.found and walk.t < 1.0
 
 
@@ -134,7 +143,7 @@ def goes_on(walk: Walk) -> bool:
 def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Walk) -> Walk:
     """From a cell as far as nothing is in the way, or to what is."""
     walls = walls_of(line, walk.cell)
-    out = max(min(walls.x, walls.y), walk.t)
+    out = min(max(min(walls.x, walls.y), walk.t), 1.0)
     t = free_until(baked, line, walk.cell, extent, walk.t, out)
     reads = walk.reads + 2
     above = walk.above
@@ -152,10 +161,9 @@ def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Wal
 
 @shader
 def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
-    """The ray from the top of the heights to their bottom, in texels of a level whose records begin
-    at a row of the table."""
-    start = at(ray, 1.0) * extent - 0.5
-    signed = ray.fall * extent
+    """The ray in texels of a level whose records begin at a row of the table."""
+    start = ray.uv * extent - 0.5
+    signed = ray.travel * extent
     back_u = signed.x < 0.0
     back_v = signed.y < 0.0
     sign = Vec2(-1.0 if back_u else 1.0, -1.0 if back_v else 1.0)
@@ -165,6 +173,7 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
     near = near_blocks(extent)
     far = far_blocks(extent)
     return Line(
+        ray=ray,
         start=0.5 + (start - first - 0.5) * sign,
         way=way,
         pace=pace,
@@ -209,20 +218,25 @@ def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, o
     y = max(int(held.y), 0)
     near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
     far = stored(baked, line.far + IVec2(x >> FAR_SHIFT, y >> FAR_SHIFT)) * UNIT
-    free = min(near.w * UNIT, out + line.brisk * float(WINDOW - BLOCK))
-    free = max(free, min(far.x, out + line.brisk * float((FAR - 1) * FAR_BLOCK)))
-    free = max(free, min(far.y, out + line.brisk * float((FAR_2 - 1) * FAR_BLOCK)))
-    free = max(free, min(far.z, out + line.brisk * float((FAR_3 - 1) * FAR_BLOCK)))
-    free = max(free, min(far.w, out + line.brisk * float((FAR_4 - 1) * FAR_BLOCK)))
+    # the height from here down to each record, and how soon the ray may have lost it
+    room = 1.0 - line.ray.height + lost_at(line.ray, t)
+    fall = fastest_fall(line.ray, t)
+    pace = 1.0 / max(fall, SLOWEST)
+    past = out - t
+    free = min((near.w * UNIT - room) * pace, past + line.brisk * float(WINDOW - BLOCK))
+    free = max(free, min((far.x - room) * pace, past + line.brisk * float((FAR - 1) * FAR_BLOCK)))
+    free = max(free, min((far.y - room) * pace, past + line.brisk * float((FAR_2 - 1) * FAR_BLOCK)))
+    free = max(free, min((far.z - room) * pace, past + line.brisk * float((FAR_3 - 1) * FAR_BLOCK)))
+    free = max(free, min((far.w - room) * pace, past + line.brisk * float((FAR_4 - 1) * FAR_BLOCK)))
     if cell_is_baked(baked, held, extent):
         slope = near.yz * (2.0 * STEEPEST * UNIT) - STEEPEST
-        room = LOWEST + near.x * ((HIGHEST - LOWEST) * UNIT) - line.doubt
+        deepest = LOWEST + near.x * ((HIGHEST - LOWEST) * UNIT) - line.doubt
         # which cell of its block the ray is in, from the block's back
         deep = 0.5 + line.sign * (Vec2(float(x & (BLOCK - 1)), float(y & (BLOCK - 1))) - 0.5)
         place = line.start + line.way * t - cell + deep
-        gain = (room - t - dot(slope, place)) / max(1.0 + dot(slope, line.way), 1e-9)
-        free = max(free, min(t + gain, out + line.brisk * float(PLANE - BLOCK)))
-    return free
+        gain = (deepest - room - dot(slope, place)) / max(fall + dot(slope, line.way), SLOWEST)
+        free = max(free, min(gain, past + line.brisk * float(PLANE - BLOCK)))
+    return t + free
 
 
 # --- one cell, solved -----------------------------------------------------------------------------
@@ -233,6 +247,7 @@ def clearance(
     field: HeightField, line: Line, cell: Vec2, extent: Vec2, t: float, out: float
 ) -> Clearance:
     """The line above a cell's patch, from t until it leaves the cell."""
+    ray = line.ray
     held = cell_of_map(field, line, cell, extent)
     four = patch_of(field, IVec2(int(held.x), int(held.y)), line.level)
     place = 0.5 + line.sign * (line.start + line.way * t - cell - 0.5)
@@ -241,9 +256,9 @@ def clearance(
     down = four.z - four.x
     twist = four.w - four.y - down
     return Clearance(
-        a=-twist * way.x * way.y,
-        b=-1.0 - way.x * (right + twist * place.y) - way.y * (down + twist * place.x),
-        c=(1.0 - t) - four.x - right * place.x - place.y * (down + twist * place.x),
+        a=ray.bend - twist * way.x * way.y,
+        b=-fall_at(ray, t) - way.x * (right + twist * place.y) - way.y * (down + twist * place.x),
+        c=height_at(ray, t) - four.x - right * place.x - place.y * (down + twist * place.x),
         span=out - t,
     )
 

@@ -48,9 +48,9 @@ class Smoothing:
 
 
 @shader
-def height_under(field: HeightField, ray: Ray, height: float) -> float:
-    """The surface's height, 0 to 1, below or above the ray where the ray is at a height."""
-    return surface_height(field, at(ray, height), ray.lod, ray.fade)
+def height_under(field: HeightField, ray: Ray, t: float) -> float:
+    """The surface's height, 0 to 1, below or above the ray at t."""
+    return surface_height(field, at(ray, t), ray.lod, ray.fade)
 
 
 @shader
@@ -63,7 +63,7 @@ def surface_height(field: HeightField, uv: Vec2, lod: float, fade: float) -> flo
         return smooth(field, uv, lod, fade)
     if field.filter == "mip":
         return height_in(field, uv, int(lod))
-    return height_at(field, uv)
+    return sharp(field, uv)
 
 
 @shader
@@ -86,7 +86,7 @@ def height_between(field: HeightField, uv: Vec2, lod: float) -> float:
 
 
 @shader
-def height_at(field: HeightField, uv: Vec2) -> float:
+def sharp(field: HeightField, uv: Vec2) -> float:
     """The height, 0 to 1, at texture coordinates; texel centres lie at (i + ½) ÷ N.
 
     From the finest level, written out as 0: on a GPU that reads all four texels at once.

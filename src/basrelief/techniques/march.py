@@ -1,15 +1,27 @@
 """The marches: read along the ray, layer by layer, until the surface is above it.
 
-A march of N steps reads at ray heights 1, 1 − 1/N, … 1/N. Features thinner than a step can be
-missed; where nothing is met the last position is the result.
+A march of N steps reads at t = 0, 1/N, … (N − 1)/N. Features thinner than a step can be missed;
+where nothing is met the last position is the result. A ray that is only a part of the whole way
+takes its share of the steps, and reads at its end too, where the next part goes on.
 """
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, length, mix, saturate, setting, shader, size, struct
+from basrelief.lang import (
+    HeightField,
+    Vec2,
+    floor,
+    length,
+    mix,
+    saturate,
+    setting,
+    shader,
+    size,
+    struct,
+)
 from basrelief.techniques.height import height_under
 from basrelief.techniques.projection import SHALLOWEST
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import Hit, Ray, height_at, hit_at
 from basrelief.techniques.technique import technique
 
 MOST_READS = 4096
@@ -64,12 +76,13 @@ class FixedLength:
 
 @struct
 class Layers:
-    """Where a march stopped: the last layer, the surface there, and both one layer before."""
+    """Where a march stopped: `t`, how far the ray is `over` the surface there, and both one layer
+    before."""
 
-    height: float
-    surface: float
-    height_before: float
-    surface_before: float
+    t: float
+    over: float
+    t_before: float
+    over_before: float
     step: float
     reads: int
 
@@ -80,8 +93,8 @@ def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
 
     Cost: up to `steps` reads. M. McGuire and M. McGuire, Steep Parallax Mapping, 2005.
     """
-    end = march(field, ray, settings.steps)
-    return Hit(at(ray, end.height), end.height, end.height <= end.surface, end.reads)
+    end = march(field, ray, share_of(ray, settings.steps))
+    return hit_at(ray, end.t, end.over <= 0.0, end.reads)
 
 
 @technique(most_reads=32)
@@ -93,9 +106,8 @@ def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
     2004.
     """
     end = march(field, ray, step_count(field, ray, settings))
-    found = end.height <= end.surface
-    height = chord(end) if found else end.height
-    return Hit(at(ray, height), height, found, end.reads)
+    found = end.over <= 0.0
+    return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
 
 @technique(most_reads=37)
@@ -107,17 +119,17 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)
-    found = end.height <= end.surface
+    found = end.over <= 0.0
     # there is a step to halve only between a layer above the surface and one below
     rounds = settings.search_steps if found and end.reads > 1 else 0
-    height = end.height
+    t = end.t
     below = True
     half = end.step
     for _ in range(rounds):
         half = half * 0.5
-        height = height + (half if below else -half)
-        below = height <= height_under(field, ray, height)
-    return Hit(at(ray, height), height, found, end.reads + rounds)
+        t = t + (-half if below else half)
+        below = height_at(ray, t) <= height_under(field, ray, t)
+    return hit_at(ray, t, found, end.reads + rounds)
 
 
 @technique(most_reads=300)
@@ -127,11 +139,11 @@ def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
     Goes as deep as its steps reach: what lies further is not found, and the last place stays.
     Cost: up to `steps` reads. Habrador, Advanced shaders in Unity: 3. Parallax mapping.
     """
-    step = settings.step_length * max(ray.cosine, SHALLOWEST) / ray.scale
-    end = layers(field, ray, settings.steps, step)
-    found = end.height <= end.surface
-    height = chord(end) if found else end.height
-    return Hit(at(ray, height), height, found, end.reads)
+    # the whole way is scale ÷ cosine tile widths long
+    step = settings.step_length * max(ray.cosine, SHALLOWEST) / (ray.scale * ray.share)
+    end = layers(field, ray, min(share_of(ray, settings.steps), int(1.0 / step) + 2), step)
+    found = end.over <= 0.0
+    return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
 
 # --- what the marches share ----------------------------------------------------------------------
@@ -139,45 +151,50 @@ def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
 
 @shader
 def march(field: HeightField, ray: Ray, steps: int) -> Layers:
-    """Go down through all of the range in a number of steps."""
+    """Go along all of the ray in a number of steps."""
     return layers(field, ray, steps, 1.0 / float(min(max(steps, 1), MOST_READS)))
 
 
 @shader
 def layers(field: HeightField, ray: Ray, steps: int, step: float) -> Layers:
-    """Go down layer by layer, to the first that is not above the surface, or to the last."""
+    """Go on layer by layer, to the first that is not above the surface, or to the last."""
     count = min(max(steps, 1), MOST_READS)
-    height = 1.0
-    surface = height_under(field, ray, height)
-    height_before = height
-    surface_before = surface
+    # the whole way needs no look at its end, where the base is; a part is not left before its own
+    part = ray.share < 1.0
+    last = count + 1 if part else count
+    furthest = 1.0 if part else 1.0 + step
+    t = 0.0
+    over = ray.height - height_under(field, ray, t)
+    t_before = t
+    over_before = over
     k = 1
-    while k < count and height > surface:
-        height_before = height
-        surface_before = surface
-        height = 1.0 - float(k) * step
-        surface = height_under(field, ray, height)
+    while k < last and over > 0.0:
+        t_before = t
+        over_before = over
+        t = min(float(k) * step, furthest)
+        over = height_at(ray, t) - height_under(field, ray, t)
         k = k + 1
-    return Layers(height, surface, height_before, surface_before, step, k)
+    return Layers(t, over, t_before, over_before, step, k)
 
 
 @shader
 def chord(end: Layers) -> float:
-    """The height at which the ray cuts the straight line between the last two surface points."""
-    return crossing(
-        end.height_before,
-        end.height_before - end.surface_before,
-        end.height,
-        end.surface - end.height,
-    )
+    """The t at which the ray cuts the straight line between the last two surface points."""
+    return crossing(end.t_before, end.over_before, end.t, -end.over)
 
 
 @shader
 def crossing(above: float, over: float, below: float, under: float) -> float:
-    """The height at which the ray meets the surface that it is `over` at the height `above` and
-    `under` at the height `below`, if both run straight."""
+    """The t at which the ray meets the surface that it is `over` at t = `above` and `under` at
+    t = `below`, if both run straight."""
     share = saturate(over / max(over + under, 1e-9))
     return mix(above, below, share)
+
+
+@shader
+def share_of(ray: Ray, steps: int) -> int:
+    """A ray's own share of the steps of the whole way, at least one."""
+    return max(-int(floor(-float(min(steps, MOST_READS)) * ray.share)), 1)
 
 
 @shader
@@ -186,14 +203,15 @@ def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
 
     N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
     """
-    return int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
+    steps = int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
+    return share_of(ray, steps)
 
 
 @shader
 def step_count(field: HeightField, ray: Ray, settings: March) -> int:
-    """The number of steps by angle, or by the texels that the whole ray passes over."""
+    """The number of steps by angle, or by the texels that the ray passes over."""
     extent = size(field, 0)
-    travel = length(ray.fall * Vec2(float(extent.x), float(extent.y)))
+    travel = length(ray.travel * Vec2(float(extent.x), float(extent.y)))
     by_texels = int(travel * settings.steps_per_texel)
     # a choice, not a branch: on a GPU the branch costs up to 8 % of a march
     by_angle = steps_by_angle(ray, settings.min_steps, settings.max_steps)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from basrelief.lang import HeightField, clamp, setting, shader, struct
 from basrelief.techniques.height import height_under
-from basrelief.techniques.ray import Hit, Ray
+from basrelief.techniques.ray import Hit, Ray, at, hit_at, t_at
 from basrelief.techniques.technique import Nothing, technique
 
 
@@ -20,7 +20,7 @@ class Offset:
 @technique()
 def flat(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """No parallax at all. Cost: nothing."""
-    return Hit(ray.uv, ray.level, True, 0)
+    return hit_at(ray, t_at(ray, ray.level), True, 0)
 
 
 @technique(level=0.5, most_reads=1)
@@ -47,6 +47,9 @@ def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """One read, one shift, each component held to the most allowed."""
-    height = height_under(field, ray, ray.level)
+    start = t_at(ray, ray.level)
+    height = height_under(field, ray, start)
+    end = t_at(ray, height)
     most = settings.max_offset
-    return Hit(ray.uv + clamp(ray.fall * (ray.level - height), -most, most), height, True, 1)
+    uv = at(ray, start) + clamp(ray.travel * (end - start), -most, most)
+    return Hit(uv, height, end, True, 1)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from basrelief.lang import HeightField, setting, struct
 from basrelief.techniques.height import height_under
 from basrelief.techniques.march import MOST_READS, crossing, march, steps_by_angle
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.ray import Hit, Ray, height_at, hit_at
 from basrelief.techniques.technique import technique
 
 
@@ -50,29 +50,29 @@ def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)
-    found = end.height <= end.surface
+    found = end.over <= 0.0
     # there is a step to cut only between a layer above the surface and one below
     rounds = settings.search_steps if found and end.reads > 1 else 0
-    above = end.height_before
-    over = end.height_before - end.surface_before
-    below = end.height
-    under = end.surface - end.height
+    above = end.t_before
+    over = end.over_before
+    below = end.t
+    under = -end.over
     moved = 0
     for _ in range(rounds):
-        height = crossing(above, over, below, under)
-        clearance = height - height_under(field, ray, height)
+        t = crossing(above, over, below, under)
+        clearance = height_at(ray, t) - height_under(field, ray, t)
         if clearance > 0.0:
-            above = height
+            above = t
             over = clearance
             under = under * (0.5 if moved == 1 else 1.0)
             moved = 1
         else:
-            below = height
+            below = t
             under = -clearance
             over = over * (0.5 if moved == -1 else 1.0)
             moved = -1
-    height = crossing(above, over, below, under) if found else end.height
-    return Hit(at(ray, height), height, found, end.reads + rounds)
+    t = crossing(above, over, below, under) if found else end.t
+    return hit_at(ray, t, found, end.reads + rounds)
 
 
 @technique(most_reads=31)
@@ -85,16 +85,15 @@ def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
     """
     steps = min(max(steps_by_angle(ray, settings.min_steps, settings.max_steps), 1), MOST_READS)
     end = march(field, ray, steps)
-    found = end.height <= end.surface
+    found = end.over <= 0.0
     finer = end.step / float(steps)
     # the last fine layer is the coarse one, and is known; met at once there is none before it
     count = steps if found and end.reads > 1 else 1
-    height = end.height
+    t = end.t
     below = False
     k = 1
     while k < count and not below:
-        height = end.height_before - float(k) * finer
-        below = height <= height_under(field, ray, height)
+        t = end.t_before + float(k) * finer
+        below = height_at(ray, t) <= height_under(field, ray, t)
         k = k + 1
-    height = height if below else end.height
-    return Hit(at(ray, height), height, found, end.reads + k - 1)
+    return hit_at(ray, t if below else end.t, found, end.reads + k - 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, size
+from basrelief.lang import HeightField, Vec2, clamp, shader, size
 from basrelief.techniques.columns import (
     MOST_BOXES,
     leaving,
@@ -11,7 +11,8 @@ from basrelief.techniques.columns import (
     top_of,
     within_box,
 )
-from basrelief.techniques.ray import Hit, Ray, at
+from basrelief.techniques.exact import Clearance, first_root
+from basrelief.techniques.ray import Hit, Ray, fall_at, height_at
 from basrelief.techniques.technique import Nothing, technique
 
 
@@ -24,23 +25,36 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
     """
     extent = size(field, 0)
-    line = line_over(extent, at(ray, 1.0), ray.fall)
+    line = line_over(extent, ray.uv, ray.travel)
+    lowest = lowest_of(ray)
     cell = line.cell
+    top = 0.0
     t = 0.0
-    height = 1.0
+    out = 0.0
     found = False
     k = 0
-    while k < MOST_BOXES and not found:
+    while k < MOST_BOXES and not found and t < 1.0:
         top = top_of(field, extent, cell)
         leave = leaving(line, cell)
-        out = max(min(leave.x, leave.y), t)
-        # through a side, at the height that the ray has there, or from above
-        found = 1.0 - t <= top or 1.0 - top <= out
-        height = min(1.0 - t, top) if found else 1.0 - out
-        t = t if found else out
-        cell = cell if found else next_box(line, cell, leave)
+        out = min(max(min(leave.x, leave.y), t), 1.0)
+        # through a side, or from above
+        found = height_at(ray, t) <= top or height_at(ray, clamp(lowest, t, out)) <= top
+        if not found:
+            t = out
+            cell = next_box(line, cell, leave) if t < 1.0 else cell
         k = k + 1
-    place = within_box(line, cell, 1.0 - height)
+    over = height_at(ray, t) - top
+    on_top = found and over > 0.0
+    t = t + first_root(Clearance(ray.bend, -fall_at(ray, t), over, out - t)) if on_top else t
+    place = within_box(line, cell, t)
     texels = Vec2(float(extent.x), float(extent.y))
     uv = (Vec2(float(cell.x), float(cell.y)) + place) / texels
-    return Hit(uv, height, found, k)
+    return Hit(uv, top if on_top else height_at(ray, t), t, found, k)
+
+
+@shader
+def lowest_of(ray: Ray) -> float:
+    """The t at which a ray that hangs through is lowest; of others, which are so at an end, 1."""
+    if ray.bend <= 0.0:
+        return 1.0
+    return clamp(0.5 + 0.5 * ray.drop / ray.bend, 0.0, 1.0)

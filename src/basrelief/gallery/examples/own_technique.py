@@ -7,7 +7,17 @@ from typing import Any
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
-from basrelief.techniques import HeightField, Hit, Ray, at, height_under, setting, struct, technique
+from basrelief.techniques import (
+    HeightField,
+    Hit,
+    Ray,
+    height_under,
+    hit_at,
+    setting,
+    struct,
+    t_at,
+    technique,
+)
 
 CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
 
@@ -22,10 +32,10 @@ class Guessing:
 @technique(level=0.5, most_reads=4)
 def guess(field: HeightField, ray: Ray, settings: Guessing) -> Hit:
     """Take the height found here for the height where the ray ends, and look there again."""
-    height = height_under(field, ray, ray.level)
+    height = height_under(field, ray, t_at(ray, ray.level))
     for _ in range(1, settings.guesses):
-        height = 0.5 * (height + height_under(field, ray, height))
-    return Hit(at(ray, height), height, True, settings.guesses)
+        height = 0.5 * (height + height_under(field, ray, t_at(ray, height)))
+    return hit_at(ray, t_at(ray, height), True, settings.guesses)
 
 
 def panels(texels: int) -> Iterator[Panel]:

@@ -350,6 +350,7 @@ export class Drawing {
       normal_map: has("normal") || (has("field") && state.scale > 0 && !boxes),
       shadows_on: "relief",
       shadow_maps: false,
+      depth_only: false,
     };
   }
 
@@ -385,6 +386,7 @@ export class Drawing {
         .filter((light) => light.intensity > 0)
         .map((light) => lightRecord(light, Object.keys(data.lightKinds))),
       views: [],
+      geometry_vertices: [],
       ...textures,
       baked: this.baked(state) ?? textures.unbaked,
     };
