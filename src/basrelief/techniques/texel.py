@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, Vec2, clamp, shader, size
+from basrelief.lang import HeightField, Vec2, clamp, size
 from basrelief.techniques.columns import (
     MOST_BOXES,
     leaving,
@@ -12,7 +12,7 @@ from basrelief.techniques.columns import (
     within_box,
 )
 from basrelief.techniques.exact import Clearance, first_root
-from basrelief.techniques.ray import Hit, Ray, fall_at, height_at
+from basrelief.techniques.ray import SLOWEST, Hit, Ray, fall_at, height_at
 from basrelief.techniques.technique import Nothing, technique
 
 
@@ -26,8 +26,10 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """
     extent = size(field, 0)
     line = line_over(extent, ray.uv, ray.travel)
-    lowest = lowest_of(ray)
     cell = line.cell
+    # where a ray that hangs through is lowest
+    lowest = 0.5 + 0.5 * ray.drop / max(ray.bend, SLOWEST)
+    height = ray.height
     top = 0.0
     t = 0.0
     out = 0.0
@@ -37,24 +39,20 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
         top = top_of(field, extent, cell)
         leave = leaving(line, cell)
         out = min(max(min(leave.x, leave.y), t), 1.0)
+        # kept for the next box: to compute it there anew costs a GPU a tenth
+        after = height_at(ray, out)
         # through a side, or from above
-        found = height_at(ray, t) <= top or height_at(ray, clamp(lowest, t, out)) <= top
-        if not found:
-            t = out
-            cell = next_box(line, cell, leave) if t < 1.0 else cell
+        found = min(height, after) <= top
+        if ray.bend > 0.0:
+            found = found or height_at(ray, clamp(lowest, t, out)) <= top
+        t = t if found else out
+        height = height if found else after
+        cell = cell if found else next_box(line, cell, leave)
         k = k + 1
-    over = height_at(ray, t) - top
+    over = height - top
     on_top = found and over > 0.0
     t = t + first_root(Clearance(ray.bend, -fall_at(ray, t), over, out - t)) if on_top else t
     place = within_box(line, cell, t)
     texels = Vec2(float(extent.x), float(extent.y))
     uv = (Vec2(float(cell.x), float(cell.y)) + place) / texels
-    return Hit(uv, top if on_top else height_at(ray, t), t, found, k)
-
-
-@shader
-def lowest_of(ray: Ray) -> float:
-    """The t at which a ray that hangs through is lowest; of others, which are so at an end, 1."""
-    if ray.bend <= 0.0:
-        return 1.0
-    return clamp(0.5 + 0.5 * ray.drop / ray.bend, 0.0, 1.0)
+    return Hit(uv, top if on_top else height, t, found, k)
