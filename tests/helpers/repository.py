@@ -10,9 +10,13 @@ TESTS = REPOSITORY / "tests"
 
 
 def commands(page: str) -> list[str]:
-    """The indented lines of a page that run basrelief on a terminal."""
+    """The indented or fenced lines of a page that run basrelief on a terminal."""
     text = (REPOSITORY / page).read_text()
-    return re.findall(r"^    (basrelief .*)$", text, flags=re.MULTILINE)
+    fenced = re.findall(r"^```(?:sh|bash|console)?\n(.*?)^```$", text, re.M | re.S)
+    return [
+        *re.findall(r"^ {4,}(basrelief .*)$", text, re.M),
+        *re.findall(r"^(basrelief .*)$", "".join(fenced), re.M),
+    ]
 
 
 def blocks(page: str) -> list[str]:

@@ -1,0 +1,127 @@
+"""What the documentation tells the reader to run works as it stands, and its links lead somewhere."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from basrelief.images import read_picture
+from basrelief.techniques import TECHNIQUES
+from helpers.command_line import done, write_material
+from helpers.repository import REPOSITORY, blocks, commands
+
+SMALL = {
+    "render": ["--size", "24x18", "--samples", "1"],
+    "compare": ["--size", "16x9", "--samples", "1", "--angles", "60", "--technique", "exact"],
+    "tune": ["--size", "16x9", "--technique", "relief"],
+    "explain": ["--size", "24x18", "--pixel", "12,9"],
+}
+"""Options that replace those of a page, by command."""
+DOCUMENTS = sorted(
+    path.relative_to(REPOSITORY).as_posix()
+    for pattern in ("*.md", "docs/**/*.md", "benchmarks/*.md")
+    for path in REPOSITORY.glob(pattern)
+)
+ELSEWHERE = (
+    "README.md", "docs/bake.md", "docs/command-line.md", "docs/compare.md", "docs/presets.md",
+    "docs/viewer.md", "docs/gallery.md",
+)  # fmt: skip
+"""Pages whose commands other tests run, with what they write."""
+PAGES = [page for page in DOCUMENTS if page.startswith("docs/") and page not in ELSEWHERE]
+LINES = sorted({line for page in PAGES for line in commands(page)})
+EXAMPLES = [
+    pytest.param(block, id=f"{page}-{number}")
+    for page in (*PAGES, "README.md")
+    for number, block in enumerate(blocks(page))
+    if "@technique" not in block
+]
+LINK = re.compile(r"\]\(([^()\s]+)\)")
+ANCHOR = re.compile(r'<a id="([^"]+)">')
+HEADING = re.compile(r"^#+ (.+)$", re.M)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with FOLDER, a material of all maps, small."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
+    write_material(tmp_path / "FOLDER")
+    (tmp_path / "FOLDER" / "wall_Height.png").rename(tmp_path / "FOLDER" / "wall_height.png")
+    return tmp_path
+
+
+# --- commands and examples ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        pytest.param(line, marks=pytest.mark.gpu if "--engine gpu" in line else ())
+        for line in LINES
+    ],
+)
+def test_commands_that_pages_show(line: str, here: Path) -> None:
+    """Each command succeeds, and writes the file or the folder that it names."""
+    words = shlex.split(line)[1:]
+    if "--frames" in words:
+        words[words.index("--frames") + 1] = "3"
+    assert done(*words, *SMALL.get(words[0], []))
+    if "-o" not in words:
+        return
+    written = here / words[words.index("-o") + 1]
+    assert written.exists()
+    if written.suffix == ".png":
+        assert np.ptp(read_picture(written).pixels) > 0, "the picture is of one colour"
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_python_that_pages_show(example: str, here: Path) -> None:
+    exec(compile(example.replace("(1280, 720)", "(24, 18)"), "example", "exec"), {})
+
+
+def test_every_technique_has_a_page() -> None:
+    text = "".join((REPOSITORY / page).read_text() for page in PAGES if "techniques/" in page)
+    assert {name for name in TECHNIQUES if f"--technique {name} " not in text} == {"flat"}
+    index, guide = ((REPOSITORY / "docs" / f).read_text() for f in ("index.md", "which-technique.md"))
+    for page in (REPOSITORY / "docs" / "techniques").glob("*.md"):
+        assert f"techniques/{page.name}" in index
+        assert f"techniques/{page.name}" in guide or page.stem == "horizon"
+
+
+# --- links ----------------------------------------------------------------------------------------
+
+
+def anchors(text: str) -> set[str]:
+    """The names of the places of a page that links can lead to, as GitHub makes them."""
+    headings = [re.sub(r"[^\w\- ]", "", each.lower()).strip() for each in HEADING.findall(text)]
+    return {each.replace(" ", "-") for each in headings} | set(ANCHOR.findall(text))
+
+
+def broken_links(page: str, text: str) -> list[str]:
+    """The relative links of a page that lead to no file, or to no heading of it."""
+    broken = []
+    for link in LINK.findall(text):
+        if re.match(r"[a-z]+:", link):
+            continue
+        name, _, anchor = link.partition("#")
+        target = (REPOSITORY / page).parent / name if name else REPOSITORY / page
+        if not target.exists() or (anchor and anchor not in anchors(target.read_text())):
+            broken.append(link)
+    return broken
+
+
+@pytest.mark.parametrize("page", DOCUMENTS)
+def test_links_lead_somewhere(page: str) -> None:
+    assert broken_links(page, (REPOSITORY / page).read_text()) == []
+
+
+def test_broken_links_are_noticed() -> None:
+    """The checks above can fail."""
+    text = "[a](bake.md) [b](no.md) [c](bake.md#no) [d](#e) [f](https://x.org/y) ![g](images/no.png)"
+    assert broken_links("docs/index.md", text) == ["no.md", "bake.md#no", "#e", "images/no.png"]
+    assert broken_links("docs/index.md", "# E\n[d](bake.md#normals)") == []
+    assert anchors('# `a`: b, c\n<a id="d">') == {"a-b-c", "d"}
