@@ -1,14 +1,18 @@
-"""What the documentation tells the reader to run works as it stands, and its links lead somewhere."""
+"""The commands, examples and links of the documentation work as they stand there."""
 
 from __future__ import annotations
 
+import functools
 import re
 import shlex
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import basrelief
 from basrelief.images import read_picture
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, write_material
@@ -44,6 +48,15 @@ ANCHOR = re.compile(r'<a id="([^"]+)">')
 HEADING = re.compile(r"^#+ (.+)$", re.M)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _smaller_samples() -> Iterator[None]:
+    """Samples that commands name have 32 texels a side here, and are drawn once."""
+    with pytest.MonkeyPatch.context() as patch:
+        sample = functools.cache(functools.partial(basrelief.sample, size=32))
+        patch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
+        yield
+
+
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with FOLDER, a material of all maps, small."""
@@ -59,10 +72,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(
     "line",
-    [
-        pytest.param(line, marks=pytest.mark.gpu if "--engine gpu" in line else ())
-        for line in LINES
-    ],
+    [pytest.param(line, marks=pytest.mark.gpu if "--engine gpu" in line else ()) for line in LINES],
 )
 def test_commands_that_pages_show(line: str, here: Path) -> None:
     """Each command succeeds, and writes the file or the folder that it names."""
@@ -86,7 +96,7 @@ def test_python_that_pages_show(example: str, here: Path) -> None:
 def test_every_technique_has_a_page() -> None:
     text = "".join((REPOSITORY / page).read_text() for page in PAGES if "techniques/" in page)
     assert {name for name in TECHNIQUES if f"--technique {name} " not in text} == {"flat"}
-    index, guide = ((REPOSITORY / "docs" / f).read_text() for f in ("index.md", "which-technique.md"))
+    index, guide = ((REPOSITORY / f"docs/{f}.md").read_text() for f in ("index", "which-technique"))
     for page in (REPOSITORY / "docs" / "techniques").glob("*.md"):
         assert f"techniques/{page.name}" in index
         assert f"techniques/{page.name}" in guide or page.stem == "horizon"
@@ -121,7 +131,7 @@ def test_links_lead_somewhere(page: str) -> None:
 
 def test_broken_links_are_noticed() -> None:
     """The checks above can fail."""
-    text = "[a](bake.md) [b](no.md) [c](bake.md#no) [d](#e) [f](https://x.org/y) ![g](images/no.png)"
+    text = "[a](bake.md) [b](no.md) [c](bake.md#no) [d](#e) [f](https://x.org) ![g](images/no.png)"
     assert broken_links("docs/index.md", text) == ["no.md", "bake.md#no", "#e", "images/no.png"]
     assert broken_links("docs/index.md", "# E\n[d](bake.md#normals)") == []
     assert anchors('# `a`: b, c\n<a id="d">') == {"a-b-c", "d"}
