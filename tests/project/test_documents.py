@@ -37,12 +37,9 @@ ELSEWHERE = (
 """Pages whose commands other tests run, with what they write."""
 PAGES = [page for page in DOCUMENTS if page.startswith("docs/") and page not in ELSEWHERE]
 LINES = sorted({line for page in PAGES for line in commands(page)})
-EXAMPLES = [
-    pytest.param(block, id=f"{page}-{number}")
-    for page in (*PAGES, "README.md")
-    for number, block in enumerate(blocks(page))
-    if "@technique" not in block
-]
+UNTESTED = ("README.md", "docs/bake.md", "docs/presets.md", "docs/viewer.md")
+"""Those of them whose Python examples no other test runs."""
+EXAMPLES = [page for page in (*UNTESTED, *PAGES) if blocks(page)]
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 ANCHOR = re.compile(r'<a id="([^"]+)">')
 HEADING = re.compile(r"^#+ (.+)$", re.M)
@@ -88,9 +85,19 @@ def test_commands_that_pages_show(line: str, here: Path) -> None:
         assert np.ptp(read_picture(written).pixels) > 0, "the picture is of one colour"
 
 
-@pytest.mark.parametrize("example", EXAMPLES)
-def test_python_that_pages_show(example: str, here: Path) -> None:
-    exec(compile(example.replace("(1280, 720)", "(24, 18)"), "example", "exec"), {})
+@pytest.mark.parametrize("page", EXAMPLES)
+def test_python_that_pages_show(page: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The examples of a page run one after another, with small pictures."""
+    render = basrelief.render
+    small = {"size": (24, 18), "samples": 1}
+    monkeypatch.setattr(
+        basrelief, "render", lambda *given, **options: render(*given, **options | small)
+    )
+    scope: dict[str, object] = {"__name__": "example"}
+    for example in blocks(page):
+        # the technique of the README is run from a file of its own, by the tests of techniques
+        if "@technique" not in example:
+            exec(compile(example, page, "exec"), scope)
 
 
 def test_every_technique_has_a_page() -> None:
