@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class BasreliefError(Exception):
-    """Any error of this library that its user can mend; its text is one line.
+    """Any error of this library that its user can fix; its text is one line.
 
     The command line prints the text and leaves with exit code 2.
     """

@@ -300,7 +300,7 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
     reason = str(error).split("\n")[0]
     line = refused_to_draw(bumps, "--engine", "gpu")
     assert line == (
-        f"no GPU is to be had here ({reason}); use --engine cpu, or install a Vulkan driver"
+        f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver"
     )
     assert refused("demo", "--engine", "gpu") == line
 

@@ -678,7 +678,7 @@ def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: 
 
 
 def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
-    fresh.page.get_by_label("Beside it").select_option("offset")
+    fresh.page.get_by_label("Compare with").select_option("offset")
     left, right = fresh.frame("left"), fresh.frame("right")
     assert_agree(expected(material), left, TEXELS)
     assert_agree(expected(material, technique="offset"), right, TEXELS)
@@ -691,7 +691,7 @@ def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> No
         shown.append(url)
     assert fresh.page.evaluate("viewer.state.divider") == 1
     assert shown[0] != shown[1]
-    fresh.page.get_by_label("Beside it").select_option("")
+    fresh.page.get_by_label("Compare with").select_option("")
     fresh.draw()
     alone = fresh.page.evaluate("(viewer.drawing.frames.present(), viewer.canvas.toDataURL())")
     assert alone == shown[1]
@@ -1228,7 +1228,7 @@ def test_pictures_dropped_together_are_what_their_names_say(
     fresh.page.get_by_role("button", name="Copy as command").click()
     assert "The maps that were changed are not in it." in fresh.text("#copied")
     # and all of it is taken back
-    fresh.page.get_by_role("button", name="As at the start").click()
+    fresh.page.get_by_role("button", name="Reset").click()
     assert_agree(expected(material), fresh.frame(), TEXELS)
 
 
@@ -1494,16 +1494,16 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     assert np.array_equal(seen.frame().color, before)
     assert "still shown" not in seen.text("#figures")
     # beside the divider there is nothing, and no divider
-    seen.page.get_by_label("Beside it").select_option("offset")
+    seen.page.get_by_label("Compare with").select_option("offset")
     seen.draw()
     assert seen.page.locator("#line").is_visible()
     assert " | " in seen.text("#figures")
-    seen.page.get_by_label("Beside it").select_option("steep")
+    seen.page.get_by_label("Compare with").select_option("steep")
     seen.draw()
     assert seen.page.locator("#messages p").count() == 2
     assert not seen.page.locator("#line").is_visible()
     assert " | " not in seen.text("#figures")
-    seen.page.get_by_label("Beside it").select_option("")
+    seen.page.get_by_label("Compare with").select_option("")
     assert np.array_equal(seen.frame().color, before)
     seen.page.close()
 

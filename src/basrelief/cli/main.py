@@ -34,7 +34,7 @@ _INTERRUPTED = 130
 
 
 def main() -> NoReturn:
-    """Run the command line; what the user can mend is one line and exit code 2."""
+    """Run the command line; errors that the user can fix are one line, with exit code 2."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         # a terminal that knows no × gets a question mark, not a traceback
         sys.stdout.reconfigure(errors="replace")

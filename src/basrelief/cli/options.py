@@ -94,7 +94,7 @@ class Light:
     ]
     shading_model: Annotated[Text, _choice(kinds.ShadingModel)]
     shadows: Annotated[Text, _choice(kinds.ShadowsKind)]
-    shadows_on: Annotated[Text, _choice(kinds.ShadowsOnKind, "Other objects' fall on: ")]
+    shadows_on: Annotated[Text, _choice(kinds.ShadowsOnKind, "Shadows of other objects land on: ")]
     casts: Annotated[Text, _choice(kinds.CastsKind, "What throws a shadow: ")]
     occlusion_kind: Annotated[Text, _option("It acts on: ambient light, or every (directional).")]
     fog: Annotated[Text, _choice(kinds.FogKind)]

@@ -42,14 +42,14 @@ def _request_adapter() -> Any:
     try:
         import wgpu
     except ImportError:
-        raise EngineError("the GPU engine needs wgpu; install it with: pip install wgpu") from None
+        raise EngineError("the GPU engine needs wgpu; pip install 'basrelief[gpu]'") from None
     _leave_out_opengl()
     try:
         return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
     except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise EngineError(
-            f"no GPU is to be had here ({reason}); use --engine cpu, or install a Vulkan driver"
+            f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver"
         ) from None
 
 

@@ -327,7 +327,8 @@ class _Builder:
             self.stretch("asked for", uses)
         elif low < high and high - low < USED_WELL:
             share = f"{100 * (high - low):.0f} % of the range"
-            self.note(f"the relief is {share}", f"{uses}; stretch_height fills it")
+            fill = "stretch_height (--stretch-height) fills it"
+            self.note(f"the relief is {share}", f"{uses}; {fill}")
 
     def stretch(self, why: str, uses: str) -> None:
         height = self.maps["height"]

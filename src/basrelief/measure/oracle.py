@@ -5,8 +5,8 @@ A. Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), and in each the
 solved as the quadratic that it is along a line. Rays are walked side by side in NumPy.
 
 A ray is a segment with t from 0 to 1: texture coordinates `uv + travel · t`, and the height
-`height − drop · t − bend · t (1 − t)`, a parabola. Without more said it falls straight from height
-1 to 0, as over a flat surface, where every ray ends on the surface or above it.
+`height − drop · t − bend · t (1 − t)`, a parabola. By default it falls straight from height 1
+to 0, as over a flat surface, where every ray ends on the surface or above it.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ class Tuned:
         return Preset(f"{self.material}-tuned", about, values={"object": thing})
 
     def report(self) -> str:
-        """What was chosen and what was given up, in a few lines of plain text."""
+        """The chosen settings and the cheaper ones that just missed, in a few lines of text."""
         chosen = self.chosen
         low, high = self.angles[0], self.angles[-1]
         lines = [
@@ -128,7 +128,7 @@ class Tuned:
             near = self.nearest
             less = 100.0 * (1.0 - near.seconds / chosen.seconds)
             lines.append(
-                f"given up: {_spelled(near)} would take {less:.0f} % less time "
+                f"just missed: {_spelled(near)} would take {less:.0f} % less time "
                 f"({near.seconds * 1e3:.3g} ms), but has {self._told(near)} at {near.angle:g}°"
             )
         if self.others:

@@ -50,7 +50,7 @@ export class Pace {
   }
 
   /**
-   * So many pixels cost so many milliseconds. What is faster than it was is believed by and by.
+   * So many pixels cost so many milliseconds. Speed-ups are adopted gradually.
    * @param {number} cost
    * @param {number} pixels
    */

@@ -110,7 +110,7 @@ function technique(view) {
     menu(view, ["technique"], "Technique", techniques(view), (name) => view.useTechnique(name)),
     element("p", { class: "doc" }, made.doc),
     rows(view, ["settings", state.technique], made.settings),
-    menu(view, ["compare"], "Beside it", [["", "nothing"], ...techniques(view)]),
+    menu(view, ["compare"], "Compare with", [["", "nothing"], ...techniques(view)]),
     state.compare !== "" &&
       state.compare !== state.technique && [
         element("p", { class: "doc" }, `Right of the divider: ${words(state.compare)}`),
@@ -311,7 +311,7 @@ function camera(view) {
 function air(view) {
   const { data, state } = view;
   return section(
-    "Air",
+    "Fog",
     false,
     named(view, "fog", "Fog"),
     state.fog !== "none" && rows(view, ["air"], data.settings.air),
@@ -368,7 +368,7 @@ function share(view) {
     !view.host && button("Copy link", () => view.copy("link"), { id: "copy-link" }),
     button("Save picture", () => view.save(), { id: "save" }),
     button("Frame it", () => view.frame(), { id: "frame" }),
-    button("As at the start", () => view.reset(), { id: "reset" }),
+    button("Reset", () => view.reset(), { id: "reset" }),
   );
-  return section("Take away", true, made, element("output", { id: "copied" }));
+  return section("Export", true, made, element("output", { id: "copied" }));
 }
