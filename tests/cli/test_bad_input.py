@@ -97,6 +97,12 @@ def test_no_heights_for_a_technique(technique: str, tmp_path: Path, out: Path) -
     assert "wall-flat-basrelief.png" in done("render", folder, *DRAW)
 
 
+def test_boxes_are_not_measured_against_another_surface(bumps: Path, out: Path) -> None:
+    line = refused_to_draw(bumps, "--technique", "texel", "--show", "missed")
+    assert "--show missed measures against the bilinear surface, and texel draws boxes" in line
+    done("render", bumps, *DRAW, "--technique", "texel", "--show", "reads")
+
+
 def test_a_true_tie(tmp_path: Path, out: Path) -> None:
     folder = tmp_path / "two"
     folder.mkdir()
@@ -299,9 +305,7 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("basrelief.engine.gpu._leave_out_opengl", lambda: None)
     reason = str(error).split("\n")[0]
     line = refused_to_draw(bumps, "--engine", "gpu")
-    assert line == (
-        f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver"
-    )
+    assert line == (f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver")
     assert refused("demo", "--engine", "gpu") == line
 
 
@@ -309,7 +313,7 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
 def test_no_wgpu(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wgpu", None)
     line = refused_to_draw(bumps, "--engine", "gpu")
-    assert line == "the GPU engine needs wgpu; install it with: pip install wgpu"
+    assert line == "the GPU engine needs wgpu; pip install 'basrelief[gpu]'"
 
 
 def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:

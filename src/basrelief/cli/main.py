@@ -310,6 +310,12 @@ def _show(
     check_shown(what)
     if frames != 1:
         raise InputError(f"--show {what}: one picture shows it; leave --frames away")
+    boxes = [each.drawn_with.name for each in scene.objects if each.drawn_with.boxes]
+    if boxes and what != "reads":
+        raise InputError(
+            f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "
+            "use --show reads or another technique"
+        )
     runner = choose_engine(engine)
     true = None if what == "reads" else truth(scene, size, engine=runner)
     frame = render(scene, size=size, samples=samples, engine=runner)
