@@ -35,6 +35,7 @@ from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import Depth, Intersection, displaced, self_shadowed, slope_of
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import CastView, past_others
+from basrelief.shading.shapes import widest
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
     Spot,
@@ -54,8 +55,8 @@ SOLID = 0.5
 
 @struct
 class Pixel:
-    """What a pixel knows: linear colour with coverage, distance along the ray in world units
-    (0 where nothing is hit), displaced texture coordinates, whether anything is hit, reads."""
+    """Linear colour with coverage, distance along the ray in world units (0 where nothing is hit,
+    but in a depth map), displaced texture coordinates, whether anything is hit, heights read."""
 
     color: Vec4
     depth: float
@@ -165,7 +166,10 @@ def shading_point(
     """The displaced point in world space, its normal bent by the normal map."""
     # a tile of other proportions than its maps is as steep as they are stretched
     stretch = aspect(met.frame) / placement.proportion
-    slanted = Vec3(surface.normal.x, surface.normal.y * stretch, surface.normal.z)
+    steeper = steepened(met, placement, variant)
+    slanted = Vec3(
+        surface.normal.x * steeper, surface.normal.y * stretch * steeper, surface.normal.z
+    )
     bent = from_tangent(met.frame, facing(slanted, slope, variant))
     return ShadingPoint(
         position=ray.origin + ray.direction * distance,
@@ -177,6 +181,15 @@ def shading_point(
         occlusion=surface.occlusion,
         emission=surface.emission,
     )
+
+
+@shader
+def steepened(met: Meeting, placement: Placement, variant: Variant) -> float:
+    """Slope of the relief as a multiple of that on the widest tile, for which normals are made:
+    on a sphere the relief is as deep on narrower ones."""
+    if variant.shape == "sphere" and variant.displaced:
+        return widest(variant) / (abs(placement.tiling.x) * met.frame.width)
+    return 1.0
 
 
 @shader
