@@ -27,14 +27,14 @@ HERE = Path(__file__).parent
 
 @struct
 class Sweep:
-    """Texture coordinates and the ray's fall, linear over the picture."""
+    """Texture coordinates and the ray's travel, linear over the picture."""
 
     origin: Vec2
     right: Vec2
     down: Vec2
-    fall: Vec2
-    fall_right: Vec2
-    fall_down: Vec2
+    travel: Vec2
+    travel_right: Vec2
+    travel_down: Vec2
 
 
 @struct
@@ -50,8 +50,8 @@ def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Found
     x = float(at.x)
     y = float(at.y)
     start = sweep.origin + sweep.right * x + sweep.down * y
-    fall = sweep.fall + sweep.fall_right * x + sweep.fall_down * y
-    ray = Ray(start, fall, height=1.0, drop=1.0, cosine=0.0)
+    travel = sweep.travel + sweep.travel_right * x + sweep.travel_down * y
+    ray = Ray(start, travel, height=1.0, drop=1.0, cosine=0.0)
     return Found(parallax_occlusion(heights, ray, march).uv)
 
 

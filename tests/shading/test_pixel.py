@@ -731,8 +731,8 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 PARALLAX = {
     "corners", "depth_seen", "height_range", "lod_seen", "relief_ray", "span_of", "trace",
     "shell_depth", "move_of", "sharp", "height_under", "surface_height", "march", "chord", "at",
-    "height_at", "hit_at", "t_at", "steps_by_angle", "step_count", "shifted", "full", "biased",
-    "limited", "line_over", "share_of_cone",
+    "height_at", "hit_at", "t_at", "steps_by_angle", "step_count_by_angle", "step_count",
+    "shifted", "full", "biased", "limited", "line_over", "share_of_cone",
     # these two are what other functions are called too
     *(name for name in TECHNIQUES if name not in ("texel", "cone")),
 }  # fmt: skip

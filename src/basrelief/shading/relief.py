@@ -9,6 +9,7 @@ from basrelief.lang import (
     Vec3,
     clamp,
     floor,
+    length,
     levels,
     normalize,
     saturate,
@@ -50,9 +51,9 @@ class Intersection:
     """Where a ray ends in the relief.
 
     `distance` is along the ray, in world units; `uv` and `height` are the place, `found` whether
-    anything was met there, `reads` the heights read. `open` is how much of a light comes through
-    where the ray goes to one, 1 all of it. The relief is drawn there `scale` tile widths deep (0
-    where it is flat), from the level `lod` of its heights.
+    anything was met there, `reads` the heights read. `open` is the visibility of the light that
+    the ray goes to, 1 where nothing is in its way. The relief is drawn there `scale` tile widths
+    deep (0 where it is flat), from the level `lod` of its heights.
     """
 
     found: bool
@@ -115,7 +116,10 @@ def trace(
     variant: Variant,
 ) -> Intersection:
     """Follow a ray through the relief: the view ray as the technique does, one to a light as the
-    self-shadow does. The segment is what the relief has of the ray over `span`, in world units.
+    self-shadow does.
+
+    `ray` is the segment that it covers over the interval `span`, in world units; the distance of
+    the result counts from where the interval does. For a light only `open` and `reads` count.
     """
     if variant.shadows != "none" and to_light:
         reaching = shadow(field, ray, shadowing, variant)
@@ -297,6 +301,6 @@ def self_shadowed(
         lod=moved.lod,
         fade=smoothing.mip_fade,
     )
-    span = Interval(0.0, whole * climb / met.stretch)
+    span = Interval(0.0, whole * climb / length(towards))
     ended = trace(field, baked, ray, span, settings, shadowing, True, variant)
     return Reaching(ended.open, ended.reads + 1)

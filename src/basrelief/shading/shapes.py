@@ -107,7 +107,8 @@ def chart(position: Vec3, normal: Vec3, variant: Variant) -> Chart:
 @shader
 def shell_depth(raised: float, variant: Variant) -> float:
     """The longest way of a ray through a shell around the chosen shape, `raised` thick, before it
-    meets the shape: all but along it. The flat faces of a box end like a curve of twice the radius.
+    meets the shape: all but along it. The flat faces of a box end like a curve of twice the radius;
+    the caps of a cylinder like its side.
     """
     if variant.shape == "plane":
         return FAR

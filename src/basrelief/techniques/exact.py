@@ -218,7 +218,7 @@ def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, o
     y = max(int(held.y), 0)
     near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
     far = stored(baked, line.far + IVec2(x >> FAR_SHIFT, y >> FAR_SHIFT)) * UNIT
-    # the height from here down to each record, and how soon the ray may have lost it
+    # how far below the top the ray is here, and how soon it may be as low as a record
     room = 1.0 - line.ray.height + lost_at(line.ray, t)
     fall = fastest_fall(line.ray, t)
     pace = 1.0 / max(fall, SLOWEST)

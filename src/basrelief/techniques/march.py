@@ -2,7 +2,8 @@
 
 A march of N steps reads at t = 0, 1/N, … (N − 1)/N. Features thinner than a step can be missed;
 where nothing is met the last position is the result. A ray that is only a part of the whole way
-takes its share of the steps, and reads at its end too, where the next part goes on.
+takes its share of the steps; one that ends above the base is read at its end too, from where the
+next part goes on.
 """
 
 from __future__ import annotations
@@ -136,12 +137,13 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
 def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
     """March in steps of one length along the ray, then weigh the last two places.
 
-    Goes as deep as its steps reach: what lies further is not found, and the last place stays.
+    Goes as deep as its steps reach, on each part of a way: what lies further is not found, and the
+    last place stays.
     Cost: up to `steps` reads. Habrador, Advanced shaders in Unity: 3. Parallax mapping.
     """
     # the whole way is scale ÷ cosine tile widths long
     step = settings.step_length * max(ray.cosine, SHALLOWEST) / (ray.scale * ray.share)
-    end = layers(field, ray, min(share_of(ray, settings.steps), int(1.0 / step) + 2), step)
+    end = layers(field, ray, min(settings.steps, int(1.0 / step) + 2), step)
     found = end.over <= 0.0
     return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
@@ -159,10 +161,10 @@ def march(field: HeightField, ray: Ray, steps: int) -> Layers:
 def layers(field: HeightField, ray: Ray, steps: int, step: float) -> Layers:
     """Go on layer by layer, to the first that is not above the surface, or to the last."""
     count = min(max(steps, 1), MOST_READS)
-    # the whole way needs no look at its end, where the base is; a part is not left before its own
-    part = ray.share < 1.0
-    last = count + 1 if part else count
-    furthest = 1.0 if part else 1.0 + step
+    # a ray that comes down to the base needs no look there; no other is left before its end
+    goes_on = height_at(ray, 1.0) > 0.0
+    last = count + 1 if goes_on else count
+    furthest = 1.0 if goes_on else 1.0 + step
     t = 0.0
     over = ray.height - height_under(field, ray, t)
     t_before = t
@@ -199,12 +201,17 @@ def share_of(ray: Ray, steps: int) -> int:
 
 @shader
 def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
+    """A ray's own share of the steps by angle."""
+    return share_of(ray, step_count_by_angle(ray, min_steps, max_steps))
+
+
+@shader
+def step_count_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
     """More steps the flatter the view: from the most along the surface to the least head-on.
 
     N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
     """
-    steps = int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
-    return share_of(ray, steps)
+    return int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
 
 
 @shader

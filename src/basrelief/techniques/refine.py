@@ -7,7 +7,14 @@ from __future__ import annotations
 
 from basrelief.lang import HeightField, setting, struct
 from basrelief.techniques.height import height_under
-from basrelief.techniques.march import MOST_READS, crossing, march, steps_by_angle
+from basrelief.techniques.march import (
+    MOST_READS,
+    crossing,
+    march,
+    share_of,
+    step_count_by_angle,
+    steps_by_angle,
+)
 from basrelief.techniques.ray import Hit, Ray, height_at, hit_at
 from basrelief.techniques.technique import technique
 
@@ -83,8 +90,9 @@ def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
     What lies between two coarse layers and above neither is missed. Cost: up to twice the number
     of steps in reads, less one. A. Riccardi, Contact Refinement Parallax Mapping, 2019.
     """
-    steps = min(max(steps_by_angle(ray, settings.min_steps, settings.max_steps), 1), MOST_READS)
-    end = march(field, ray, steps)
+    whole = step_count_by_angle(ray, settings.min_steps, settings.max_steps)
+    steps = min(max(whole, 1), MOST_READS)
+    end = march(field, ray, share_of(ray, steps))
     found = end.over <= 0.0
     finer = end.step / float(steps)
     # the last fine layer is the coarse one, and is known; met at once there is none before it

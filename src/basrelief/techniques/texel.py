@@ -47,7 +47,7 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
             found = found or height_at(ray, clamp(lowest, t, out)) <= top
         t = t if found else out
         height = height if found else after
-        cell = cell if found else next_box(line, cell, leave)
+        cell = cell if found or out >= 1.0 else next_box(line, cell, leave)
         k = k + 1
     over = height - top
     on_top = found and over > 0.0
