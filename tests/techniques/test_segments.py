@@ -221,6 +221,53 @@ def test_of_boxes_the_first_is_met(cpu, bend: float) -> None:
             assert np.abs(texels).max() < 0.02
 
 
+# --- closed forms ---------------------------------------------------------------------------------
+
+PARABOLAS = [
+    (0.9, 0.45, 0.0),
+    (0.9, 0.2, 1.2),
+    (0.9, 0.2, -1.2),
+    (0.55, -0.3, 0.9),
+    (0.7, -0.2, -0.5),
+    (1.2, 0.9, 0.6),
+]
+"""Height, drop and bend; the last begins above all heights."""
+
+
+def proven(heights: np.ndarray, ray: Ray) -> Hit:
+    """Where `exact` ends on a map whose border goes on."""
+    heights = np.asarray(heights, np.float32)
+    baked = Texture([baking.bounds(heights, "clamp")], "clamp")
+    return exact(HeightField([heights], "clamp"), baked, ray, Nothing())
+
+
+def assert_first(hit: Hit, over: np.ndarray, t: np.ndarray) -> None:
+    """The hit is the first of many places at which the ray is not above the closed form."""
+    below = over <= 0.0
+    assert bool(hit.found) == below.any()
+    assert float(hit.t) == pytest.approx(t[np.argmax(below)] if below.any() else 1.0, abs=5e-6)
+
+
+@pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
+@pytest.mark.parametrize("along", [0.3, -0.3])
+def test_exact_meets_closed_forms_by_parabolas(height, drop, bend, along: float) -> None:
+    """A plane at ½; a ramp of 0.2 + 0.6 u; a step that rises by 0.7 between two texel centres."""
+    t = np.linspace(0.0, 1.0, 1_000_001)
+    path = height - drop * t - bend * t * (1 - t)
+    u = 0.45 + along * t
+    ramp = np.tile(0.2 + 0.6 * (np.arange(64) + 0.5) / 64, (9, 1))
+    step = np.full((4, 16), 0.1)
+    step[:, 8:] = 0.8
+    forms = (
+        (np.full((6, 5), 0.5), np.full_like(t, 0.5)),
+        (ramp, 0.2 + 0.6 * u),
+        (step, np.interp(u, [7.5 / 16, 8.5 / 16], [0.1, 0.8])),
+    )
+    ray = Ray(Vec2(0.45, 0.5), Vec2(along, 0.0), height, drop, 0.5, bend=bend)
+    for heights, surface in forms:
+        assert_first(proven(heights, ray), path - surface, t)
+
+
 # --- the parts of a way ---------------------------------------------------------------------------
 
 
