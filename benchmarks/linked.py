@@ -22,7 +22,7 @@ from basrelief.engine.gpu import GpuEngine, Job
 from basrelief.lang import Buffer, HeightField, Texture
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.shading.geometry import Vertex
-from basrelief.shading.shadow_map import CastView
+from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer.printed import Printed, printed
 
@@ -39,9 +39,9 @@ def scenes(techniques: Iterable[str], texels: int) -> dict[str, basrelief.Scene]
     material = basrelief.sample("bricks", texels)
     found = {}
     for name in techniques:
-        thing = basrelief.Object(material, technique=name, scale=0.06, tiling=(3.0, 3.0))
-        found[name] = basrelief.Scene((thing,), camera=basrelief.Orbit(20.0, 35.0), shadows="soft")
-    land = replace(found["relief"].objects[0], surface="landscape", finish={})
+        obj = basrelief.Object(material, technique=name, scale=0.06, tiling=(3.0, 3.0))
+        found[name] = basrelief.Scene((obj,), camera=basrelief.Orbit(20.0, 35.0), shadows="soft")
+    land = replace(found["relief"].objects[0], surface="landscape", surface_parameters={})
     found["landscape"] = replace(found["relief"], objects=(land,), fog="exponential")
     return found
 
@@ -50,8 +50,8 @@ def jobs(
     engine: GpuEngine, made: Printed, scene: basrelief.Scene, size: tuple[int, int]
 ) -> tuple[dict[str, Job], Any]:
     """The engine's program and the linked one, and the seconds that each took to make."""
-    thing = scene.objects[0]
-    program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
+    obj = scene.objects[0]
+    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
     library = made.library
     types = program.parameters
     needed = [replace(each, type=types.get(each.name)) for each in library.bindings["pixel"]]
@@ -61,7 +61,7 @@ def jobs(
         if each.type is Texture
     }
     ones = HeightField([np.ones((1, 1), np.float32)], "wrap")
-    nothing |= {"field": ones, "distances": ones, "views": Buffer((), CastView)}
+    nothing |= {"field": ones, "distances": ones, "views": Buffer((), ShadowMapView)}
     nothing |= {"geometry_vertices": Buffer((), Vertex)}
     began = time.perf_counter()
     whole = engine.prepare(program, values, size)

@@ -14,12 +14,12 @@ from basrelief.rendering.programs import program_of, values_of
 
 def plane_scene(maps: int = 1024) -> basrelief.Scene:
     """A textured plane that fills a picture of 16 : 9: bricks, occlusion mapping 8 to 32 steps."""
-    thing = basrelief.Object(
+    obj = basrelief.Object(
         basrelief.sample("bricks", maps),
         technique="parallax_occlusion",
         scale=0.06,
         tiling=(3.0, 3.0),
-        transform=basrelief.turned("x", -90.0) @ basrelief.placed(scale=(6.0, 6.0, 6.0)),
+        transform=basrelief.rotated("x", -90.0) @ basrelief.placed(scale=(6.0, 6.0, 6.0)),
     )
     lights = (
         basrelief.directional(-50.0, 35.0),
@@ -27,13 +27,13 @@ def plane_scene(maps: int = 1024) -> basrelief.Scene:
         basrelief.spot((-1.0, 2.0, 0.0), intensity=3.0),
     )
     camera = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=2.0)
-    return basrelief.Scene((thing,), camera=camera, lights=lights)
+    return basrelief.Scene((obj,), camera=camera, lights=lights)
 
 
 def work(scene: basrelief.Scene, size: tuple[int, int], engine: Engine):  # type: ignore[no-untyped-def]
     """The program of the scene's first object, and its values, baked by an engine."""
-    thing = scene.objects[0]
-    return program_of(thing, scene), values_of(thing, scene, size, engine)
+    obj = scene.objects[0]
+    return program_of(obj, scene), values_of(obj, scene, size, engine)
 
 
 class Seconds(NamedTuple):

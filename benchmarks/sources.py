@@ -19,14 +19,14 @@ import basrelief
 from basrelief.errors import EngineError
 from basrelief.rendering.programs import program_of, values_of
 
-PLANE = basrelief.turned("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
+PLANE = basrelief.rotated("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
 CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)
 """The plane fills the whole picture: every pixel pays."""
 
 
 def gamedev(texels: int = 512) -> basrelief.Scene:
     """Parallax occlusion of 4 to 20 samples, ambient and diffuse light on the colour map."""
-    thing = basrelief.Object(
+    obj = basrelief.Object(
         basrelief.sample("bricks", texels),
         technique="parallax_occlusion",
         settings={"min_steps": 4, "max_steps": 20},
@@ -35,7 +35,7 @@ def gamedev(texels: int = 512) -> basrelief.Scene:
         transform=PLANE,
     )
     return basrelief.Scene(
-        (thing,),
+        (obj,),
         camera=CAMERA,
         lights=(basrelief.directional(-50.0, 35.0),),
         shading_model="phong",
@@ -45,7 +45,7 @@ def gamedev(texels: int = 512) -> basrelief.Scene:
 
 def halliwell(shadows: str, texels: int = 512) -> basrelief.Scene:
     """A march by angle with a search after it, one light, with and without self-shadow."""
-    thing = basrelief.Object(
+    obj = basrelief.Object(
         basrelief.sample("cobbles", texels),
         technique="relief",
         settings={"min_steps": 8, "max_steps": 24, "search_steps": 5},
@@ -54,7 +54,7 @@ def halliwell(shadows: str, texels: int = 512) -> basrelief.Scene:
         transform=PLANE,
     )
     return basrelief.Scene(
-        (thing,),
+        (obj,),
         camera=CAMERA,
         lights=(basrelief.directional(-50.0, 35.0),),
         shadows=shadows,  # type: ignore[arg-type]
@@ -77,8 +77,8 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
     engine = CpuEngine()
     tasks: dict[str, Callable[[], object]] = {}
     for name, (scene, size) in cases.items():
-        thing = scene.objects[0]
-        program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
+        obj = scene.objects[0]
+        program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
     walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
@@ -94,9 +94,9 @@ def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
     engine, found = GpuEngine(), {}
     runs = 1 if quick else RUNS
     for name, (scene, size) in cases.items():
-        thing = scene.objects[0]
-        values = values_of(thing, scene, size, engine)
-        with engine.prepare(program_of(thing, scene), values, size) as job:
+        obj = scene.objects[0]
+        values = values_of(obj, scene, size, engine)
+        with engine.prepare(program_of(obj, scene), values, size) as job:
             found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
     return engine.device, found, {}
 

@@ -22,7 +22,7 @@ def scene() -> basrelief.Scene:
         shape="box",
         technique="relief",
         scale=0.06,
-        transform=basrelief.placed((-1.15, 0.0, -0.1)) @ basrelief.turned("y", 25.0),
+        transform=basrelief.placed((-1.15, 0.0, -0.1)) @ basrelief.rotated("y", 25.0),
     )
     sphere = basrelief.Object(
         basrelief.sample("gravel", 1024), shape="sphere", technique="relief", scale=0.1
@@ -32,7 +32,7 @@ def scene() -> basrelief.Scene:
         shape="cylinder",
         technique="relief",
         scale=0.05,
-        transform=basrelief.placed((1.2, 0.0, -0.2)) @ basrelief.turned("y", 10.0),
+        transform=basrelief.placed((1.2, 0.0, -0.2)) @ basrelief.rotated("y", 10.0),
     )
     return basrelief.Scene(
         (ground, box, sphere, cylinder),

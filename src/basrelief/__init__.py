@@ -38,12 +38,12 @@ if TYPE_CHECKING:
         point,
         spot,
     )
-    from basrelief.scene import turned as turned
+    from basrelief.scene import rotated as rotated
     from basrelief.scene.motion import Lighting, Opening, Orbiting, Scrolling
     from basrelief.scene.presets import PRESETS, Preset, preset
     from basrelief.shading.brdf import Shading
     from basrelief.shading.lights import Light
-    from basrelief.shading.surfaces.standard import Finish
+    from basrelief.shading.surfaces.standard import SurfaceParameters
     from basrelief.techniques import TECHNIQUES
 
 _HOMES = {
@@ -60,25 +60,64 @@ _HOMES = {
     "basrelief.rendering.render": ("render",),
     "basrelief.scene": (
         "Layer", "LookAt", "Object", "Orbit", "Scene", "Tiling", "directional", "placed", "point",
-        "spot", "turned",
+        "spot", "rotated",
     ),
     "basrelief.scene.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
     "basrelief.scene.presets": ("PRESETS", "Preset", "preset"),
     "basrelief.shading.brdf": ("Shading",),
     "basrelief.shading.lights": ("Light",),
-    "basrelief.shading.surfaces.standard": ("Finish",),
+    "basrelief.shading.surfaces.standard": ("SurfaceParameters",),
     "basrelief.techniques": ("TECHNIQUES",),
 }  # fmt: skip
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Explanation",
-    "Finish", "Frame", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
-    "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Scene", "Scrolling",
-    "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_engine", "compare",
-    "debug_picture", "directional", "explain", "frames", "load", "placed", "point", "preset",
-    "render", "sample", "spot", "truth", "tune",
-    "turned", "write_film",
+    "PRESETS",
+    "TECHNIQUES",
+    "BasreliefError",
+    "Comparison",
+    "EngineError",
+    "Errors",
+    "Explanation",
+    "Frame",
+    "Image",
+    "InputError",
+    "Layer",
+    "Light",
+    "Lighting",
+    "LookAt",
+    "Map",
+    "Material",
+    "Object",
+    "Opening",
+    "Orbit",
+    "Orbiting",
+    "Preset",
+    "Scene",
+    "Scrolling",
+    "Shading",
+    "SurfaceParameters",
+    "Tiling",
+    "Truth",
+    "Tuned",
+    "__version__",
+    "choose_engine",
+    "compare",
+    "debug_picture",
+    "directional",
+    "explain",
+    "frames",
+    "load",
+    "placed",
+    "point",
+    "preset",
+    "render",
+    "rotated",
+    "sample",
+    "spot",
+    "truth",
+    "tune",
+    "write_film",
 ]  # fmt: skip
 
 

@@ -63,7 +63,7 @@ def test_a_technique_reads_lower_levels_where_its_bake_covers_them() -> None:
 
     assert with_bake(BOUNDS).takes_heights == ("sharp", "mip")
     assert with_bake(CONE_MAP).takes_heights == ("sharp",)
-    assert with_bake(BOUNDS, boxes=True).takes_heights == ("sharp",)
+    assert with_bake(BOUNDS, columns=True).takes_heights == ("sharp",)
     assert with_bake(None).takes_heights == ("sharp", "smooth", "mip")
 
 

@@ -29,11 +29,11 @@ from basrelief.scene import (
     directional,
     placed,
     point,
+    rotated,
     spot,
-    turned,
 )
 from basrelief.scene.presets import preset
-from basrelief.shading.surfaces.standard import Finish
+from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.techniques import TECHNIQUES, relief
 
 
@@ -196,20 +196,22 @@ def test_a_scene_of_nothing_said_is_the_default() -> None:
 def test_settings_find_their_home() -> None:
     texts = ["max-steps=9", "roughness=0.5", "base_color=0.1/0.2/0.3", "ambient=0.4", "bias=0.2"]
     made = scene(settings=texts, technique="relief")
-    thing = made.objects[0]
-    assert thing.settings == replace(relief.settings(), max_steps=9)
-    assert thing.finish == Finish(base_color=Vec3(0.1, 0.2, 0.3), roughness=0.5)
+    obj = made.objects[0]
+    assert obj.settings == replace(relief.settings(), max_steps=9)
+    assert obj.surface_parameters == SurfaceParameters(
+        base_color=Vec3(0.1, 0.2, 0.3), roughness=0.5
+    )
     assert made.shading.ambient == Vec3(0.4)
-    assert thing.bias == 0.2
+    assert obj.bias == 0.2
     # what is said last holds
     assert scene(settings=["bias=1", "bias=2"]).objects[0].bias == 2.0
 
 
 def test_places_and_sizes() -> None:
-    thing = scene(tiling="2x3", shift="0.5,0.25", shape="box", stretch="1/2/3").objects[0]
-    assert thing.tiles == (2.0, 3.0)
-    assert thing.shift == (0.5, 0.25)
-    assert (thing.to_world == placed(scale=(1.0, 2.0, 3.0))).all()
+    obj = scene(tiling="2x3", shift="0.5,0.25", shape="box", stretch="1/2/3").objects[0]
+    assert obj.tiles == (2.0, 3.0)
+    assert obj.shift == (0.5, 0.25)
+    assert (obj.to_world == placed(scale=(1.0, 2.0, 3.0))).all()
 
 
 @pytest.mark.parametrize(
@@ -248,7 +250,10 @@ def test_places_and_sizes() -> None:
         ({"settings": ["water_level=0.1"]}, "--set water_level: there is no such setting here"),
         ({"settings": ["roughness=1"], "surface": "landscape"}, "--set roughness: there is no"),
         ({"settings": ["fog_density=-1"]}, "fog_density is -1: give a number from 0 to 1000"),
-        ({"fog": "thick"}, "fog is one of none, linear, exponential, exponential_squared, not 'th"),
+        (
+            {"fog_mode": "thick"},
+            "fog is one of none, linear, exponential, exponential_squared, not 'th",
+        ),
         ({"occlusion_kind": "all"}, "occlusion_kind is one of ambient, directional, not 'all'"),
         ({"map_tiling": ["2x3"]}, "--map-tiling 2x3: write NAME=VALUE"),
         ({"map_tiling": ["height=2"]}, "--map-tiling height: the maps are base_color, normal, re"),
@@ -281,9 +286,9 @@ def test_further_objects() -> None:
     assert first.shape == "plane"
     assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
     assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
-    assert ball.to_world == pytest.approx(turned("z", 90.0))
+    assert ball.to_world == pytest.approx(rotated("z", 90.0))
     (_, lifted) = scene(add=["sphere,material=sample:tiles,level=0.5,bias=0.2,scale=0.1"]).objects
-    assert (lifted.drawn_with, lifted.relief_level, lifted.bias) == (relief, 0.5, 0.2)
+    assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
 
 
 def test_layers_lie_as_they_are_told_to() -> None:
@@ -386,8 +391,8 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
 def test_any_scene_is_one_or_refused(texts: dict[str, Any]) -> None:
     made = reads_or_refuses(lambda: scene(**texts))
     if made is not None:
-        thing = made.objects[0]
-        assert np.isfinite([*thing.tiles, *thing.shift, thing.bias, thing.relief_scale]).all()
+        obj = made.objects[0]
+        assert np.isfinite([*obj.tiles, *obj.shift, obj.bias, obj.relief_scale]).all()
         assert made.background is None or np.isfinite(made.background).all()
 
 

@@ -19,8 +19,8 @@ from basrelief.cli import main
 from basrelief.engine import choose_engine, cpu, gpu
 from basrelief.images import read_picture, srgb_encode, write_data
 from basrelief.material import describe, report
-from basrelief.scene import Layer, Tiling, placed, turned
-from basrelief.shading.surfaces.standard import Finish
+from basrelief.scene import Layer, Tiling, placed, rotated
+from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import (
     COMMAND,
@@ -110,9 +110,9 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
         "--set min_steps=2 --set max-steps=3 --set search_steps=0",
         {"settings": {"min_steps": 2, "max_steps": 3, "search_steps": 0}},
     ),
-    "finish": (
+    "surface_parameters": (
         "--set roughness=0.2 --set base_color=0.9,0.1/0.2 --set normal_strength=0",
-        {"finish": Finish(basrelief.lang.Vec3(0.9, 0.1, 0.2), roughness=0.2, normal_strength=0.0)},
+        {"surface_parameters": SurfaceParameters(basrelief.lang.Vec3(0.9, 0.1, 0.2), roughness=0.2, normal_strength=0.0)},
     ),
     "shading": (
         "--set ambient=0.7", {"shading": basrelief.Shading(ambient=basrelief.lang.Vec3(0.7))},
@@ -175,15 +175,15 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
         "--layer sample:grid --layer-tiling 5x3 --layer-shift 0.25,0 --set layer_color=0.5",
         {
             "layer": Layer(basrelief.sample("grid", NAMED), Tiling((5.0, 3.0), (0.25, 0.0))),
-            "finish": {"layer_color": 0.5},
+            "surface_parameters": {"layer_color": 0.5},
         },
     ),
     "landscape": (
         "--surface landscape --set water_level=0.6 --set sky-color=0/1/0",
-        {"surface": "landscape", "finish": {"water_level": 0.6, "sky_color": (0.0, 1.0, 0.0)}},
+        {"surface": "landscape", "surface_parameters": {"water_level": 0.6, "sky_color": (0.0, 1.0, 0.0)}},
     ),
-    "fog": ("--fog exponential --set fog_density=0.9", {
-        "fog": "exponential", "air": {"fog_density": 0.9},
+    "fog": ("--fog-mode exponential --set fog_density=0.9", {
+        "fog_mode": "exponential", "fog": {"fog_density": 0.9},
     }),
     "occlusion": (
         "--occlusion-kind directional --set directional_occlusion=0.7",
@@ -249,8 +249,8 @@ def test_further_objects(bumps: Path, here: Path) -> None:
         ),
         basrelief.Object(
             basrelief.Material("white", base_color=white), "box",
-            finish={"base_color": (1.0, 0.5, 0.2)},
-            transform=placed((0.3, 0.2, 0.0)) @ turned("y", 30.0) @ placed(scale=(0.2, 0.4, 0.2)),
+            surface_parameters={"base_color": (1.0, 0.5, 0.2)},
+            transform=placed((0.3, 0.2, 0.0)) @ rotated("y", 30.0) @ placed(scale=(0.2, 0.4, 0.2)),
         ),
     )  # fmt: skip
     scene = basrelief.Scene(objects, shadows="hard", shadows_on="polygon")
@@ -501,7 +501,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 levels"),
         ("light and shading", "shininess=10 1 to 1000"),
         ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
-        ("fog (--fog linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),
+        ("fog (--fog-mode linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),
     ):
         assert f" {shown}" in " ".join(parts[heading].split())
     assert max(map(len, printed.splitlines())) <= 100

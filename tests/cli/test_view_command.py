@@ -37,7 +37,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
         "view", "sample:bricks", "-o", page, "--texels", "64", "--technique", "steep", "--set",
-        "steps=9", "--shape", "cylinder", "--heights", "smooth", "--edge", "clamp", "--fog",
+        "steps=9", "--shape", "cylinder", "--heights", "smooth", "--edge", "clamp", "--fog-mode",
         "linear", "--set", "fog_end=7", "--surface", "landscape", "--map-tiling", "normal=2x3",
         "--shadows", "soft", "--light", "spot,position=1/2/1,angle=50,intensity=3", "--camera",
         "azimuth=10,elevation=20", "--engine", "cpu",
@@ -49,7 +49,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     assert state["technique"] == "steep"
     assert state["settings"]["steep"]["steps"] == 9
     assert (state["shape"], state["heights"], state["edge"]) == ("cylinder", "smooth", "clamp")
-    assert (state["fog"], state["air"]["fog_end"]) == ("linear", 7.0)
+    assert (state["fog"], state["fog"]["fog_end"]) == ("linear", 7.0)
     assert (state["surface"], state["shadows"]) == ("landscape", "soft")
     assert state["tilings"]["normal"]["tiles"] == [2.0, 3.0]
     (light,) = state["lights"]

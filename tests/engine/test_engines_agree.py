@@ -63,7 +63,7 @@ def test_cpu_and_gpu_agree(technique: str, shape: str, name: str) -> None:
 @pytest.mark.gpu
 @pytest.mark.parametrize("technique", TECHNIQUES)
 def test_they_agree_at_a_low_angle_with_another_projection_edge_and_lights(technique: str) -> None:
-    thing = Object(
+    obj = Object(
         material("cobbles"),
         technique=technique,
         projection="biased",
@@ -78,7 +78,7 @@ def test_they_agree_at_a_low_angle_with_another_projection_edge_and_lights(techn
         point((0.2, 0.3, 0.1)),
         spot((-0.4, 0.5, 0.3), softness=0.8),
     )
-    scene = Scene((thing,), camera=Orbit(-70.0, 18.0, 1.4), lights=lights, shading_model="phong")
+    scene = Scene((obj,), camera=Orbit(-70.0, 18.0, 1.4), lights=lights, shading_model="phong")
     assert_agree(drawn(scene, cpu()), drawn(scene, gpu()))
 
 
@@ -87,12 +87,17 @@ def test_the_ruler_can_fail() -> None:
     frame = drawn(Scene((Object(material("bricks"), technique="flat"),)), cpu())
     assert_agree(frame, frame)
     moved = Frame(
-        frame.color, frame.depth, frame.uv + np.float32(0.1 / TEXELS), frame.hit, frame.reads, "x"
+        frame.color,
+        frame.distance,
+        frame.uv + np.float32(0.1 / TEXELS),
+        frame.hit,
+        frame.reads,
+        "x",
     )
     with pytest.raises(AssertionError, match=r"within 0\.05\s+pixel"):
         assert_agree(frame, moved)
     brighter = Frame(
-        frame.color * np.float32(1.1), frame.depth, frame.uv, frame.hit, frame.reads, "x"
+        frame.color * np.float32(1.1), frame.distance, frame.uv, frame.hit, frame.reads, "x"
     )
     with pytest.raises(AssertionError, match=r"within 2\.0\s+pixel"):
         assert_agree(frame, brighter)
@@ -110,16 +115,16 @@ def test_python_computes_the_same_pixel_as_the_cpu(technique: str, shape: str) -
     )
 
 
-@pytest.mark.parametrize("heights", ["smooth", "mip", "boxes"])
+@pytest.mark.parametrize("heights", ["smooth", "mip", "columns"])
 def test_python_reads_heights_as_the_cpu_does(heights: str) -> None:
-    kind = {"technique": "texel"} if heights == "boxes" else {"heights": heights}
-    thing = Object(material("gravel", 32), scale=0.3, tiling=(3.0, 3.0), **kind)
-    assert_python_agrees(Scene((thing,), shadows="soft"))
+    kind = {"technique": "texel"} if heights == "columns" else {"heights": heights}
+    obj = Object(material("gravel", 32), scale=0.3, tiling=(3.0, 3.0), **kind)
+    assert_python_agrees(Scene((obj,), shadows="soft"))
 
 
 def assert_python_agrees(scene: Scene) -> None:
-    thing = scene.objects[0]
-    program, values = program_of(thing, scene), values_of(thing, scene, (40, 24), cpu())
+    obj = scene.objects[0]
+    program, values = program_of(obj, scene), values_of(obj, scene, (40, 24), cpu())
     planes = cpu().run(program, values, (40, 24))
     for x, y in [(20, 12), (15, 9), (24, 14), (0, 0)]:
         one = pixel_in_python(program, values, x, y)
@@ -139,7 +144,7 @@ def scene_of_two() -> Scene:
 
 
 def as_bytes(frame: Frame) -> bytes:
-    parts = (frame.color, frame.depth, frame.uv, frame.hit, frame.reads)
+    parts = (frame.color, frame.distance, frame.uv, frame.hit, frame.reads)
     return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
 
@@ -174,9 +179,9 @@ def test_small_pictures_agree(size: tuple[int, int]) -> None:
 
 def test_a_pixel_is_the_same_in_a_picture_of_rows_and_alone() -> None:
     """The last row and column come out as in a larger run of the same camera."""
-    thing = Object(material("bricks", 64), technique="relief")
-    scene = Scene((thing,))
-    program, values = program_of(thing), values_of(thing, scene, (67, 19), cpu())
+    obj = Object(material("bricks", 64), technique="relief")
+    scene = Scene((obj,))
+    program, values = program_of(obj), values_of(obj, scene, (67, 19), cpu())
     whole = cpu().run(program, values, (67, 19))
     part = cpu().run(program, values, (5, 3))
     for name in whole:

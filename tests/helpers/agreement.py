@@ -57,7 +57,7 @@ def assert_agree(one: Frame, other: Frame, texels: int) -> None:
     colors = steps_apart(one, other)
     share = float((colors[both] <= ALIKE).mean())
     assert share >= 0.995, f"{share:.4%} within {ALIKE}\n{worst(colors, one, other, 'steps')}"
-    depths = np.abs(one.depth[both] - other.depth[both])
+    depths = np.abs(one.distance[both] - other.distance[both])
     assert (depths <= 1e-3).mean() >= 0.999
 
 

@@ -36,8 +36,8 @@ from basrelief import (
     placed,
     point,
     render,
+    rotated,
     spot,
-    turned,
 )
 from basrelief.scene import SHAPES
 from basrelief.techniques import (
@@ -67,10 +67,10 @@ class Guesses:
     guesses: int = setting(default=2, doc="heights read", low=1, high=16)
 
 
-@technique(level=0.5, most_reads=2)
+@technique(reference_height=0.5, most_reads=2)
 def own(field: HeightField, ray: Ray, settings: Guesses) -> Hit:
     """The height below the ray, read again where that height puts the ray."""
-    height = ray.level
+    height = ray.reference_height
     for _ in range(settings.guesses):
         height = height_under(field, ray, t_at(ray, height))
     return hit_at(ray, t_at(ray, height), True, settings.guesses)
@@ -123,7 +123,7 @@ SCENE_NUMBERS = {
         "directional_occlusion": 0.7,
     },
     "shadowing": {"shadow_steps": 9, "shadow_softness": 5.0, "shadow_offset": 0.06},
-    "air": {
+    "fog_mode": {
         "fog_color": (0.3, 0.4, 0.2),
         "fog_density": 0.45,
         "fog_start": 1.3,
@@ -178,7 +178,9 @@ def without(*maps: str) -> Option:
 def casting(shadows: str, casts: str = "shape", **scene: Any) -> Option:
     """Two objects that cast shadows on each other."""
     return Option(
-        object={"casts": casts}, scene={"shadows": shadows, "shadow_map": 48, **scene}, further=copy
+        object={"casts": casts},
+        scene={"shadows": shadows, "shadow_map_size": 48, **scene},
+        further=copy,
     )
 
 
@@ -200,8 +202,8 @@ MIRRORED = {
     name: replace(tiling, tiles=(-tiling.tiles[0], tiling.tiles[1]))
     for name, tiling in APART.items()
 }
-TURNED = placed((0.07, -0.04, 0.05)) @ turned("y", 31.0) @ turned("x", -67.0)
-STRETCHED = turned("y", -23.0) @ placed(scale=(1.2, 0.7, 0.9)) @ turned("x", -71.0)
+TURNED = placed((0.07, -0.04, 0.05)) @ rotated("y", 31.0) @ rotated("x", -67.0)
+STRETCHED = rotated("y", -23.0) @ placed(scale=(1.2, 0.7, 0.9)) @ rotated("x", -71.0)
 
 MENUS: dict[str, dict[str, Option]] = {
     "projection": {
@@ -238,7 +240,7 @@ MENUS: dict[str, dict[str, Option]] = {
     "response": {"no-response": without("occlusion", "roughness", "metallic", "layer_mask")},
     "emission": {"emission": Option({"emission": exact_maps.emission()})},
     "transform": {
-        "turned": Option(object={"transform": TURNED}),
+        "rotated": Option(object={"transform": TURNED}),
         "stretched": Option(object={"transform": STRETCHED}),
     },
     "shadows": {
@@ -248,10 +250,10 @@ MENUS: dict[str, dict[str, Option]] = {
     },
     "model": {"phong": Option(scene={"shading_model": "phong"})},
     "occlusion": {"directional": Option(scene={"occlusion_kind": "directional"})},
-    "fog": {
-        "linear": Option(scene={"fog": "linear"}),
-        "exponential": Option(scene={"fog": "exponential"}),
-        "squared": Option(scene={"fog": "exponential_squared"}),
+    "fog_mode": {
+        "linear": Option(scene={"fog_mode": "linear"}),
+        "exponential": Option(scene={"fog_mode": "exponential"}),
+        "squared": Option(scene={"fog_mode": "exponential_squared"}),
     },
     "lights": {
         "dark": Option(scene={"lights": ()}),
@@ -275,8 +277,8 @@ BESIDE: dict[str, Option] = {
     "scale-0": Option(object={"scale": 0.0}),
     "deep": Option(object={"scale": 0.7}),
     "towers": Option({"height": exact_maps.towers()}),
-    "leaning": Option(object={"finish": {"normal_strength": 4.0}}),
-    "polished": Option(object={"finish": {"roughness": 0.02}}),
+    "leaning": Option(object={"surface_parameters": {"normal_strength": 4.0}}),
+    "polished": Option(object={"surface_parameters": {"roughness": 0.02}}),
     "no-height": without("height"),
     "single-texels": Option(exact_maps.single_texels()),
     "twice": Option(further=copy),
@@ -416,7 +418,7 @@ def scene_of(case: str) -> Scene:
         known = drawn_with.settings.__dataclass_fields__
         arguments["settings"] = {key: SETTINGS[key] for key in SETTINGS if key in known}
         arguments["smoothing"] = SMOOTHING
-        arguments["finish"] = FINISHES[arguments.get("surface", "standard")]
+        arguments["surface_parameters"] = FINISHES[arguments.get("surface", "standard")]
     first = Object(material, shape, drawn_with, **arguments)
     further = [obj for option in options for obj in option.further(first)]
     scene = merged(option.scene for option in options)

@@ -20,7 +20,7 @@ from helpers import frame_cases
 from helpers.repository import TESTS
 
 STORE = TESTS / "rendering" / "frame_hashes.json"
-PLANES = ("color", "depth", "uv", "hit", "reads")
+PLANES = ("color", "distance", "uv", "hit", "reads")
 DIGITS = 12
 """Hexadecimal digits of a digest: two different planes share one with a probability of 2⁻⁴⁸."""
 Digests = dict[str, str]

@@ -13,7 +13,7 @@ from basrelief.lang.resources import members_of
 from basrelief.lang.values import IVec2
 from basrelief.shading import pixel as pixels
 from basrelief.shading.geometry import Geometry, Vertex
-from basrelief.shading.shadow_map import CastView
+from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.shading.surfaces.surface import SurfaceMaps
 
 
@@ -21,7 +21,7 @@ def pixel_in_python(program: Program, values: Mapping[str, Any], x: int, y: int)
     """One pixel of a program, stepped through as it stands; something unread for missing maps."""
     nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
     zero = HeightField([np.zeros((1, 1))])
-    given = {"field": zero, "baked": nothing, "distances": zero, "views": Buffer((), CastView)}
+    given = {"field": zero, "baked": nothing, "distances": zero, "views": Buffer((), ShadowMapView)}
     apart = ("maps_", "geometry_")
     given |= {name: value for name, value in values.items() if not name.startswith(apart)}
     geometry = Geometry(values.get("geometry_vertices", Buffer((), Vertex)))

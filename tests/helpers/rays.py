@@ -17,7 +17,7 @@ LATE = 0.05
 def flat_ray(uv, travel, level: float = 1.0, cosine: float = 0.5) -> Ray:
     """The whole ray over a flat surface; it meets the polygon, at the height `level`, at `uv`."""
     travel = Vec2(*travel)
-    return Ray(Vec2(*uv) + travel * (level - 1.0), travel, 1.0, 1.0, cosine, level=level)
+    return Ray(Vec2(*uv) + travel * (level - 1.0), travel, 1.0, 1.0, cosine, reference_height=level)
 
 
 @struct

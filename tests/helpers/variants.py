@@ -24,13 +24,13 @@ def random_programs(count: int, seed: int) -> list[tuple[dict[str, Any], Program
 def _program(rng: random.Random) -> tuple[dict[str, Any], Program]:
     name, technique = rng.choice([*TECHNIQUES.items()])
     edge = rng.choice(get_args(Edge))
-    filter = "boxes" if technique.boxes else rng.choice(technique.takes_heights)
+    filter = "columns" if technique.columns else rng.choice(technique.takes_heights)
     chosen: dict[str, Any] = {
         each: rng.choice(field.menu or (False, True))
         for each, field in static_fields(Variant).items()
     }
     # what a technique says of itself, it alone decides
-    chosen |= {"displaced": technique is not flat, "boxed": technique.boxes}
+    chosen |= {"displaced": technique is not flat, "columns": technique.columns}
     variant = Variant(**chosen)
     bindings: Any = {displace: technique, surface_at: SURFACES[variant.surface]}
     told = {"technique": name, **chosen, "map.edge": edge, "map.filter": filter}

@@ -30,7 +30,7 @@ from basrelief.lang.values import IVec2
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene.objects import technique_named
 from basrelief.shading.geometry import Vertex
-from basrelief.shading.shadow_map import CastView
+from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import displace
 from basrelief.viewer.printed import printed
 from helpers.linking import linked
@@ -190,10 +190,10 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
         "landscape": {"surface": "landscape", "scale": 0.2},
         "smooth": {"heights": "smooth", "tiling": (6.0, 6.0), "fade": (1.0, 3.0)},
     }[way]
-    thing = basrelief.Object(material, **options)
-    scene = basrelief.Scene((thing,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog="linear")
+    obj = basrelief.Object(material, **options)
+    scene = basrelief.Scene((obj,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog_mode="linear")
     engine, size = GpuEngine(), (64, 48)
-    program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
+    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
     made = printed()
     text = linked(made.library, program)
     types = program.parameters
@@ -201,7 +201,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     texel = np.zeros((1, 1, 4), np.uint16)
     nothing = {b.name: Texture([texel], program.edge) for b in needed if b.type is Texture}
     far = HeightField([np.ones((1, 1), np.float32)], program.edge)
-    nothing |= {"distances": far, "views": Buffer((), CastView)}
+    nothing |= {"distances": far, "views": Buffer((), ShadowMapView)}
     nothing |= {"geometry_vertices": Buffer((), Vertex)}
     with (
         engine.prepare(program, values, size) as whole,

@@ -151,7 +151,7 @@ SIZE = (6, 1)
 
 def values(module: Any) -> dict[str, Any]:
     near, far = (HeightField([np.arange(8).reshape(1, 8) * step]) for step in (0.125, -0.25))
-    return {"air": module.Air(0.75), "near": near, "far": far}
+    return {"fog": module.Air(0.75), "near": near, "far": far}
 
 
 def words(planes: dict[str, Any]) -> list[list[Any]]:
@@ -248,7 +248,7 @@ def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
     assert "unread" not in text
     assert "steep" not in text
     parameters, text = of("linear", False, True, 1)
-    assert parameters == ["pixel", "air"]
+    assert parameters == ["pixel", "fog"]
     assert "fn fogged(x: f32, air: Air) -> f32 {\n  return linear(x, air);\n}" in text
     # a variable of one branch lives where the branch did
     assert "var shift: f32;" not in text
@@ -548,6 +548,6 @@ def test_conditions_on_maps_go_by_the_programs(folder: Path, edge: Any, filter: 
     assert list(made.parameters) == ["near", "far"]
     assert CpuEngine().run(made, {}, (1, 1))["x"] == expected
     others = {Program(module.entry, edge=e, filter=f).key for e in ("wrap", "clamp")
-              for f in ("sharp", "smooth", "mip", "boxes")}  # fmt: skip
+              for f in ("sharp", "smooth", "mip", "columns")}  # fmt: skip
     assert len(others) == 8
     assert made.key in others

@@ -426,7 +426,7 @@ def test_green_is_up_by_default_without_heights(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "polarity", "turned"),
+    ("name", "polarity", "rotated"),
     [
         ("height", "auto", False),
         ("depth", "auto", True),

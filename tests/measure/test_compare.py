@@ -59,7 +59,7 @@ def test_every_technique_takes_part(waves) -> None:
         waves, angles=[70], size=(16, 9), samples=1, engine="cpu", runs=1,
         progress=lambda what, share: heard.append(share),
     )  # fmt: skip
-    boxes = {name for name, each in TECHNIQUES.items() if each.boxes}
+    boxes = {name for name, each in TECHNIQUES.items() if each.columns}
     assert set(whole.objects) == set(TECHNIQUES) - boxes
     for name in boxes:
         with pytest.raises(InputError, match=f"{name} draws heights as boxes"):

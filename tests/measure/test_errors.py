@@ -64,11 +64,11 @@ def test_the_rays_of_the_truth_are_those_of_the_camera(level) -> None:
     """B4: rays worked out here, without a shader, meet the same places at the same depth."""
     camera = LookAt((0.4, -0.9, 0.8), (0.05, 0.0, 0.0), field_of_view=38.0)
     heights = noise(2, (24, 36), 1)
-    thing = Object(
+    obj = Object(
         Material("waves", height=map_of(heights)), technique="exact", scale=0.3,
-        level=level, transform=np.eye(4),
+        reference_height=level, transform=np.eye(4),
     )  # fmt: skip
-    found = truth(Scene((thing,), camera=camera), SIZE, engine="cpu")
+    found = truth(Scene((obj,), camera=camera), SIZE, engine="cpu")
     uv, distance = on_plane(camera)
     _, directions = rays(camera)
     met = ((uv >= 0.0) & (uv <= 1.0)).all(-1) & (distance > 0.0)
@@ -92,12 +92,12 @@ def test_exact_is_where_the_truth_is() -> None:
     """B4, in uv and in depth, with tiles of other proportions, tilted, and cut at their edges."""
     camera = LookAt((0.3, -0.9, 0.6), field_of_view=40.0)
     for more in ({}, {"tiling": (2.0, 3.0), "shift": (0.2, 0.1)}, {"edge": "clip"}):
-        thing = Object(
+        obj = Object(
             Material("waves", height=map_of(noise(4, (24, 36), 1))), technique="exact", scale=0.15,
-            level=0.6, transform=np.eye(4), **more,
+            reference_height=0.6, transform=np.eye(4), **more,
         )  # fmt: skip
-        true = truth(Scene((thing,), camera=camera), SIZE, engine="cpu")
-        frame = drawn(thing, camera=camera)
+        true = truth(Scene((obj,), camera=camera), SIZE, engine="cpu")
+        frame = drawn(obj, camera=camera)
         found = errors(frame, true)
         assert found.missed <= 3 / found.pixels, more
         assert found.uv.percentile_99 < 0.01
@@ -108,7 +108,7 @@ def test_the_relief_fills_the_same_space_whatever_its_level() -> None:
     """One truth serves techniques that push the relief in, centre it or raise it."""
     ground = Material("waves", height=map_of(noise(5, (32, 32), 1)))
     for level in (1.0, 0.5, 0.0):
-        frame, true = measured(ground, "exact", 60.0, level=level)
+        frame, true = measured(ground, "exact", 60.0, reference_height=level)
         found = errors(frame, true)
         assert found.pixels == SMALL[0] * SMALL[1]
         assert found.uv.worst < 0.05
@@ -304,7 +304,7 @@ def test_times_are_taken_in_turn(monkeypatch) -> None:
 
     class Engine:
         def run(self, program, values, size):
-            name = "slow" if values["depth"].scale == np.float32(0.3) else "fast"
+            name = "slow" if values["relief"].scale == np.float32(0.3) else "fast"
             order.append(name)
             now[0] += next(takes[name])
 

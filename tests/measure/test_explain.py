@@ -27,12 +27,12 @@ CAMERA = Orbit(35.0, 24.0, 1.2)
 GRAVEL = sample("gravel", 64)
 
 
-def thing(technique: Any, **options: Any) -> Object:
+def obj(technique: Any, **options: Any) -> Object:
     return Object(GRAVEL, technique=technique, **{"scale": 0.2, **options})
 
 
 def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> Explanation:
-    scene = Scene((thing(technique, **options),), camera=camera)
+    scene = Scene((obj(technique, **options),), camera=camera)
     return explain(scene, pixel=pixel, size=SIZE)
 
 
@@ -42,7 +42,7 @@ def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> 
 @pytest.mark.parametrize("name", [name for name in TECHNIQUES if name != "flat"])
 @pytest.mark.parametrize("options", [{}, {"level": 0.5, "edge": "clamp", "tiling": (2.0, 1.5)}])
 def test_it_ends_where_the_cpu_does_and_notes_each_read(name: str, options: dict) -> None:
-    scene = Scene((thing(name, **options),), camera=CAMERA)
+    scene = Scene((obj(name, **options),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, engine="cpu")
     for x, y in [(50, 35), (20, 40), (71, 26)]:
         found = explain(scene, pixel=(x, y), size=SIZE)
@@ -55,7 +55,7 @@ def test_it_ends_where_the_cpu_does_and_notes_each_read(name: str, options: dict
 def test_it_ends_where_the_cpu_does_on_other_shapes(shape: str) -> None:
     one = explained("relief", (48, 30), shape=shape, heights="smooth", projection="biased")
     scene = Scene(
-        (thing("relief", shape=shape, heights="smooth", projection="biased"),), camera=CAMERA
+        (obj("relief", shape=shape, heights="smooth", projection="biased"),), camera=CAMERA
     )
     frame = render(scene, size=SIZE, samples=1, engine="cpu")
     assert [*one.hit.uv] == [*frame.uv[30, 48]]
@@ -66,7 +66,7 @@ def test_the_nearest_object_is_explained() -> None:
     """A small ball before the plane: its own map, not the plane's."""
     scene = Scene(
         (
-            thing("steep"),
+            obj("steep"),
             Object(
                 sample("bricks", 64),
                 shape="sphere",
@@ -139,7 +139,7 @@ def test_a_chord_on_a_ramp_has_no_error() -> None:
 def test_the_true_hit_of_boxes_is_on_boxes() -> None:
     """And a technique that interpolates is far from it."""
     found = explained("texel")
-    assert found.boxes
+    assert found.columns
     assert found.error < 0.03
     surface = found.surface(np.array([one.uv for one in found.samples]))
     assert set(surface) <= set(found.heights.ravel())

@@ -76,8 +76,8 @@ def test_lesser_numbers_and_partners_go_with_the_effort() -> None:
     assert found.settings["min_steps"] == max(1, round(found.settings["max_steps"] / 4))
     tried = {found.chosen, *found.others}
     assert {each.candidate.settings.get("search_steps") for each in tried} == {None, 2, 10}
-    turned = {"flat": None, "steep": "steps", "relief": "max_steps", "exact": None}
-    assert {name: effort(TECHNIQUES[name], {}) for name in turned} == turned
+    rotated = {"flat": None, "steep": "steps", "relief": "max_steps", "exact": None}
+    assert {name: effort(TECHNIQUES[name], {}) for name in rotated} == rotated
 
 
 @struct

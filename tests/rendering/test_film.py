@@ -364,8 +364,8 @@ def test_frames_are_the_pictures_of_their_moments(material: basrelief.Material) 
 
 def test_scrolling_is_seen(material: basrelief.Material) -> None:
     """After a second a quarter of the shape has passed."""
-    thing = Object(material, shape="cylinder", tiling=(3.0, 1.0))
-    start, *_, last = frames(Scene((thing,)), [Scrolling()], count=9, fps=8.0, **FAST)
+    obj = Object(material, shape="cylinder", tiling=(3.0, 1.0))
+    start, *_, last = frames(Scene((obj,)), [Scrolling()], count=9, fps=8.0, **FAST)
     moved = Object(material, shape="cylinder", tiling=(3.0, 1.0), shift=(0.75, 0.0))
     assert np.abs(last.color - basrelief.render(Scene((moved,)), **FAST).color).max() < 1e-5
     assert np.abs(last.color - start.color).max() > 0.05
@@ -419,9 +419,9 @@ def test_what_makes_no_film_is_told_at_once(
 
 def test_a_camera_that_comes_to_a_wrong_place(material: basrelief.Material) -> None:
     """Half-way round an upright plane it stands behind it."""
-    from basrelief.scene import turned
+    from basrelief.scene import rotated
 
-    scene = Scene((Object(material, transform=turned("y", 0.0)),), camera=Orbit(0.0, 10.0))
+    scene = Scene((Object(material, transform=rotated("y", 0.0)),), camera=Orbit(0.0, 10.0))
     with pytest.raises(InputError, match="behind the plane"):
         frames(scene, count=12)
 

@@ -39,9 +39,9 @@ def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
     """Every two choices, then, compile on both engines: the CPU has drawn the cases."""
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
-    programs = [program_of(thing, scene) for scene in scenes for thing in scene.objects]
+    programs = [program_of(obj, scene) for scene in scenes for obj in scene.objects]
     casting = [scene for scene in scenes if scene.casts]
-    programs += [depth_program_of(thing) for scene in casting for thing in scene.objects]
+    programs += [depth_program_of(obj) for scene in casting for obj in scene.objects]
     found = {program.key: program for program in programs}
     assert len(found) > 140
     for program in found.values():
@@ -75,7 +75,7 @@ def zeros(size: tuple[int, int], sign: float = 1.0) -> Frame:
 
 def test_digests_tell_sizes_and_signs_of_zero_apart() -> None:
     assert digests(zeros((2, 3))) != digests(zeros((3, 2)))
-    assert digests(zeros((2, 3)))["depth"] != digests(zeros((2, 3), -1.0))["depth"]
+    assert digests(zeros((2, 3)))["distance"] != digests(zeros((2, 3), -1.0))["distance"]
 
 
 def test_nan_is_not_stored() -> None:

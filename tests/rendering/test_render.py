@@ -15,7 +15,7 @@ from basrelief.lang import HeightField, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.render import render, sample_places
-from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, turned
+from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import (
     TECHNIQUES,
@@ -67,7 +67,7 @@ def test_a_frame_is_rows_by_columns() -> None:
     frame = drawn(BRICKS, (5, 3))
     kinds = {
         "color": ((3, 5, 4), np.float32),
-        "depth": ((3, 5), np.float32),
+        "distance": ((3, 5), np.float32),
         "uv": ((3, 5, 2), np.float32),
         "hit": ((3, 5), np.bool_),
         "reads": ((3, 5), np.int32),
@@ -83,9 +83,9 @@ def test_where_nothing_is_depth_is_infinite() -> None:
     frame = drawn(BRICKS)
     assert frame.hit.any()
     assert not frame.hit.all()
-    assert np.isinf(frame.depth[~frame.hit]).all()
-    assert np.isfinite(frame.depth[frame.hit]).all()
-    assert (frame.depth[frame.hit] > 0).all()
+    assert np.isinf(frame.distance[~frame.hit]).all()
+    assert np.isfinite(frame.distance[frame.hit]).all()
+    assert (frame.distance[frame.hit] > 0).all()
 
 
 def test_a_folder_a_material_an_object_and_a_scene_give_the_same_picture(tmp_path) -> None:
@@ -186,7 +186,7 @@ def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
     whole = drawn(scene, samples=3)
     monkeypatch.setattr("basrelief.rendering.render._BAND", rows * SIZE[0])
     banded = drawn(scene, samples=3)
-    for name in ("color", "depth", "uv", "hit", "reads"):
+    for name in ("color", "distance", "uv", "hit", "reads"):
         np.testing.assert_array_equal(getattr(banded, name), getattr(whole, name))
 
 
@@ -230,7 +230,7 @@ def test_samples_are_averaged() -> None:
     # all but the colour are those of the first sample
     first = drawn(scene)
     np.testing.assert_array_equal(together.uv, first.uv)
-    np.testing.assert_array_equal(together.depth, first.depth)
+    np.testing.assert_array_equal(together.distance, first.distance)
 
 
 def test_more_samples_smooth_the_outline() -> None:
@@ -300,19 +300,19 @@ def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None
     y = -0.1 - (np.arange(4) + 0.5 - 2.0) * 0.05
     u, v = np.meshgrid(0.5 + (x - 0.1) / 2.0, 0.5 - y / 0.5)
     if solid:
-        np.testing.assert_allclose(lone.depth, 4.0, rtol=1e-6)
+        np.testing.assert_allclose(lone.distance, 4.0, rtol=1e-6)
         np.testing.assert_allclose(lone.uv, np.stack([u, v], -1), atol=1e-5)
     else:
-        assert np.isinf(lone.depth).all()
+        assert np.isinf(lone.distance).all()
         assert (lone.uv == 0.0).all()
     # before a whole one, whichever comes first in the scene
     wall = Object(colored((0.9, 0.3, 0.6)), transform=placed((0.0, 0.1, -1.5), 3.0))
-    for things in ((wall, pane(code, 0.1)), (pane(code, 0.1), wall)):
-        frame = drawn(Scene(things, **scene), (8, 4))
+    for objects in ((wall, pane(code, 0.1)), (pane(code, 0.1), wall)):
+        frame = drawn(Scene(objects, **scene), (8, 4))
         wanted = np.array([0.1, 0.8, 0.2]) * share + np.array([0.9, 0.3, 0.6]) * (1.0 - share)
         np.testing.assert_allclose(frame.color[2, 5, :3], wanted, atol=1e-4)
         assert frame.hit.all()
-        np.testing.assert_allclose(frame.depth, 4.0 if solid else 5.5, rtol=1e-6)
+        np.testing.assert_allclose(frame.distance, 4.0 if solid else 5.5, rtol=1e-6)
         behind = np.stack(np.meshgrid(0.5 + x / 3.0, 0.5 - (y - 0.1) / 3.0), -1)
         there = np.stack([u, v], -1) if solid else behind
         np.testing.assert_allclose(frame.uv, there, atol=1e-5)
@@ -326,8 +326,8 @@ def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool
     matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
     camera = LookAt((0.0, 0.0, 4.0), orthographic_height=3.0)
     scene = {"camera": camera, "lights": light, "shading": matte, "shading_model": "phong"}
-    things = (wall, pane(code))
-    frames = [drawn(Scene(things, **scene, shadows=kind), (80, 48)) for kind in ("none", "hard")]
+    objects = (wall, pane(code))
+    frames = [drawn(Scene(objects, **scene, shadows=kind), (80, 48)) for kind in ("none", "hard")]
     lit, shadowed = (frame.color[24, :, 0] for frame in frames)
     # light from the left: tan 60° to the right of the pane, which is one to either side
     x = (np.arange(80) + 0.5 - 40.0) * 3.0 / 48.0
@@ -344,7 +344,7 @@ def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool
 def test_a_height_map_of_one_texel_is_flat(name) -> None:
     """Wherever it lies: a picture without relief, shifted; at the level itself, not even that."""
     material = replace(colored(0.5), height=map_of([[0.5]]))
-    frame = drawn(Object(material, technique=name, level=0.5, scale=0.1))
+    frame = drawn(Object(material, technique=name, reference_height=0.5, scale=0.1))
     still = drawn(Object(material, technique="flat", scale=0.1))
     np.testing.assert_array_equal(frame.hit, still.hit)
     np.testing.assert_allclose(frame.uv, still.uv, atol=0.02)
@@ -397,7 +397,7 @@ def test_clip_draws_nothing_beyond_the_tile() -> None:
     assert (outside & whole.hit).sum() > 30
     assert not (cut.hit & ((cut.uv < 0) | (cut.uv > 1)).any(axis=-1)).any()
     assert cut.hit.sum() < whole.hit.sum()
-    assert np.isinf(cut.depth[~cut.hit]).all()
+    assert np.isinf(cut.distance[~cut.hit]).all()
 
 
 def test_clamp_stretches_the_border() -> None:
@@ -427,7 +427,7 @@ def test_objects_hide_each_other_by_their_displaced_depth() -> None:
         technique="parallax_occlusion",
         settings={"min_steps": 32, "max_steps": 32},
         scale=0.2,
-        level=1.0,
+        reference_height=1.0,
         transform=np.eye(4),
     )
     # at the height ½, so at (½ − 1) · 0.2 below the polygon
@@ -445,8 +445,8 @@ def test_objects_hide_each_other_by_their_displaced_depth() -> None:
         assert low.sum() > 10
         np.testing.assert_allclose(row[high][:, :3], np.tile([1.0, 0.0, 0.0], (high.sum(), 1)))
         np.testing.assert_allclose(row[low][:, :3], np.tile([0.0, 0.0, 1.0], (low.sum(), 1)))
-        assert frame.depth[24][high].max() < 3.1
-        np.testing.assert_allclose(frame.depth[24][low], 3.1, atol=1e-4)
+        assert frame.distance[24][high].max() < 3.1
+        np.testing.assert_allclose(frame.distance[24][low], 3.1, atol=1e-4)
 
 
 def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
@@ -455,7 +455,7 @@ def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
     ball = Object(colored((0.0, 1.0, 0.0)), shape="sphere", transform=placed(scale=0.5))
     shares = []
     for level in (0.0, 0.5, 1.0):
-        ground = Object(flat_height, technique="offset", scale=0.2, level=level)
+        ground = Object(flat_height, technique="offset", scale=0.2, reference_height=level)
         scene = Scene((ground, ball), camera=Orbit(0.0, 20.0, 2.0), lights=(), shading=WHITE)
         color = drawn(scene, (96, 54)).color
         shares.append(((color[:, :, 1] == 1.0) & (color[:, :, 0] == 0.0)).mean())
@@ -508,15 +508,15 @@ class Lift:
 @shader
 def lifted(ray: Ray, height: float, strength: float) -> float:
     """A helper of the technique."""
-    return ray.level - height * strength
+    return ray.reference_height - height * strength
 
 
-@technique(level=0.5)
+@technique(reference_height=0.5)
 def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
     """Go down by the height found where the ray comes in, again and again."""
-    height = ray.level
+    height = ray.reference_height
     for _ in range(settings.times):
-        start = t_at(ray, ray.level)
+        start = t_at(ray, ray.reference_height)
         height = lifted(ray, height_under(field, ray, start), settings.strength)
     return hit_at(ray, t_at(ray, height), True, settings.times)
 
@@ -524,7 +524,7 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
 @technique()
 def nothing_at_all(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """Stay where the ray comes in, and say that it took seven reads."""
-    return hit_at(ray, t_at(ray, ray.level), False, 7)
+    return hit_at(ray, t_at(ray, ray.reference_height), False, 7)
 
 
 def own_scene(**settings) -> Scene:
@@ -541,9 +541,9 @@ def moved_as_expected(frame, scene, strength: float) -> None:
     )
     within = frame.hit
     assert within.mean() > 0.1
-    deeper = frame.depth[within] - still.depth[within]
+    deeper = frame.distance[within] - still.distance[within]
     # the ray's cosine from the undisplaced depth: the camera stands 1.4 above the plane
-    cosine = 1.4 / still.depth[within]
+    cosine = 1.4 / still.distance[within]
     np.testing.assert_allclose(deeper * cosine, 0.2 * 0.25 * strength, atol=1e-4)
     moved = np.linalg.norm((frame.uv - still.uv)[within], axis=-1)
     across = np.sqrt(1 - cosine**2) / cosine
@@ -584,7 +584,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
         one = pixel_in_python(program, values, x, y)
         assert one.hit == frame.hit[y, x]
         assert [*one.uv] == [*frame.uv[y, x]]
-        assert one.depth == frame.depth[y, x]
+        assert one.distance == frame.distance[y, x]
         assert one.reads == frame.reads[y, x] == 2
 
 
@@ -608,7 +608,10 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
     )
     scene = own_scene(times=1, strength=1.5)
     made = replace(
-        scene.objects[0], technique=f"{file}:mine", settings={"strength": 1.5}, level=None
+        scene.objects[0],
+        technique=f"{file}:mine",
+        settings={"strength": 1.5},
+        reference_height=None,
     )
     frame = drawn(replace(scene, objects=(made,)))
     np.testing.assert_array_equal(frame.uv, drawn(scene).uv)
@@ -621,7 +624,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
     """The whole renderer is the same in every direction of the world, lights with it."""
 
     def at_angle(angle: float):
-        turn = turned("y", angle)
+        turn = rotated("y", angle)
         made = Object(BRICKS, technique="relief", scale=0.1)
         made = replace(made, transform=turn @ made.to_world)
         camera = Orbit(30.0 + angle, 35.0)
@@ -641,20 +644,20 @@ def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
     for shape in ("cylinder", "sphere"):
         seen = {}
         for edge in ("wrap", "clip"):
-            thing = Object(ground, shape=shape, edge=edge, scale=0.1)
-            scene = Scene((thing,), Orbit(160.0, 0.0, 3.0))
+            obj = Object(ground, shape=shape, edge=edge, scale=0.1)
+            scene = Scene((obj,), Orbit(160.0, 0.0, 3.0))
             frame = render(scene, size=(96, 54), samples=1, engine="cpu")
             seen[edge] = frame.hit[15:39]
         np.testing.assert_array_equal(seen["wrap"], seen["clip"])
 
 
 def test_lights_that_give_nothing_read_nothing() -> None:
-    thing = Object(BRICKS, technique="steep", scale=0.1, transform=np.eye(4))
+    obj = Object(BRICKS, technique="steep", scale=0.1, transform=np.eye(4))
     camera = LookAt((0.4, -0.6, 1.4), up=(0.0, 0.0, 1.0))
     reads = []
     behind = LookAt((0.0, 0.0, -3.0))
     for lights in ((), (point(behind.position),), (directional(0.0, 0.0, intensity=0.0),)):
-        scene = Scene((thing,), camera, lights=lights, shadows="hard")
+        scene = Scene((obj,), camera, lights=lights, shadows="hard")
         reads.append(render(scene, size=(32, 18), samples=1, engine="cpu").reads)
     np.testing.assert_array_equal(reads[0], reads[1])
     np.testing.assert_array_equal(reads[0], reads[2])

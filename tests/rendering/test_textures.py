@@ -326,8 +326,8 @@ def test_which_maps_there_are_is_known_without_baking() -> None:
     ):
         if material is bare and "technique" in options:
             continue
-        thing = Object(material, layer=layer and Layer(layer), **options)
-        there = {f"maps_{name}" for name, has in mapped(thing).items() if has}
-        assert there == set(maps_of(thing, CPU)) - {"field", "baked"}
+        obj = Object(material, layer=layer and Layer(layer), **options)
+        there = {f"maps_{name}" for name, has in mapped(obj).items() if has}
+        assert there == set(maps_of(obj, CPU)) - {"field", "baked"}
     assert mapped(Object(high, technique="texel"))["normal"] is False
     assert mapped(Object(full, technique="texel"))["normal"] is True

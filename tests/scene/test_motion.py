@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from basrelief.errors import InputError
 from basrelief.material import Map, Material, hole, sample
-from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, spot, turned
+from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated, spot
 from basrelief.scene.motion import MOTIONS, Lighting, Moment, Opening, Orbiting, Scrolling, moved
 
 SIZE = (64, 36)
@@ -231,7 +231,7 @@ def test_a_hole_needs_heights_to_open() -> None:
 
 
 def test_motions_go_together_and_leave_the_scene() -> None:
-    start = scene(Orbit(10.0), transform=turned("x", 20.0))
+    start = scene(Orbit(10.0), transform=rotated("x", 20.0))
     now = moved(start, [Orbiting(), Scrolling(), Lighting()], at(0.5, 1.0))
     assert now.camera.azimuth == 190.0
     assert now.objects[0].shift == (0.25, 0.0)

@@ -89,45 +89,49 @@ def test_each_number_says_where_it_is_from(name: str) -> None:
 
 
 def test_catlike_says_what_catlike_says() -> None:
-    thing, scene = drawn("catlike")
-    assert (thing.drawn_with.name, thing.relief_projection) == ("offset", "biased")
-    assert (thing.bias, thing.scale, thing.level) == (0.42, 0.03, 0.5)
+    obj, scene = drawn("catlike")
+    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "biased")
+    assert (obj.bias, obj.scale, obj.reference_height) == (0.42, 0.03, 0.5)
     assert scene.shading_model == "ggx"
     assert preset("catlike").maps == {"height_channel": "g"}
-    thing, _ = drawn("catlike-limited")
-    assert (thing.drawn_with.name, thing.relief_projection) == ("offset_limited", "limited")
-    assert (thing.scale, thing.level) == (0.03, 0.5)
-    thing, _ = drawn("catlike-march")
-    assert (thing.drawn_with.name, thing.relief_projection) == ("relief", "biased")
-    assert (thing.bias, thing.scale, thing.level) == (0.0, 0.03, 1.0)
-    assert (thing.settings.min_steps, thing.settings.max_steps) == (10, 10)
-    assert thing.settings.search_steps == 3
+    obj, _ = drawn("catlike-limited")
+    assert (obj.drawn_with.name, obj.relief_projection) == ("offset_limited", "limited")
+    assert (obj.scale, obj.reference_height) == (0.03, 0.5)
+    obj, _ = drawn("catlike-march")
+    assert (obj.drawn_with.name, obj.relief_projection) == ("relief", "biased")
+    assert (obj.bias, obj.scale, obj.reference_height) == (0.0, 0.03, 1.0)
+    assert (obj.settings.min_steps, obj.settings.max_steps) == (10, 10)
+    assert obj.settings.search_steps == 3
 
 
 def test_wikibooks_says_what_wikibooks_says() -> None:
-    thing, scene = drawn("wikibooks")
-    assert (thing.drawn_with.name, thing.relief_projection) == ("offset", "full")
-    assert (thing.scale, thing.level, thing.settings.max_offset) == (0.01, 0.5, np.float32(0.01))
+    obj, scene = drawn("wikibooks")
+    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "full")
+    assert (obj.scale, obj.reference_height, obj.settings.max_offset) == (
+        0.01,
+        0.5,
+        np.float32(0.01),
+    )
     assert scene.shading_model == "phong"
     assert scene.shading.shininess == 10.0
     assert scene.shading.specular == scene.shading.diffuse * Vec3(1.0)
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff) == (POINT, 1.0)
     # the mesh's coordinates are shifted: a tile of a quarter of the shape moves four times as far
-    thing, _ = drawn("wikibooks", tiling=(4.0, 4.0))
-    assert thing.scale == pytest.approx(0.04)
-    assert thing.settings.max_offset == pytest.approx(0.04)
-    thing, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
-    assert (thing.scale, thing.settings.max_offset) == (0.1, 0.5)
+    obj, _ = drawn("wikibooks", tiling=(4.0, 4.0))
+    assert obj.scale == pytest.approx(0.04)
+    assert obj.settings.max_offset == pytest.approx(0.04)
+    obj, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
+    assert (obj.scale, obj.settings.max_offset) == (0.1, 0.5)
     # the tiled coordinates are shifted
     assert drawn("catlike", tiling=(4.0, 4.0))[0].scale == 0.03
 
 
 def test_gamedev_says_what_gamedev_says() -> None:
-    thing, scene = drawn("gamedev")
-    assert (thing.drawn_with.name, thing.relief_projection) == ("parallax_occlusion", "full")
-    assert (thing.settings.min_steps, thing.settings.max_steps) == (4, 20)
-    assert (thing.scale, thing.level) == (0.1, 1.0)
+    obj, scene = drawn("gamedev")
+    assert (obj.drawn_with.name, obj.relief_projection) == ("parallax_occlusion", "full")
+    assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
+    assert (obj.scale, obj.reference_height) == (0.1, 1.0)
     assert scene.shading_model == "phong"
     assert scene.shading.ambient == Vec3(0.1)
     assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))
@@ -136,34 +140,41 @@ def test_gamedev_says_what_gamedev_says() -> None:
 def test_halliwell_says_what_halliwell_says() -> None:
     stock, _ = drawn("halliwell-stock")
     assert (stock.drawn_with.name, stock.relief_projection) == ("offset", "biased")
-    assert (stock.bias, stock.level) == (0.42, 0.5)
-    thing, scene = drawn("halliwell")
-    assert (thing.drawn_with.name, thing.heights, thing.level) == ("relief", "smooth", 1.0)
-    assert thing.settings.min_steps < thing.settings.max_steps
-    assert thing.settings.search_steps > 0
+    assert (stock.bias, stock.reference_height) == (0.42, 0.5)
+    obj, scene = drawn("halliwell")
+    assert (obj.drawn_with.name, obj.heights, obj.reference_height) == ("relief", "smooth", 1.0)
+    assert obj.settings.min_steps < obj.settings.max_steps
+    assert obj.settings.search_steps > 0
     assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
-    assert thing.scale == stock.scale
+    assert obj.scale == stock.scale
 
 
 def test_habrador_says_what_habrador_says() -> None:
-    thing, scene = drawn("habrador")
-    assert (thing.drawn_with.name, thing.surface, thing.level) == ("fixed_length", "landscape", 1.0)
+    obj, scene = drawn("habrador")
+    assert (obj.drawn_with.name, obj.surface, obj.reference_height) == (
+        "fixed_length",
+        "landscape",
+        1.0,
+    )
     # a quad's width is five tiles of the noise: a height of 1 and a step of 0.01, in fifths
-    assert thing.tiling == (0.2, 0.2)
-    assert thing.scale / thing.tiling[0] == pytest.approx(1.0)
-    assert thing.settings.steps == 300
-    assert thing.settings.step_length / thing.tiling[0] == pytest.approx(0.01)
-    assert thing.tilings == {"base_color": Tiling((0.4, 0.4))}
-    assert thing.layer is not None
-    assert (thing.layer.material.name, thing.layer.tiling.tiles) == ("stone", (0.4, 0.4))
-    assert thing.finish.water_level == np.float32(0.4)
-    assert (thing.finish.sky_color, thing.finish.normal_strength) == (Vec3(1.0), 0.0)
+    assert obj.tiling == (0.2, 0.2)
+    assert obj.scale / obj.tiling[0] == pytest.approx(1.0)
+    assert obj.settings.steps == 300
+    assert obj.settings.step_length / obj.tiling[0] == pytest.approx(0.01)
+    assert obj.tilings == {"base_color": Tiling((0.4, 0.4))}
+    assert obj.layer is not None
+    assert (obj.layer.material.name, obj.layer.tiling.tiles) == ("stone", (0.4, 0.4))
+    assert obj.surface_parameters.water_level == np.float32(0.4)
+    assert (obj.surface_parameters.sky_color, obj.surface_parameters.normal_strength) == (
+        Vec3(1.0),
+        0.0,
+    )
     assert (scene.shading_model, scene.shading.specular) == ("phong", Vec3(0.0))
     assert preset("habrador").scroll == (0.25, 0.0)
     assert preset("gamedev").scroll == (0.0, 0.0)
     for name in ("habrador-hole", "habrador-bricks"):
-        thing, _ = drawn(name)
-        assert (thing.drawn_with.name, thing.settings.steps) == ("fixed_length", 300)
+        obj, _ = drawn(name)
+        assert (obj.drawn_with.name, obj.settings.steps) == ("fixed_length", 300)
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -219,7 +230,7 @@ def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
     material = bumpy(1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white"))
     said = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
     # within the 16 bits of the normals that are made from the heights
-    tinted = {"finish": {"base_color": (1.0, 0.5, 0.25)}}
+    tinted = {"surface_parameters": {"base_color": (1.0, 0.5, 0.25)}}
     frame = basrelief.render(material, preset="gamedev", **said, **tinted, **SMALL)
     facing = max(0.0, np.sin(np.radians(elevation)))
     wanted = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
@@ -281,29 +292,29 @@ def test_maps_of_samples(tmp_path: Path) -> None:
 
 
 def test_options_win_over_a_preset() -> None:
-    thing, scene = drawn(
+    obj, scene = drawn(
         "gamedev", scale=0.3, settings={"max_steps": 50}, shading={"diffuse": 0.9},
         shading_model="ggx", lights=[basrelief.directional()], camera=Orbit(10.0),
     )  # fmt: skip
-    assert (thing.scale, thing.settings.min_steps, thing.settings.max_steps) == (0.3, 4, 50)
+    assert (obj.scale, obj.settings.min_steps, obj.settings.max_steps) == (0.3, 4, 50)
     assert (scene.shading.diffuse, scene.shading.ambient) == (np.float32(0.9), Vec3(0.1))
     assert (scene.shading_model, scene.camera) == ("ggx", Orbit(10.0))
     assert [each.kind for each in scene.lights] == [DIRECTIONAL]
     # another technique keeps the settings that it has too
-    thing, _ = drawn("gamedev", technique="relief")
-    assert (thing.settings.min_steps, thing.settings.max_steps) == (4, 20)
-    thing, _ = drawn("gamedev", technique="steep")
-    assert (thing.drawn_with.name, thing.settings.steps) == ("steep", 10)
-    thing, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
-    assert (thing.surface, thing.finish.normal_strength) == ("standard", 0.0)
-    assert {*thing.tilings} == {"base_color", "normal"}
+    obj, _ = drawn("gamedev", technique="relief")
+    assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
+    obj, _ = drawn("gamedev", technique="steep")
+    assert (obj.drawn_with.name, obj.settings.steps) == ("steep", 10)
+    obj, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
+    assert (obj.surface, obj.surface_parameters.normal_strength) == ("standard", 0.0)
+    assert {*obj.tilings} == {"base_color", "normal"}
     # None stands for the material's own
     assert drawn("gamedev", scale=None)[0].scale is None
 
 
 def test_an_object_or_a_scene_takes_no_preset() -> None:
-    thing = Object(bumpy())
-    for what in (thing, Scene((thing,))):
+    obj = Object(bumpy())
+    for what in (obj, Scene((obj,))):
         message = refusal(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
         assert "preset: already said by the" in message
     assert "no option 'colour'; there are air, alpha, " in refusal(
@@ -369,7 +380,10 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
         ("[object.settings]\nmax_steps = 'many'", "object.settings.max_steps is 'many': give a"),
         ("[object.settings]\nmax_steps = 0", "max_steps is 0: give a number from 1 to 4096"),
         ("[object.settings]\nmax_steps = 2.5", "max_steps is a whole number, not 2.5"),
-        ("[object.finish]\nbase_color = [1, 2]", "object.finish.base_color is (1, 2): give a num"),
+        (
+            "[object.surface_parameters]\nbase_color = [1, 2]",
+            "object.finish.base_color is (1, 2): give a num",
+        ),
         ("[object.tilings.height]\ntiles = [1, 2]", "a tiling of its own is one of base_color"),
         ("[object.tilings.normal]\ntile = [1, 2]", "object.tilings.normal has no key 'tile'"),
         ("[object.layer]\ntiles = [1, 2]", "object.layer needs a material: a path, or sample:"),
@@ -569,8 +583,8 @@ def test_a_saved_preset_has_its_tables_in_their_order() -> None:
 
 def test_techniques_of_presets_are_those_of_the_library() -> None:
     for name in NAMES:
-        thing = preset(name).values["object"]
-        assert technique_named(thing["technique"]).name == thing["technique"]
+        obj = preset(name).values["object"]
+        assert technique_named(obj["technique"]).name == obj["technique"]
 
 
 def test_the_example_of_the_page(tmp_path: Path) -> None:

@@ -27,13 +27,13 @@ from basrelief.scene import (
     directional,
     placed,
     point,
+    rotated,
     spot,
     technique_named,
-    turned,
 )
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT
-from basrelief.shading.surfaces.standard import Finish
+from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.techniques import TECHNIQUES, Hit, Ray, flat, hit_at, relief, t_at, technique
 from basrelief.techniques.march import March, Steps
 
@@ -49,7 +49,7 @@ FLAT = Material("flat one")
 BUMPY = heights()
 
 
-def thing(**options) -> Object:
+def obj(**options) -> Object:
     return Object(BUMPY, **options)
 
 
@@ -79,9 +79,9 @@ REFUSED = {
     "a level below 0": ({"level": -0.1}, "level is -0.1"),
     "a bias below 0": ({"bias": -0.42}, "bias is -0.42"),
     "a bias that is none": ({"bias": NAN}, "bias is nan"),
-    "a negative strength": ({"finish": Finish(normal_strength=-1.0)}, "normal_strength is -1"),
-    "no roughness": ({"finish": Finish(roughness=NAN)}, "roughness is nan"),
-    "darker than black": ({"finish": Finish(base_color=(0, -1, 0))}, "base_color is -1"),
+    "a negative strength": ({"surface_parameters": SurfaceParameters(normal_strength=-1.0)}, "normal_strength is -1"),
+    "no roughness": ({"surface_parameters": SurfaceParameters(roughness=NAN)}, "roughness is nan"),
+    "darker than black": ({"surface_parameters": SurfaceParameters(base_color=(0, -1, 0))}, "base_color is -1"),
     "no tiles": ({"tiling": (0.0, 1.0)}, "tiling (0.0, 1.0): give finite numbers other than 0"),
     "endless tiles": ({"tiling": (1.0, INF)}, "tiling (1.0, inf)"),
     "an endless shift": ({"shift": (INF, 0.0)}, "give finite numbers"),
@@ -123,7 +123,7 @@ REFUSED = {
 @pytest.mark.parametrize("what", REFUSED)
 def test_an_object_refuses(what) -> None:
     options, message = REFUSED[what]
-    assert message in refused(lambda: thing(**options))
+    assert message in refused(lambda: obj(**options))
 
 
 @pytest.mark.parametrize("name", [name for name in TECHNIQUES if name != "flat"])
@@ -136,29 +136,32 @@ def test_a_technique_without_heights_is_refused(name) -> None:
 def test_without_heights_and_without_a_wish_it_is_drawn_flat() -> None:
     assert Object(FLAT).technique is flat
     assert not Object(FLAT).has_relief
-    assert thing().technique is relief
-    assert thing().has_relief
-    assert not thing(technique="flat").has_relief
+    assert obj().technique is relief
+    assert obj().has_relief
+    assert not obj(technique="flat").has_relief
 
 
 def test_defaults_are_the_materials_and_the_techniques() -> None:
-    assert thing().relief_scale == 0.05
+    assert obj().relief_scale == 0.05
     assert Object(replace(BUMPY, depth=0.02, tile=0.4)).relief_scale == pytest.approx(0.05)
     assert Object(replace(BUMPY, depth=0.08, tile=0.4)).relief_scale == pytest.approx(0.2)
     assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.3).relief_scale == 0.3
     assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.0).relief_scale == 0.0
     for name, made in TECHNIQUES.items():
-        one = thing(technique=name)
-        assert (one.relief_level, one.relief_projection) == (made.level, made.projection)
-    assert thing(technique="offset", level=0.0).relief_level == 0.0
-    assert thing(technique="offset_limited", projection="full").relief_projection == "full"
+        one = obj(technique=name)
+        assert (one.relief_reference_height, one.relief_projection) == (
+            made.reference_height,
+            made.projection,
+        )
+    assert obj(technique="offset", reference_height=0.0).relief_reference_height == 0.0
+    assert obj(technique="offset_limited", projection="full").relief_projection == "full"
 
 
 def test_settings_change_what_they_name_and_nothing_else() -> None:
-    one = thing(technique="parallax_occlusion", settings={"max_steps": 20, "min_steps": 4.0})
+    one = obj(technique="parallax_occlusion", settings={"max_steps": 20, "min_steps": 4.0})
     assert one.settings == March(4, 20, 0.0)
-    assert thing(technique="steep", settings=Steps(3)).settings == Steps(3)
-    assert thing(technique="steep").settings == Steps()
+    assert obj(technique="steep", settings=Steps(3)).settings == Steps(3)
+    assert obj(technique="steep").settings == Steps()
 
 
 def test_tiles_are_about_square() -> None:
@@ -186,7 +189,7 @@ def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
 
 def test_turns_are_counterclockwise() -> None:
     for axis, start, end in (("x", 1, 2), ("y", 2, 0), ("z", 0, 1)):
-        quarter = turned(axis, 90.0)[:3, :3]  # type: ignore[arg-type]
+        quarter = rotated(axis, 90.0)[:3, :3]  # type: ignore[arg-type]
         np.testing.assert_allclose(quarter @ np.eye(3)[start], np.eye(3)[end], atol=1e-12)
         assert np.linalg.det(quarter) == pytest.approx(1.0)
     np.testing.assert_allclose((LYING @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
@@ -199,8 +202,8 @@ def test_a_placement_scales_and_then_moves() -> None:
 
 
 def test_the_shaders_are_given_the_inverse() -> None:
-    matrix = placed((0.5, -1, 2), (2, 0.5, 3)) @ turned("y", 25.0)
-    place = thing(transform=matrix).placement()
+    matrix = placed((0.5, -1, 2), (2, 0.5, 3)) @ rotated("y", 25.0)
+    place = obj(transform=matrix).placement()
     world = np.array([0.3, -0.7, 1.1])
     local = place.to_object @ Vec3(*(world - np.array([*place.origin])))
     np.testing.assert_allclose([*local], (np.linalg.inv(matrix) @ [*world, 1])[:3], atol=1e-6)
@@ -251,7 +254,7 @@ def test_lights_that_give_none_are_refused(make) -> None:
 
 
 def test_an_unknown_shading_model_is_refused() -> None:
-    message = refused(lambda: Scene((thing(),), shading_model="lambert"))  # type: ignore[arg-type]
+    message = refused(lambda: Scene((obj(),), shading_model="lambert"))  # type: ignore[arg-type]
     assert "shading_model is one of ggx, phong, not 'lambert'" in message
 
 
@@ -267,7 +270,7 @@ def test_an_unknown_shading_model_is_refused() -> None:
     ],
 )
 def test_a_scene_refuses_colours_that_are_none(options, message) -> None:
-    assert message in refused(lambda: Scene((thing(),), **options))
+    assert message in refused(lambda: Scene((obj(),), **options))
 
 
 def seen_from(eye, *objects, target=(0.3, 0.2, 0.1)) -> Scene:
@@ -285,7 +288,7 @@ INSIDE = {
 def test_a_camera_inside_an_object_is_refused(shape) -> None:
     """In the object's own space: the same camera beside it is fine."""
     inside, beside = (np.array([*place, 1.0]) for place in INSIDE[shape])
-    matrix = placed((0.3, 0.2, 0.1), (0.5, 2.0, 1.5)) @ turned("z", 30.0)
+    matrix = placed((0.3, 0.2, 0.1), (0.5, 2.0, 1.5)) @ rotated("z", 30.0)
     made = Object(BUMPY, shape=shape, transform=matrix)
     message = refused(seen_from((matrix @ inside)[:3], made).check_camera)
     assert (
@@ -294,31 +297,31 @@ def test_a_camera_inside_an_object_is_refused(shape) -> None:
     )
     seen_from((matrix @ beside)[:3], made).check_camera()
     # among several objects too
-    refused(seen_from((matrix @ inside)[:3], thing(), made).check_camera)
+    refused(seen_from((matrix @ inside)[:3], obj(), made).check_camera)
 
 
 def test_a_camera_inside_a_raised_relief_is_refused() -> None:
-    raised = thing(transform=np.eye(4), level=0.25, scale=0.4)
+    raised = obj(transform=np.eye(4), reference_height=0.25, scale=0.4)
     assert "inside the plane" in refused(seen_from((0.1, 0.1, 0.29), raised).check_camera)
     seen_from((0.1, 0.1, 0.31), raised).check_camera()
     seen_from((0.6, 0.1, 0.29), raised).check_camera()
-    pushed_in = thing(transform=np.eye(4), level=1.0, scale=0.4)
+    pushed_in = obj(transform=np.eye(4), reference_height=1.0, scale=0.4)
     seen_from((0.1, 0.1, 0.05), pushed_in).check_camera()
-    drawn_flat = thing(transform=np.eye(4), level=0.25, scale=0.4, technique="flat")
+    drawn_flat = obj(transform=np.eye(4), reference_height=0.25, scale=0.4, technique="flat")
     seen_from((0.1, 0.1, 0.05), drawn_flat).check_camera()
 
 
 def test_a_relief_of_many_tiles_is_raised_by_the_width_of_one() -> None:
     """The scale is a fraction of a tile's width, so four tiles are raised a quarter as far."""
-    raised = thing(transform=np.eye(4), level=0.0, scale=0.4, tiling=(-4.0, 1.0))
+    raised = obj(transform=np.eye(4), reference_height=0.0, scale=0.4, tiling=(-4.0, 1.0))
     assert "inside the plane" in refused(seen_from((0.1, 0.1, 0.09), raised).check_camera)
     seen_from((0.1, 0.1, 0.11), raised).check_camera()
 
 
 def test_a_camera_behind_a_lone_plane_is_refused() -> None:
-    scene = seen_from((0.0, -0.5, 0.2), thing(), target=(0, 0, 0))
+    scene = seen_from((0.0, -0.5, 0.2), obj(), target=(0, 0, 0))
     assert "the camera is behind the plane, which has no back" in refused(scene.check_camera)
-    seen_from((0.0, -0.5, 0.2), thing(), Object(BUMPY, shape="box", transform=placed((0, 3, 0))),
+    seen_from((0.0, -0.5, 0.2), obj(), Object(BUMPY, shape="box", transform=placed((0, 3, 0))),
               target=(0, 0, 0)).check_camera()  # fmt: skip
 
 
@@ -341,15 +344,15 @@ def test_a_camera_behind_a_lone_plane_is_refused() -> None:
     ],
 )
 def test_cameras_that_see_nothing_are_refused(camera) -> None:
-    refused(lambda: Scene((thing(),), camera=camera).check_camera())
+    refused(lambda: Scene((obj(),), camera=camera).check_camera())
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("size", [1.0, 5.0])
 def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> None:
     """By default, small or large: nothing of it touches the border of a wide picture."""
-    plain = thing(shape=shape, technique="flat")
-    one = thing(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
+    plain = obj(shape=shape, technique="flat")
+    one = obj(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
     hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, engine=CPU).hit
     assert not np.concatenate([hit[0], hit[-1], hit[:, 0], hit[:, -1]]).any()
     assert hit.mean() > 0.15
@@ -370,22 +373,22 @@ class Slide:
     tint: Vec3 = setting(default=Vec3(1.0), doc="not used", low=0.0)
 
 
-@technique(level=0.5)
+@technique(reference_height=0.5)
 def sliding(field: HeightField, ray: Ray, settings: Slide) -> Hit:
     """Each texel some way further along the ray."""
-    height = ray.level - settings.along * float(settings.times)
+    height = ray.reference_height - settings.along * float(settings.times)
     return hit_at(ray, t_at(ray, height), True, settings.times)
 
 
 def test_settings_of_ones_own_are_checked_too() -> None:
-    assert thing(technique=sliding).settings == Slide()
-    assert thing(technique=sliding).relief_level == 0.5
-    assert thing(technique=sliding, settings={"times": 3}).settings.times == 3
-    assert thing(technique=sliding, settings={"tint": 0.5}).settings.tint == Vec3(0.5)
-    assert thing(technique=sliding, settings={"tint": (1, 2, 3)}).settings.tint == Vec3(1, 2, 3)
-    assert "along is 2: give" in refused(lambda: thing(technique=sliding, settings={"along": 2}))
+    assert obj(technique=sliding).settings == Slide()
+    assert obj(technique=sliding).relief_reference_height == 0.5
+    assert obj(technique=sliding, settings={"times": 3}).settings.times == 3
+    assert obj(technique=sliding, settings={"tint": 0.5}).settings.tint == Vec3(0.5)
+    assert obj(technique=sliding, settings={"tint": (1, 2, 3)}).settings.tint == Vec3(1, 2, 3)
+    assert "along is 2: give" in refused(lambda: obj(technique=sliding, settings={"along": 2}))
     for tint in ((1.0, 2.0), (1.0, -1.0, 0.0), "red", None, (NAN, 0, 0), [[1, 2, 3]]):
-        assert "tint" in refused(lambda t=tint: thing(technique=sliding, settings={"tint": t}))
+        assert "tint" in refused(lambda t=tint: obj(technique=sliding, settings={"tint": t}))
 
 
 @struct
@@ -460,7 +463,7 @@ CAMERAS = st.builds(
 def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -> None:
     frame, refusal = None, ""
     try:
-        scene = Scene((thing(**options),), camera=camera)
+        scene = Scene((obj(**options),), camera=camera)
         frame = render(scene, size=(7, 5), samples=1, engine=CPU)
     except InputError as error:
         refusal = str(error)
@@ -492,7 +495,10 @@ def test_straight_down_needs_no_up() -> None:
         (lambda: Object(BUMPY, fade=3), "fade is 3: give two numbers"),
         (lambda: Object(BUMPY, tiling=(1, 2, 3)), "tiling is (1, 2, 3): give two numbers"),
         (lambda: Scene(("bricks",)), "objects are a tuple of Object"),
-        (lambda: Scene((), fog="linear", air={"fog_start": 4, "fog_end": 1}), "fog from 4 to 1"),
+        (
+            lambda: Scene((), fog_mode="linear", fog={"fog_start": 4, "fog_end": 1}),
+            "fog from 4 to 1",
+        ),
         (
             lambda: Object(BUMPY, technique="exact", heights="smooth"),
             "exact reads its heights sharp or mip; leave heights smooth away",

@@ -50,10 +50,10 @@ def opacity_seen() -> np.ndarray:
 @pytest.mark.parametrize("other", ["an object", "the background"])
 def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
     """C16: all or nothing, by the opacity at the displaced place; exactly the colour behind."""
-    things = [holed(alpha="mask", finish={"cutoff": cutoff})]
+    objects = [holed(alpha="mask", surface_parameters={"cutoff": cutoff})]
     if other == "an object":
-        things.append(behind())
-    frame = drawn(*things, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
+        objects.append(behind())
+    frame = drawn(*objects, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
     opacity = opacity_seen()
     hole, solid = opacity < cutoff - 2e-3, opacity > cutoff + 2e-3
     assert min(hole.mean(), solid.mean()) > 0.1
@@ -63,7 +63,7 @@ def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
     if other == "an object":
         wanted = drawn(behind(), camera=SLANTED, **UNLIT)
         np.testing.assert_array_equal(frame.color[hole], wanted.color[hole])
-        np.testing.assert_array_equal(frame.depth[hole], wanted.depth[hole])
+        np.testing.assert_array_equal(frame.distance[hole], wanted.distance[hole])
     else:
         np.testing.assert_array_equal(
             frame.color[hole], np.float32([[0.3, 0.6, 0.2, 1.0]] * hole.sum())
@@ -92,9 +92,14 @@ def test_opaque_takes_no_notice_and_blend_mixes() -> None:
 def test_as_opaque_as_the_cutoff_is_there(opacity: int, cutoff, there: bool) -> None:
     """Codes of 65535 on either side of a cutoff, which is a half by default."""
     stored = Map(np.full((1, 1, 1), opacity, np.uint16), False, "made up")
-    finish = {} if cutoff is None else {"cutoff": cutoff}
-    thing = Object(plain(FRONT, opacity=stored), alpha="mask", finish=finish, transform=np.eye(4))
-    frame = drawn(thing, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
+    surface_parameters = {} if cutoff is None else {"cutoff": cutoff}
+    obj = Object(
+        plain(FRONT, opacity=stored),
+        alpha="mask",
+        surface_parameters=surface_parameters,
+        transform=np.eye(4),
+    )
+    frame = drawn(obj, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
     assert (frame.hit == there).all()
     wanted = FRONT if there else (0.3, 0.6, 0.2)
     np.testing.assert_allclose(frame.color[30, 48, :3], wanted, atol=1e-4)
@@ -115,9 +120,9 @@ def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
                       opacity=map_of(noise(11, (16, 16), 1, 0.0, 1.0)))  # fmt: skip
     roof = Object(smooth, transform=placed((0.0, RAISED, 0.0)) @ LYING, **options)
     scene = {"camera": ABOVE, "lights": (LIGHT,), "shading_model": "phong", **MATTE}
-    frame = drawn(FLOOR, roof, **scene, shadows="hard", shadow_map=512)
+    frame = drawn(FLOOR, roof, **scene, shadows="hard", shadow_map_size=512)
     origins, directions = rays(ABOVE)
-    met = origins + directions * np.where(frame.hit, frame.depth, 0.0)[..., None]
+    met = origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
     floor = frame.hit & (np.abs(met[..., 1]) < 1e-3)
     return np.where(floor, frame.color[:, :, 0] < 0.2, False), np.where(
         floor[..., None], met, np.nan
@@ -161,17 +166,17 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     material = replace(sample("tiles", 16), opacity=map_of(np.ones((16, 16))))
     readings = {
         "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",
-        "mask": "opacity_of(opacity: f32, finish: Finish) -> f32 {\n"
+        "mask": "opacity_of(opacity: f32, finish: SurfaceParameters) -> f32 {\n"
         "  return masked(opacity, finish);\n}",
         "opaque": "opacity_of() -> f32 {\n  return 1.0;\n}",
     }
     for alpha in readings:
-        thing = Object(material, alpha=alpha)
-        text = print_wgsl(program_of(thing).module, "wrap")
+        obj = Object(material, alpha=alpha)
+        text = print_wgsl(program_of(obj).module, "wrap")
         assert [each in text for each in readings.values()] == [each == alpha for each in readings]
         assert ("masked" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
-            program = depth_program_of(replace(thing, casts=casts))
+            program = depth_program_of(replace(obj, casts=casts))
             assert ("masked" in print_wgsl(program.module, "wrap")) == cut
 
 
@@ -181,5 +186,5 @@ def test_cpu_and_gpu_agree() -> None:
     lattice = replace(sample("bricks", 64), opacity=hole)
     roof = Object(lattice, alpha="mask", technique="relief", transform=placed((0, 0.3, 0)) @ LYING)
     floor = Object(plain(), transform=LYING @ placed(scale=(2.0, 2.0, 1.0)))
-    scene = Scene((floor, roof), Orbit(25.0, 40.0, 2.0), shadows="hard", shadow_map=128)
+    scene = Scene((floor, roof), Orbit(25.0, 40.0, 2.0), shadows="hard", shadow_map_size=128)
     assert_engines_agree(scene, 64)

@@ -8,7 +8,7 @@ import pytest
 from basrelief.lang import Vec3
 from basrelief.material import Map, Material
 from basrelief.rendering.render import render
-from basrelief.scene import LYING, Object, Orbit, Scene, directional, placed, turned
+from basrelief.scene import LYING, Object, Orbit, Scene, directional, placed, rotated
 from basrelief.shading.brdf import Shading
 
 RNG = np.random.default_rng(8)
@@ -28,12 +28,16 @@ def plain(color, opacity: float = 1.0) -> Material:
 )
 def test_depth_stays_with_the_shape(shape, technique, level):
     """Not behind what the ray leaves, nor before a shell as thick as the relief is raised."""
-    thing = Object(
-        Material("bumps", height=BUMPS), shape=shape, technique=technique, level=level, scale=0.2
+    obj = Object(
+        Material("bumps", height=BUMPS),
+        shape=shape,
+        technique=technique,
+        reference_height=level,
+        scale=0.2,
     )
-    scene = Scene((thing,), Orbit(20.0, 25.0, 2.1))
+    scene = Scene((obj,), Orbit(20.0, 25.0, 2.1))
     frame = render(scene, size=(96, 80), samples=1, engine="cpu")
-    depth = frame.depth[frame.hit]
+    depth = frame.distance[frame.hit]
     assert frame.hit.mean() > 0.1
     # the shapes lie within a ball of radius √3/2; a relief's tile is at most 3.2 wide
     reach = np.sqrt(3) / 2
@@ -51,12 +55,12 @@ def test_what_is_wholly_see_through_hides_nothing(first):
         plain((1.0, 0.0, 0.0), 0.0), transform=placed((0.0, 0.3, 0.0)) @ LYING, technique="flat"
     )
     far = Object(plain((0.0, 0.0, 1.0)), transform=LYING, technique="flat")
-    things = (near, far) if first == "near" else (far, near)
+    objects = (near, far) if first == "near" else (far, near)
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=0.5)
-    frame = render(Scene(things, camera), size=(8, 8), samples=1, engine="cpu")
+    frame = render(Scene(objects, camera), size=(8, 8), samples=1, engine="cpu")
     assert (frame.color[:, :, 2] > 0.2).all()
     assert (frame.color[:, :, 0] < frame.color[:, :, 2]).all()
-    np.testing.assert_allclose(frame.depth, 2.0, atol=1e-5)
+    np.testing.assert_allclose(frame.distance, 2.0, atol=1e-5)
 
 
 @pytest.mark.parametrize("first", ["near", "far"])
@@ -65,10 +69,10 @@ def test_half_opacity_mixes_with_what_is_behind(first):
         plain((1.0, 0.0, 0.0), 0.4), transform=placed((0.0, 0.3, 0.0)) @ LYING, technique="flat"
     )
     far = Object(plain((0.0, 0.0, 1.0)), transform=LYING, technique="flat")
-    things = (near, far) if first == "near" else (far, near)
+    objects = (near, far) if first == "near" else (far, near)
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=0.5)
     light = (directional(0.0, 90.0),)
-    scene = Scene(things, camera, light, shading=DARK, shading_model="phong")
+    scene = Scene(objects, camera, light, shading=DARK, shading_model="phong")
     color = render(scene, size=(8, 8), samples=1, engine="cpu").color[4, 4]
     other = Scene((far,), camera, light, shading=DARK, shading_model="phong")
     alone = render(other, size=(8, 8), samples=1, engine="cpu").color[4, 4]
@@ -83,10 +87,10 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     rise, scale = 0.5, 0.3
     ramp = np.linspace(0.25, 0.25 + rise, rows, dtype=np.float32)[:, None]
     heights = Map(np.repeat(ramp, columns, 1)[:, :, None], False, "ramp")
-    thing = Object(Material("ramp", height=heights), shape, "flat", scale=scale, edge="clamp")
+    obj = Object(Material("ramp", height=heights), shape, "flat", scale=scale, edge="clamp")
     light, eye = directional(0.0, 45.0), Orbit(0.0, 90.0, 3.0, orthographic_height=0.2)
     shading = DARK
-    scene = Scene((thing,), eye, (light,), shading=shading, shading_model="phong")
+    scene = Scene((obj,), eye, (light,), shading=shading, shading_model="phong")
     seen = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, 0]
     # over the tile it rises by rise · scale of the tile's width, towards the lower edge (+z)
     length = min(1.0, rows / columns) if shape == "plane" else 1.0
@@ -98,13 +102,13 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
 
 
 def test_a_turned_object_is_bounded_as_well():
-    thing = Object(
+    obj = Object(
         Material("bumps", height=BUMPS),
         shape="box",
         technique="offset",
         scale=0.2,
-        transform=turned("y", 30.0) @ placed(scale=(2.0, 1.0, 0.5)),
+        transform=rotated("y", 30.0) @ placed(scale=(2.0, 1.0, 0.5)),
     )
-    frame = render(Scene((thing,), Orbit(10.0, 30.0, 4.0)), size=(64, 64), samples=1, engine="cpu")
-    assert (frame.depth[frame.hit] > 1.5).all()
-    assert (frame.depth[frame.hit] < 6.0).all()
+    frame = render(Scene((obj,), Orbit(10.0, 30.0, 4.0)), size=(64, 64), samples=1, engine="cpu")
+    assert (frame.distance[frame.hit] > 1.5).all()
+    assert (frame.distance[frame.hit] < 6.0).all()

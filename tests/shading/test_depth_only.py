@@ -16,13 +16,13 @@ from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering.programs import depth_program_of, own_values, program_of
-from basrelief.scene import LYING, Object, Orbit, Scene, placed, turned
+from basrelief.scene import LYING, Object, Orbit, Scene, placed, rotated
 from basrelief.shading.intersection import View
 from helpers.made_up import drawn, map_of, noise
 
 SIZE = (64, 48)
 CAMERA = Orbit(25.0, 35.0, 2.4)
-FULL = {"shadows": "hard", "fog": "exponential", "occlusion_kind": "directional"}
+FULL = {"shadows": "hard", "fog_mode": "exponential", "occlusion_kind": "directional"}
 """A scene in which every part of the light has code."""
 LIT = {
     "lights", "shading", "fog", "views", "distances", "arriving", "reflectance", "ggx",
@@ -33,17 +33,17 @@ LIT = {
 OBJECTS: dict[str, dict[str, Any]] = {
     "a plane": {"level": 0.6, "transform": LYING},
     "a clipped plane": {"edge": "clip", "technique": "relief"},
-    "a raised box": {"shape": "box", "level": 0.3, "transform": turned("y", 20.0)},
+    "a raised box": {"shape": "box", "level": 0.3, "transform": rotated("y", 20.0)},
     "a sphere": {"shape": "sphere", "technique": "exact", "tiling": (4.0, -2.0)},
     "a cylinder": {"shape": "cylinder", "technique": "cone", "level": 0.5},
-    "boxes": {"technique": "texel", "shape": "box", "scale": 0.2},
+    "columns": {"technique": "texel", "shape": "box", "scale": 0.2},
     "nothing displaced": {"technique": "flat", "shape": "cylinder"},
     "a mask": {"alpha": "mask", "transform": placed(scale=(1.2, 0.8, 1.0)) @ LYING},
     "half transparent": {"alpha": "blend", "shape": "sphere"},
 }
 
 
-def thing(name: str = "a plane", **options: Any) -> Object:
+def obj(name: str = "a plane", **options: Any) -> Object:
     hole = map_of(noise(11, (32, 32), 1, 0.0, 1.0))
     material = replace(sample("bricks", 32), opacity=hole)
     return Object(material, **{"alpha": "opaque", "scale": 0.12, **OBJECTS[name], **options})
@@ -66,7 +66,7 @@ def words(program: Program) -> set[str]:
 @pytest.mark.parametrize("name", OBJECTS)
 def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
     """And a picture has it all, so that the names above are the right ones."""
-    made, other = thing(name), Object(sample("tiles", 16), "sphere")
+    made, other = obj(name), Object(sample("tiles", 16), "sphere")
     lit = words(program_of(made, Scene((made, other), **FULL)))
     assert lit >= LIT - ({"self_shadowed"} if name == "nothing displaced" else set())
     of_shadow = {"shadowing", "Shadowing", "shadow", "shadow_steps"}
@@ -76,7 +76,7 @@ def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
 @pytest.mark.parametrize("name", OBJECTS)
 def test_it_is_depth_only_that_leaves_the_light_out(name: str) -> None:
     """Whatever else the variant asks for."""
-    made, other = thing(name), Object(sample("tiles", 16), "sphere")
+    made, other = obj(name), Object(sample("tiles", 16), "sphere")
     program = program_of(made, Scene((made, other), **FULL))
     depth_only = replace(program, variant=replace(program.variant, depth_only=True))
     assert words(depth_only) & LIT == set()
@@ -86,26 +86,26 @@ def test_it_is_depth_only_that_leaves_the_light_out(name: str) -> None:
 @pytest.mark.parametrize("scene", [{}, FULL], ids=["plain", "full"])
 def test_a_depth_map_has_the_depth_of_the_picture(name: str, scene: dict[str, Any]) -> None:
     """Where the object is opaque, and nothing anywhere else."""
-    made = thing(name)
+    made = obj(name)
     planes, frame = depth_map(made), drawn(made, camera=CAMERA, size=SIZE, **scene)
     hit = planes["hit"] != 0
     assert 0.05 < hit.mean() < 0.95
     np.testing.assert_array_equal(hit, frame.hit)
-    np.testing.assert_array_equal(planes["depth"][hit], frame.depth[hit])
+    np.testing.assert_array_equal(planes["distance"][hit], frame.distance[hit])
     np.testing.assert_array_equal(planes["uv.x"][hit], frame.uv[hit][:, 0])
     np.testing.assert_array_equal(planes["uv.y"][hit], frame.uv[hit][:, 1])
 
 
 def test_what_casts_an_opaque_shadow_has_no_holes() -> None:
-    whole, holed = (depth_map(thing("a mask", casts=casts)) for casts in ("opaque", "shape"))
-    solid = drawn(thing("a mask", alpha="opaque"), camera=CAMERA, size=SIZE)
+    whole, holed = (depth_map(obj("a mask", casts=casts)) for casts in ("opaque", "shape"))
+    solid = drawn(obj("a mask", alpha="opaque"), camera=CAMERA, size=SIZE)
     np.testing.assert_array_equal(whole["hit"] != 0, solid.hit)
-    np.testing.assert_array_equal(whole["depth"][solid.hit], solid.depth[solid.hit])
+    np.testing.assert_array_equal(whole["distance"][solid.hit], solid.distance[solid.hit])
     assert (holed["hit"] != 0).sum() < 0.8 * solid.hit.sum()
 
 
 def test_a_relief_that_fades_for_the_camera_is_whole_for_a_light() -> None:
-    fading, whole = depth_map(thing(fade=(0.2, 0.4))), depth_map(thing())
-    np.testing.assert_array_equal(fading["depth"], whole["depth"])
-    gone = drawn(thing(fade=(0.2, 0.4)), camera=CAMERA, size=SIZE)
-    assert np.abs(gone.depth - whole["depth"])[gone.hit & (whole["hit"] != 0)].max() > 0.01
+    fading, whole = depth_map(obj(fade=(0.2, 0.4))), depth_map(obj())
+    np.testing.assert_array_equal(fading["distance"], whole["distance"])
+    gone = drawn(obj(fade=(0.2, 0.4)), camera=CAMERA, size=SIZE)
+    assert np.abs(gone.distance - whole["distance"])[gone.hit & (whole["hit"] != 0)].max() > 0.01

@@ -12,7 +12,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
-from basrelief.shading.relief import Depth, depth_seen
+from basrelief.shading.relief import ReliefParameters, faded
 from basrelief.shading.variant import Variant
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, on_plane, plain
@@ -25,27 +25,27 @@ NEAR, FAR = 2.4, 4.0
 
 
 def test_the_shader_halves_the_depth_in_the_middle() -> None:
-    deep, fades = Depth(0.4, 0.7, 0.42, NEAR, FAR), Variant(fades=True)
+    deep, fades = ReliefParameters(0.4, 0.7, 0.42, NEAR, FAR), Variant(fades=True)
     for distance, left in ((0.0, 1.0), (2.4, 1.0), (3.2, 0.5), (4.0, 0.0), (90.0, 0.0)):
-        found = depth_seen(deep, np.float32(distance), fades)
+        found = faded(deep, np.float32(distance), fades)
         assert float(found.scale) == pytest.approx(0.4 * left, abs=1e-6)
-        assert (found.level, found.bias) == (deep.level, deep.bias)
-    assert depth_seen(deep, np.float32(4.0), fades).scale == 0.0
+        assert (found.reference_height, found.bias) == (deep.reference_height, deep.bias)
+    assert faded(deep, np.float32(4.0), fades).scale == 0.0
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0])
 def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
     """G10: on a plane of one height it is in proportion; from far on nothing is read."""
-    thing = Object(
+    obj = Object(
         plain(height=HEIGHT),
         technique="parallax_occlusion",
         settings=STEPS,
         scale=SCALE,
-        level=level,
+        reference_height=level,
         fade=(NEAR, FAR),
         transform=placed(scale=(4.0, 4.0, 1.0)),
     )
-    frame = drawn(thing, camera=ALONG)
+    frame = drawn(obj, camera=ALONG)
     met, distance = on_plane(ALONG)
     left = np.clip((FAR - distance) / (FAR - NEAR), 0.0, 1.0)
     # the plane that the relief is at each pixel, as if it were the whole
@@ -54,7 +54,7 @@ def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
     ours = frame.hit & (np.abs(met - 0.5).max(-1) < 1.99)
     for part in (distance < NEAR, (distance > NEAR) & (distance < FAR), distance > FAR):
         assert (ours & part).sum() > 100
-    np.testing.assert_allclose(frame.depth[ours], (distance + deeper)[ours], rtol=2e-4)
+    np.testing.assert_allclose(frame.distance[ours], (distance + deeper)[ours], rtol=2e-4)
     # in object space x and y are a quarter of the world's, and the range is 0.3 of a tile there
     polygon = (met - 0.5) / 4.0 + 0.5
     slope = (on_plane(ALONG, -1.0)[0] - met) / 4.0
@@ -77,12 +77,12 @@ def test_shadows_fade_too() -> None:
 
     def columns(fade) -> tuple[int, int]:
         """Dark pixels across the shadow, and reads."""
-        thing = Object(
-            material, technique="offset", level=1.0, scale=0.1, edge="clamp", fade=fade,
+        obj = Object(
+            material, technique="offset", reference_height=1.0, scale=0.1, edge="clamp", fade=fade,
             transform=np.eye(4),
         )  # fmt: skip
         frames = [
-            drawn(thing, camera=camera, size=(192, 96), lights=(light,), shadows=shadows,
+            drawn(obj, camera=camera, size=(192, 96), lights=(light,), shadows=shadows,
                   shadowing={"shadow_steps": 256, "shadow_offset": 0.0})
             for shadows in ("hard", "none")
         ]  # fmt: skip
@@ -99,10 +99,10 @@ def test_shadows_fade_too() -> None:
 
 def test_the_cost_falls_with_distance() -> None:
     """G10: with the part of the picture that is covered; to nothing where the relief is gone."""
-    thing = Object(sample("bricks", 32), technique="steep", settings={"steps": 10}, fade=(3.0, 5.0))
+    obj = Object(sample("bricks", 32), technique="steep", settings={"steps": 10}, fade=(3.0, 5.0))
     costs, covered = [], []
     for distance in (1.5, 2.9, 4.2, 7.0):
-        scene = Scene((thing,), Orbit(20.0, 40.0, distance))
+        scene = Scene((obj,), Orbit(20.0, 40.0, distance))
         frame = render(scene, size=(96, 54), samples=1, engine="cpu")
         costs.append(frame.reads.mean())
         covered.append(frame.hit.mean())
@@ -125,5 +125,5 @@ def test_without_fading_there_is_no_code_for_it() -> None:
 @pytest.mark.gpu
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion", "relief"])
 def test_cpu_and_gpu_agree(technique: str) -> None:
-    thing = Object(sample("bricks", 64), technique=technique, fade=(1.2, 2.0))
-    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.6), shadows="soft"), 64)
+    obj = Object(sample("bricks", 64), technique=technique, fade=(1.2, 2.0))
+    assert_engines_agree(Scene((obj,), Orbit(20.0, 30.0, 1.6), shadows="soft"), 64)

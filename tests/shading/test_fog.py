@@ -9,7 +9,7 @@ from basrelief.lang import Vec3
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering.programs import program_of
-from basrelief.scene import LookAt, Object, Orbit, Scene, turned
+from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog, linear
 from helpers.agreement import assert_engines_agree
@@ -45,7 +45,7 @@ def sunken() -> Object:
 def test_fog_takes_its_share_by_the_displaced_distance(fog: str) -> None:
     """C21."""
     background = (0.9, 0.1, 0.0)
-    frame = drawn(sunken(), camera=CAMERA, fog=fog, air=AIR, background=background, **UNLIT)
+    frame = drawn(sunken(), camera=CAMERA, fog_mode=fog, fog=AIR, background=background, **UNLIT)
     _, distance = on_plane(CAMERA, -0.6)
     _, polygon = on_plane(CAMERA)
     through = FORMS[fog](distance)[..., None]
@@ -63,7 +63,7 @@ def test_fog_takes_its_share_by_the_displaced_distance(fog: str) -> None:
 
 def test_before_it_begins_linear_fog_takes_nothing_and_after_its_end_all() -> None:
     near, far = (
-        drawn(sunken(), camera=CAMERA, fog="linear", air=air, **UNLIT)
+        drawn(sunken(), camera=CAMERA, fog_mode="linear", fog=air, **UNLIT)
         for air in (
             {**AIR, "fog_start": 50.0, "fog_end": 51.0},
             {**AIR, "fog_start": 0.0, "fog_end": 0.0},
@@ -83,10 +83,10 @@ def test_linear_fog_that_begins_at_its_end_is_a_wall() -> None:
 
 
 def test_without_fog_there_is_no_code_for_it() -> None:
-    thing = Object(sample("tiles", 16))
+    obj = Object(sample("tiles", 16))
 
     def text(fog: str) -> str:
-        program = program_of(thing, Scene((thing,), fog=fog))
+        program = program_of(obj, Scene((obj,), fog_mode=fog))
         return print_wgsl(program.module, program.edge)
 
     clear, thick = text("none"), text("exponential")
@@ -99,6 +99,6 @@ def test_without_fog_there_is_no_code_for_it() -> None:
 @pytest.mark.gpu
 @pytest.mark.parametrize("fog", FORMS)
 def test_cpu_and_gpu_agree(fog: str) -> None:
-    thing = Object(sample("bricks", 64), transform=turned("x", -90.0))
-    scene = Scene((thing,), Orbit(20.0, 25.0, 1.7), fog=fog, air={**AIR, "fog_start": 1.0})
+    obj = Object(sample("bricks", 64), transform=rotated("x", -90.0))
+    scene = Scene((obj,), Orbit(20.0, 25.0, 1.7), fog_mode=fog, fog={**AIR, "fog_start": 1.0})
     assert_engines_agree(scene, 64)

@@ -37,7 +37,7 @@ def test_a_program_that_reads_it_has_it() -> None:
 
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
 def test_the_entries_take_it_and_no_shape_reads_it(shape: str) -> None:
-    thing = Object(sample("cobbles", 8), shape=shape, technique="exact")
-    for entry, program in ((pixel, program_of(thing)), (view_ray, rays_of(thing))):
+    obj = Object(sample("cobbles", 8), shape=shape, technique="exact")
+    for entry, program in ((pixel, program_of(obj)), (view_ray, rays_of(obj))):
         assert entry.signature[0]["geometry"] is Geometry
         assert "geometry" not in str(program.module)

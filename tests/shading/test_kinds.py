@@ -16,7 +16,7 @@ from basrelief.images import Picture
 from basrelief.lang import HeightField, Texture
 from basrelief.lang.types import leaf_values
 from basrelief.material import channels, sample
-from basrelief.measure.boxes import first_box_hits
+from basrelief.measure.columns import first_column_hits
 from basrelief.measure.debug import SHOWN, debug_picture
 from basrelief.measure.oracle import first_hits
 from basrelief.rendering.frame import Frame
@@ -50,7 +50,7 @@ OF_SCENE = {
     "shadows": kinds.ShadowsKind,
     "shadows_on": kinds.ShadowsOnKind,
     "occlusion_kind": kinds.OcclusionKind,
-    "fog": kinds.FogKind,
+    "fog_mode": kinds.FogKind,
 }
 OPTIONS = {**OF_OBJECT, **OF_SCENE}
 EACH = [(name, value) for name, kind in OPTIONS.items() for value in get_args(kind)]
@@ -115,7 +115,7 @@ def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
     assert [light_kind(light) for light in lights] == list(LIGHTS)
     assert [int(light.kind) for light in lights] == [0, 1, 2]
     # a directional light has one view, one that lights all around six
-    around = Scene((Object(BRICKS, "sphere"),), lights=lights, shadow_map=16)
+    around = Scene((Object(BRICKS, "sphere"),), lights=lights, shadow_map_size=16)
     assert [view.light for view in light_views(around)] == [0, 1, 2]
     # within the ball: a lamp has six views, a spot one, or six where its cone is too wide
     place = (0.1, 0.2, 0.3)
@@ -248,7 +248,7 @@ def test_maps_refuse_an_unknown_edge(edge: Any) -> None:
         lambda: HeightField([heights], edge),
         lambda: Texture([np.zeros((2, 3, 4), np.uint16)], edge),
         lambda: first_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
-        lambda: first_box_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: first_column_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
     ):
         with pytest.raises(ValueError, match=f"edge is '{edge}': use wrap or clamp"):
             make()

@@ -113,7 +113,11 @@ GRASS, STONE = np.array([0.2, 0.6, 0.1]), np.array([0.5, 0.45, 0.4])
 
 
 def land(height: float, water_level: float = 0.0, **options) -> Object:
-    finish = {"water_level": water_level, "water_color": (0.1, 0.3, 0.8), "sky_color": (1, 0.5, 0)}
+    surface_parameters = {
+        "water_level": water_level,
+        "water_color": (0.1, 0.3, 0.8),
+        "sky_color": (1, 0.5, 0),
+    }
     options = {
         "technique": "fixed_length",
         "settings": {"steps": 300, "step_length": 0.01},
@@ -121,12 +125,12 @@ def land(height: float, water_level: float = 0.0, **options) -> Object:
         "scale": 0.5,
         **options,
     }
-    return Object(plain(GRASS, height), surface="landscape", finish=finish, transform=np.eye(4),
+    return Object(plain(GRASS, height), surface="landscape", surface_parameters=surface_parameters, transform=np.eye(4),
                   **options)  # fmt: skip
 
 
-def color(thing: Object, **scene) -> np.ndarray:
-    frame = drawn(thing, camera=FRONT, size=(9, 9), **{**UNLIT, **scene})
+def color(obj: Object, **scene) -> np.ndarray:
+    frame = drawn(obj, camera=FRONT, size=(9, 9), **{**UNLIT, **scene})
     assert frame.hit.all()
     return frame.color[4, 4, :3]
 
@@ -167,15 +171,15 @@ def ground(own_color: float, maps=None, **numbers) -> Object:
     return Object(
         plain(own_color, 0.5, normal=map_of(leaning), **(maps or {})),
         surface="landscape",
-        finish={"water_level": 0.0, **numbers},
+        surface_parameters={"water_level": 0.0, **numbers},
         technique="parallax_occlusion",
         transform=np.eye(4),
     )
 
 
-def shading_normal(thing: Object) -> np.ndarray:
+def shading_normal(obj: Object) -> np.ndarray:
     """The unit normal of a white landscape."""
-    return normal_under_tripod(color(thing, lights=TRIPOD, shading=MATTE, shading_model="phong"))
+    return normal_under_tripod(color(obj, lights=TRIPOD, shading=MATTE, shading_model="phong"))
 
 
 @pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])
@@ -198,11 +202,11 @@ def test_water_and_sky_are_level_whatever_the_normal_map_has() -> None:
 
 def test_by_default_water_lies_below_a_height_of_two_fifths() -> None:
     for height, wanted in ((0.395, np.array([0.1, 0.3, 0.8]) * 0.395), (0.405, GRASS)):
-        thing = Object(
+        obj = Object(
             plain(GRASS, height), surface="landscape", technique="parallax_occlusion",
             transform=np.eye(4),
         )  # fmt: skip
-        np.testing.assert_allclose(color(thing), wanted, atol=1e-4)
+        np.testing.assert_allclose(color(obj), wanted, atol=1e-4)
 
 
 def test_a_landscape_has_the_same_response_everywhere() -> None:
@@ -222,13 +226,13 @@ def test_ground_and_mountains_have_their_own_tilings() -> None:
     """L3: the article reads its noise at uv × 0.2 and its colours at uv × 0.4."""
     low, high = noise(1, (32, 32)), noise(2, (32, 32))
     material = Material("m", base_color=map_of(low), height=map_of(np.full((1, 1), 0.25)))
-    thing = Object(
-        material, surface="landscape", finish={"water_level": 0.0}, scale=0.05,
+    obj = Object(
+        material, surface="landscape", surface_parameters={"water_level": 0.0}, scale=0.05,
         technique="parallax_occlusion", tiling=(0.2, 0.2), transform=np.eye(4),
         tilings={"base_color": Tiling((0.4, 0.4))},
         layer=Layer(Material("high", base_color=map_of(high)), Tiling((0.8, 0.8))),
     )  # fmt: skip
-    frame = drawn(thing, camera=FRONT, **UNLIT)
+    frame = drawn(obj, camera=FRONT, **UNLIT)
     place = frame.uv.astype(np.float64) / 0.2
     wanted = 0.75 * bilinear(low, place * 0.4) + 0.25 * bilinear(high, place * 0.8)
     np.testing.assert_allclose(frame.color[:, :, :3], wanted, atol=2e-3)
@@ -248,7 +252,7 @@ def test_scrolling_moves_all_maps_together(surface: str) -> None:
         occlusion=map_of(noise(6, (32, 32), 1)),
         emission=map_of(noise(7, (32, 32))),
     )
-    thing = Object(
+    obj = Object(
         material,
         surface=surface,
         technique="parallax_occlusion",
@@ -264,7 +268,7 @@ def test_scrolling_moves_all_maps_together(surface: str) -> None:
     )
     camera = LookAt((0.0, -1.2, 2.0), up=(0.0, 0.0, 1.0), orthographic_height=0.5)
     still, moved = (
-        drawn(each, camera=camera, size=(96, 64)) for each in (thing, thing.scrolled(0.125))
+        drawn(each, camera=camera, size=(96, 64)) for each in (obj, obj.scrolled(0.125))
     )
     # 128 pixels to a unit
     first, then = still.color[:, 24:88], moved.color[:, 8:72]
@@ -275,13 +279,13 @@ def test_scrolling_moves_all_maps_together(surface: str) -> None:
 
 
 def test_scrolling_there_and_back_or_a_whole_tile_changes_nothing() -> None:
-    thing = Object(sample("bricks", 16), tiling=(2.0, 3.0), shift=(0.5, 0.0),
+    obj = Object(sample("bricks", 16), tiling=(2.0, 3.0), shift=(0.5, 0.0),
                    layer=Layer(sample("grid", 16)))  # fmt: skip
-    back = thing.scrolled(0.25, 0.5).scrolled(-0.25, -0.5)
-    assert back.shift == thing.shift
-    assert back.layer.tiling == thing.layer.tiling
-    assert thing.scrolled(0.25, 0.5).shift == (1.0, 1.5)
-    assert thing.scrolled(0.25, 0.5).layer.tiling.shift == (2.5, 5.0)
+    back = obj.scrolled(0.25, 0.5).scrolled(-0.25, -0.5)
+    assert back.shift == obj.shift
+    assert back.layer.tiling == obj.layer.tiling
+    assert obj.scrolled(0.25, 0.5).shift == (1.0, 1.5)
+    assert obj.scrolled(0.25, 0.5).layer.tiling.shift == (2.5, 5.0)
 
 
 # --- what is in a program, and both engines ------------------------------------------------------
@@ -303,11 +307,11 @@ def test_only_the_chosen_surface_is_in_a_program() -> None:
 
 @pytest.mark.gpu
 def test_cpu_and_gpu_agree() -> None:
-    thing = Object(
+    obj = Object(
         sample("terrain", 64), surface="landscape", technique="fixed_length", scale=0.3,
         layer=Layer(sample("stone", 64), Tiling((3.0, 3.0))),
     ).scrolled(0.3)  # fmt: skip
-    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.8)), 64)
+    assert_engines_agree(Scene((obj,), Orbit(20.0, 30.0, 1.8)), 64)
 
 
 def test_water_stays_water_where_the_relief_has_faded() -> None:
@@ -318,8 +322,8 @@ def test_water_stays_water_where_the_relief_has_faded() -> None:
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
     colors = []
     for fade in (None, (0.5, 1.0)):
-        thing = Object(ground, surface="landscape", fade=fade, **options)
-        frame = render(Scene((thing,), camera), size=(9, 9), samples=1, engine="cpu")
+        obj = Object(ground, surface="landscape", fade=fade, **options)
+        frame = render(Scene((obj,), camera), size=(9, 9), samples=1, engine="cpu")
         colors.append(frame.color[4, 4])
     np.testing.assert_allclose(colors[0], colors[1], atol=1e-3)
     flat = Object(ground, fade=(0.5, 1.0), **options)
@@ -330,9 +334,9 @@ def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
     colors = np.full((1, 1, 3), 0.4, np.float32)
     height = Map(np.full((4, 4, 1), 0.8, np.float32), False, "high")
     ground = Material("ground", height=height, base_color=Map(colors, False, "colour"))
-    thing = Object(ground, surface="landscape", transform=np.eye(4))
+    obj = Object(ground, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
-    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0})
     color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
     np.testing.assert_allclose(color, 0.4, atol=1e-3)
 
@@ -341,8 +345,8 @@ def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
 def test_the_deepest_ground_is_water_and_no_sky(technique) -> None:
     """A march that ends above the ground at the bottom has sunk below the water's level."""
     ground = Material("pit", height=Map(np.zeros((4, 4, 1), np.float32), False, "pit"))
-    thing = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
+    obj = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
-    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0})
+    scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0})
     color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
     assert color.max() < 0.2

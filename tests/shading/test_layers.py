@@ -41,14 +41,14 @@ def reliefs(material: Material, height: float = HEIGHT, **options) -> Object:
     return Object(material, scale=SCALE, transform=np.eye(4), **options)
 
 
-def places(thing: Object) -> np.ndarray:
+def places(obj: Object) -> np.ndarray:
     """Where each ray ends, in the unit plane's own coordinates, before any tiling."""
-    lowered = (HEIGHT - 1.0) * SCALE / abs(thing.tiles[0])
+    lowered = (HEIGHT - 1.0) * SCALE / abs(obj.tiles[0])
     return on_plane(SLANTED, lowered)[0]
 
 
-def seen(thing: Object, **scene) -> Frame:
-    frame = drawn(thing, camera=SLANTED, **{**UNLIT, **scene})
+def seen(obj: Object, **scene) -> Frame:
+    frame = drawn(obj, camera=SLANTED, **{**UNLIT, **scene})
     assert frame.hit.all()
     return frame
 
@@ -69,13 +69,13 @@ TILINGS = [
 @pytest.mark.parametrize(("main", "detail"), TILINGS)
 def test_details_stay_glued_to_the_surface(main: Tiling, detail: Tiling) -> None:
     """C10: the offset of the details is that of the heights × detail tiling ÷ main tiling."""
-    thing = reliefs(
+    obj = reliefs(
         plain(0.5),
         tiling=main.tiles,
         shift=main.shift,
         layer=Layer(Material("detail", base_color=map_of(COLORS)), detail),
     )
-    frame = seen(thing)
+    frame = seen(obj)
     # the article's formula, from the displaced coordinates of the main maps
     polygon, _ = on_plane(SLANTED)
     offset = frame.uv - (polygon * main.tiles + main.shift)
@@ -83,7 +83,7 @@ def test_details_stay_glued_to_the_surface(main: Tiling, detail: Tiling) -> None
     wanted = bilinear(COLORS, polygon * detail.tiles + detail.shift + offset * ratio)
     found = frame.color[:, :, :3] * GREY / 0.5
     np.testing.assert_allclose(found, wanted, atol=5e-4)
-    np.testing.assert_allclose(found, on(COLORS, detail, places(thing)), atol=5e-4)
+    np.testing.assert_allclose(found, on(COLORS, detail, places(obj)), atol=5e-4)
     assert np.abs(found - on(COLORS, detail, polygon)).max() > 0.1
 
 
@@ -99,12 +99,12 @@ def test_details_act_as_far_as_the_mask_allows(share: float) -> None:
         normal=map_of((lean * 0.5 + 0.5).reshape(1, 1, 3)),
     )
     mask = map_of(np.full((1, 1), share))
-    thing = reliefs(plain(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
+    obj = reliefs(plain(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
     wanted = base * (1.0 - share + share * 0.1 / GREY)
-    np.testing.assert_allclose(seen(thing).color[4, 4, :3], wanted, atol=2e-4)
+    np.testing.assert_allclose(seen(obj).color[4, 4, :3], wanted, atol=2e-4)
     own, over = unit([0.1, 0.2, 1.0]), unit([*lean[:2] * share, lean[2]])
     bent = unit([*own[:2] + over[:2], own[2] * over[2]])
-    np.testing.assert_allclose(normal_of(thing, wanted), bent, atol=5e-4)
+    np.testing.assert_allclose(normal_of(obj, wanted), bent, atol=5e-4)
 
 
 def test_middle_grey_changes_nothing() -> None:
@@ -128,9 +128,9 @@ LAMPS = [
 TOWARDS = np.array([[-float(c) for c in lamp.direction] for lamp in LAMPS])
 
 
-def normal_of(thing: Object, color=0.6) -> np.ndarray:
+def normal_of(obj: Object, color=0.6) -> np.ndarray:
     """The normal with which the middle of the picture is lit, by Lambert's law."""
-    lit = seen(thing, lights=tuple(LAMPS), shading=MATTE, shading_model="phong")
+    lit = seen(obj, lights=tuple(LAMPS), shading=MATTE, shading_model="phong")
     cosines = lit.color[30, 48, :3] / color
     assert cosines.min() > 0.05
     return np.linalg.solve(TOWARDS, cosines)
@@ -151,22 +151,22 @@ def test_normals_of_details_lean_further(tiles, turn) -> None:
     the detail's texels are squeezed."""
     own, fine = unit([0.25, -0.1, 1.0]), np.array([0.15, 0.1, 1.0])
     material = Material("made up", normal=leaning(0.25, -0.1).normal)
-    thing = reliefs(
+    obj = reliefs(
         material, height=1.0, tiling=(1.0, 1.0), layer=Layer(leaning(0.15, 0.1), Tiling(tiles))
     )
     over = unit(unit(fine) * [*turn, 1.0])
     bent = unit([*own[:2] + over[:2], own[2] * over[2]])
-    np.testing.assert_allclose(normal_of(thing), bent, atol=5e-4)
+    np.testing.assert_allclose(normal_of(obj), bent, atol=5e-4)
 
 
 @pytest.mark.parametrize("z", [0.0, -0.5])
 def test_a_stored_normal_of_details_points_out_of_the_surface(z: float) -> None:
     """Its z is at least 0.001: a map of (½, ½, ½) gives the surface's own normal."""
     stored = map_of(np.array([[[0.5, 0.5, 0.5 * z + 0.5]]]))
-    thing = reliefs(plain(), layer=Layer(Material("level", normal=stored)))
+    obj = reliefs(plain(), layer=Layer(Material("level", normal=stored)))
     # ½ is stored as 32768 ÷ 65535, which stands for 1 ÷ 65535
     wanted = unit([1.0 / 65535.0, 1.0 / 65535.0, 1e-3])
-    np.testing.assert_allclose(normal_of(thing), wanted, atol=5e-4)
+    np.testing.assert_allclose(normal_of(obj), wanted, atol=5e-4)
 
 
 def test_the_layers_strengths_are_settings() -> None:
@@ -174,8 +174,8 @@ def test_the_layers_strengths_are_settings() -> None:
         "d", base_color=map_of(np.full((1, 1, 3), 0.1)), normal=leaning(0.3, 0).normal
     )
     with_, without = (
-        reliefs(plain(0.6), layer=layer, finish=finish)
-        for layer, finish in (
+        reliefs(plain(0.6), layer=layer, surface_parameters=surface_parameters)
+        for layer, surface_parameters in (
             (Layer(detail), {"layer_color": 0.0, "layer_normal": 0.0}),
             (None, {}),
         )
@@ -203,8 +203,8 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
     dark = plain(0.0, emission=map_of(COLORS))
     main = Tiling(MAIN["tiling"], MAIN["shift"])
     for name, material in (("base_color", whole), ("response", whole), ("emission", dark)):
-        thing = reliefs(material, **MAIN, tilings={name: own})
-        place = places(thing)
+        obj = reliefs(material, **MAIN, tilings={name: own})
+        place = places(obj)
         color, shade, glow = (
             on(values, own if name == each else main, place)
             for each, values in (
@@ -214,7 +214,7 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
             )
         )
         wanted = glow + (0.0 if material is dark else color * shade)
-        np.testing.assert_allclose(seen(thing).color[:, :, :3], wanted, atol=1e-3)
+        np.testing.assert_allclose(seen(obj).color[:, :, :3], wanted, atol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -224,11 +224,11 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
 def test_a_normal_map_with_its_own_tiling_leans_its_own_way(own: Tiling, turn) -> None:
     """W5: mirrored where the heights are not; as steep along v as its texels are squeezed."""
     material = Material("made up", normal=leaning(0.2, 0.15).normal)
-    thing = reliefs(material, height=1.0, tiling=(1.0, 0.75), tilings={"normal": own})
+    obj = reliefs(material, height=1.0, tiling=(1.0, 0.75), tilings={"normal": own})
     # its texels are square on a tile of its own that is as wide as high
     squeezed = abs(own.tiles[1] / own.tiles[0])
     wanted = unit([0.2 * turn[0], 0.15 * np.sign(turn[1]) * squeezed, 1.0])
-    np.testing.assert_allclose(normal_of(thing), wanted, atol=5e-4)
+    np.testing.assert_allclose(normal_of(obj), wanted, atol=5e-4)
 
 
 @pytest.mark.parametrize("what", ["tilings", "layer"])
@@ -238,11 +238,11 @@ def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
     fine = map_of(np.repeat(checked[:, :, None], 3, 2) * 2.0 * GREY)
     dense = Tiling((64.0, 64.0))
     if what == "layer":
-        thing = reliefs(plain(1.0), layer=Layer(Material("fine", base_color=fine), dense))
+        obj = reliefs(plain(1.0), layer=Layer(Material("fine", base_color=fine), dense))
     else:
-        thing = reliefs(plain(base_color=fine), tilings={"base_color": dense})
+        obj = reliefs(plain(base_color=fine), tilings={"base_color": dense})
     mean = 1.0 if what == "layer" else GREY
-    color = seen(thing).color[:, :, 0]
+    color = seen(obj).color[:, :, 0]
     assert color.std() < 0.02 * mean
     assert color.mean() == pytest.approx(mean, rel=0.01)
 
@@ -250,8 +250,8 @@ def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
 # --- what is in a program, and both engines ------------------------------------------------------
 
 
-def text(thing: Object) -> str:
-    program = program_of(thing)
+def text(obj: Object) -> str:
+    program = program_of(obj)
     return print_wgsl(program.module, program.edge)
 
 
@@ -281,8 +281,8 @@ def test_cpu_and_gpu_agree(what: str) -> None:
             }
         },
     }
-    thing = Object(sample("bricks", 64), technique="relief", **options[what])
-    assert_engines_agree(Scene((thing,), camera=Orbit(30.0, 40.0, 1.6)), 64)
+    obj = Object(sample("bricks", 64), technique="relief", **options[what])
+    assert_engines_agree(Scene((obj,), camera=Orbit(30.0, 40.0, 1.6)), 64)
 
 
 def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
@@ -291,9 +291,9 @@ def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
     left_dark = np.full((8, 8, 3), 0.214, np.float32)
     left_dark[:, :4] = 0.02
     over = Material("over", base_color=Map(left_dark, False, "over"))
-    thing = Object(plain, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
+    obj = Object(plain, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
     camera = Orbit(0.0, 90.0, orthographic_height=1.0)
-    scene = Scene((thing,), camera, lights=(), shading={"ambient": 1.0}, background=None)
+    scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0}, background=None)
     row = render(scene, size=(64, 64), samples=1, engine="cpu").color[32, :, 0]
     dark = row < 0.25
     assert (dark[1:] != dark[:-1]).sum() == 7, "four tiles, each dark on its left"

@@ -26,8 +26,8 @@ HEIGHTS = np.random.default_rng(4).random((12, 20))
 
 def noise(**options: Any) -> Scene:
     """A plane of noise, seen at a flat angle and from a corner."""
-    thing = Object(Material("noise", height=map_of(HEIGHTS)), scale=0.3, **options)
-    return Scene((thing,), Orbit(azimuth=25.0, elevation=24.0))
+    obj = Object(Material("noise", height=map_of(HEIGHTS)), scale=0.3, **options)
+    return Scene((obj,), Orbit(azimuth=25.0, elevation=24.0))
 
 
 def listed(record: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
@@ -40,13 +40,13 @@ def by_shader(
     scene: Scene, frame: Frame, true: Truth, engine: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Missed and passed, as a page finds them."""
-    thing = scene.objects[0]
-    program = replace(rays_of(thing), entry=missed_hit)
-    values = values_of(thing, scene, SIZE, choose_engine(engine))
+    obj = scene.objects[0]
+    program = replace(rays_of(obj), entry=missed_hit)
+    values = values_of(obj, scene, SIZE, choose_engine(engine))
     found = choose_engine(engine).run(
         program,
         {
-            **{name: values[name] for name in ("view", "placement", "depth")},
+            **{name: values[name] for name in ("view", "placement", "relief")},
             "picture": PictureSize(SIZE[0], Vec2(*true.texels)),
             "drawn": listed(DrawnHit, frame.uv, frame.hit),
             "truth": listed(TrueHit, true.uv, true.there),

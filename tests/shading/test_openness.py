@@ -13,7 +13,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shading.brdf import Shading, ShadingPoint
-from basrelief.shading.pixel import open_from_above
+from basrelief.shading.pixel import directional_visibility
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, plain
 
@@ -27,7 +27,9 @@ def left(occlusion: float, height: float, facing: float, strength: float = 1.0) 
     facing = min(facing, 1.0)
     towards = Vec3(np.sqrt(max(1.0 - facing * facing, 0.0)), 0.0, facing)
     return float(
-        open_from_above(point, np.float32(height), towards, Shading(directional_occlusion=strength))
+        directional_visibility(
+            point, np.float32(height), towards, Shading(directional_occlusion=strength)
+        )
     )
 
 
@@ -61,9 +63,9 @@ STEPS = {"min_steps": 8, "max_steps": 8}
 def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) -> np.ndarray:
     material = plain(0.6, height=height, occlusion=map_of(np.full((1, 1), 0.4)))
     options = {"technique": "parallax_occlusion", "settings": STEPS, **options}
-    thing = Object(material, transform=np.eye(4), **options)
+    obj = Object(material, transform=np.eye(4), **options)
     frame = drawn(
-        thing, camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
+        obj, camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
         shading=shading, occlusion_kind=occlusion,
     )  # fmt: skip
     assert frame.hit.all()
@@ -96,9 +98,9 @@ def test_a_height_below_all_is_the_lowest() -> None:
 
 
 def test_without_a_direction_there_is_no_code_for_it() -> None:
-    thing = Object(sample("tiles", 16))
+    obj = Object(sample("tiles", 16))
     texts = [
-        print_wgsl(program_of(thing, Scene((thing,), occlusion_kind=kind)).module, "wrap")
+        print_wgsl(program_of(obj, Scene((obj,), occlusion_kind=kind)).module, "wrap")
         for kind in ("ambient", "directional")
     ]
     assert ["open_from_above" in text for text in texts] == [False, True]

@@ -21,7 +21,7 @@ import pytest
 from basrelief.material import Map, Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
-from basrelief.scene import LookAt, Object, Scene, directional, placed, turned
+from basrelief.scene import LookAt, Object, Scene, directional, placed, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
@@ -39,14 +39,16 @@ FINE = {
 
 TRANSFORMS = {
     "as it is": np.eye(4),
-    "turned about x": turned("x", -75.0),
-    "turned about y": turned("y", 130.0),
-    "turned about z": turned("z", 65.0),
+    "turned about x": rotated("x", -75.0),
+    "turned about y": rotated("y", 130.0),
+    "turned about z": rotated("z", 65.0),
     "stretched": placed((0.3, -0.2, 0.5), (1.7, 0.6, 1.4)),
-    "turned and stretched": turned("y", 40.0) @ turned("x", -70.0) @ placed(scale=(0.6, 1.5, 2.0)),
-    "skewed": turned("x", 25.0) @ placed(scale=(1.5, 0.7, 1.1)) @ turned("y", 35.0),
+    "turned and stretched": rotated("y", 40.0)
+    @ rotated("x", -70.0)
+    @ placed(scale=(0.6, 1.5, 2.0)),
+    "skewed": rotated("x", 25.0) @ placed(scale=(1.5, 0.7, 1.1)) @ rotated("y", 35.0),
     "mirrored in x": placed(scale=(-1.3, 0.9, 1.0)),
-    "mirrored in y and turned": turned("z", 30.0) @ placed(scale=(0.8, -1.1, 1.0)),
+    "mirrored in y and turned": rotated("z", 30.0) @ placed(scale=(0.8, -1.1, 1.0)),
     "mirrored in z": placed(scale=(1.0, 0.8, -1.2)),
     "mirrored in all": placed((0.0, 0.4, 0.0), (-1.0, -0.7, -1.2)),
 }
@@ -187,18 +189,18 @@ class Face:
     form: Form
 
     @classmethod
-    def of(cls, thing: Object, name: str, form: Form) -> Face:
+    def of(cls, obj: Object, name: str, form: Form) -> Face:
         out, right, down = (np.array(way, np.float64) for way in FACES[name])
-        lift = 0.0 if thing.shape == "plane" else 0.5
-        linear, origin = thing.to_world[:3, :3], thing.to_world[:3, 3]
+        lift = 0.0 if obj.shape == "plane" else 0.5
+        linear, origin = obj.to_world[:3, :3], obj.to_world[:3, 3]
         return cls(
             corner=origin + linear @ (lift * out - right / 2 - down / 2),
             right=linear @ right,
             down=linear @ down,
-            rise=linear @ out * thing.scale / abs(thing.tiling[0]),
-            level=thing.level,
-            tiles=np.array(thing.tiling, np.float64),
-            shift=np.array(thing.shift, np.float64),
+            rise=linear @ out * obj.scale / abs(obj.tiling[0]),
+            reference_height=obj.reference_height,
+            tiles=np.array(obj.tiling, np.float64),
+            shift=np.array(obj.shift, np.float64),
             form=form,
         )
 
@@ -223,7 +225,7 @@ class Face:
 
     def above(self, place: Array) -> Array:
         """How far above the surface a place is, in heights."""
-        return place[..., 2] + self.level - bilinear(self.form.texels, self.tiled(place))
+        return place[..., 2] + self.reference_height - bilinear(self.form.texels, self.tiled(place))
 
     def normals(self, uv: Array) -> Array:
         """Of the displaced surface, from the derivatives of its points."""
@@ -248,7 +250,7 @@ class Answer:
     outside: Array
     grazing: Array
     uv: Array
-    depth: Array
+    distance: Array
     normal: Array
     end: Array
     footprint: Array
@@ -269,7 +271,7 @@ def answer(faces: list[Face], camera: LookAt) -> Answer:
         outside=np.ones(shape, bool),
         grazing=np.zeros(shape, bool),
         uv=np.zeros((*shape, 2)),
-        depth=np.zeros(shape),
+        distance=np.zeros(shape),
         normal=np.zeros((*shape, 3)),
         end=np.zeros((*shape, 3)),
         footprint=np.zeros((*shape, 2)),
@@ -290,7 +292,7 @@ def answer(faces: list[Face], camera: LookAt) -> Answer:
             continue
         found.sure[meets] = True
         end, depth, found.grazing[meets] = followed(face, start[meets], way[meets])
-        found.end[meets], found.depth[meets] = end, depth
+        found.end[meets], found.distance[meets] = end, depth
         found.uv[meets] = face.tiled(end)
         found.normal[meets] = face.normals(face.tiled(end))
         slant = np.linalg.norm(way[..., :2] * face.tiles, axis=-1) / -way[..., 2]
@@ -298,13 +300,13 @@ def answer(faces: list[Face], camera: LookAt) -> Answer:
         spread = np.gradient(face.tiled(place), axis=(0, 1))
         found.footprint[meets] = np.abs(spread).max(axis=0)[meets]
     # the relief of a solid goes no further than the solid
-    np.minimum(found.depth, leave, out=found.depth)
+    np.minimum(found.distance, leave, out=found.distance)
     return found
 
 
 def followed(face: Face, start: Array, way: Array) -> tuple[Array, Array, Array]:
     """Where rays in a face's coordinates end, at what distance, and which pass a crest closely."""
-    heights = np.linspace(1.0 - face.level, 0.05 - face.level, SAMPLES)
+    heights = np.linspace(1.0 - face.reference_height, 0.05 - face.reference_height, SAMPLES)
     t = (heights - start[:, 2:]) / way[:, 2:]
     clearance = face.above(start[:, None] + way[:, None] * t[..., None])
     first = np.argmax(clearance <= 0.0, axis=1)
@@ -368,17 +370,17 @@ def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling
     return Object(materials[form], **{**given, **more})
 
 
-def drawn(thing: Object, camera: LookAt, towards: Array, engine: str = "cpu", **more) -> Frame:
+def drawn(obj: Object, camera: LookAt, towards: Array, engine: str = "cpu", **more) -> Frame:
     given = {"background": None, "shading": MATTE, "shading_model": "phong"}
-    scene = Scene((thing,), camera=camera, lights=(light_from(towards),), **{**given, **more})
+    scene = Scene((obj,), camera=camera, lights=(light_from(towards),), **{**given, **more})
     return render(scene, size=SIZE, samples=1, engine=engine)
 
 
 def assert_right(
-    thing: Object, faces: list[Face], camera: LookAt, towards: Array, engine: str = "cpu"
+    obj: Object, faces: list[Face], camera: LookAt, towards: Array, engine: str = "cpu"
 ) -> None:
     """Outline, texture coordinates, depth and light are those of the displaced surface."""
-    frame, wanted = drawn(thing, camera, towards, engine), answer(faces, camera)
+    frame, wanted = drawn(obj, camera, towards, engine), answer(faces, camera)
     form = faces[0].form
     # not where a step of the march is more than a part of a texel
     sure = wanted.sure & (wanted.travel < 1.0)
@@ -391,7 +393,7 @@ def assert_right(
     away = np.abs(frame.uv - wanted.uv)[ours].max(axis=-1)
     assert away.max() < 2e-3
     assert np.quantile(away, 0.95) < 5e-5
-    np.testing.assert_allclose(frame.depth[ours], wanted.depth[ours], rtol=1e-3)
+    np.testing.assert_allclose(frame.distance[ours], wanted.distance[ours], rtol=1e-3)
     facing = np.maximum(wanted.normal @ towards, 0.0)
     shade = bilinear(COLORS, wanted.uv) * facing[..., None]
     # coarser levels of a map mix in more of the tile: of the ramp's cliff, too
@@ -423,10 +425,10 @@ FORMS = {"a ramp, in perspective": (RAMP, "perspective"), "a bump": (BUMP, "orth
 def test_on_a_plane_the_picture_is_that_of_the_displaced_surface(name, transform, tiling) -> None:
     """Outline, uv, depth, colour and light, mirrored, tiled, shifted, turned, stretched."""
     form, lens = FORMS[name]
-    thing = thing_of(form, COLORED, transform, tiling)
-    face = Face.of(thing, "front", form)
+    obj = thing_of(form, COLORED, transform, tiling)
+    face = Face.of(obj, "front", form)
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(thing, [face], seen(face, lens), towards)
+    assert_right(obj, [face], seen(face, lens), towards)
 
 
 @pytest.mark.parametrize("name", FACES)
@@ -436,11 +438,11 @@ def test_on_each_face_of_a_box_the_picture_is_that_of_the_displaced_surface(
     transform, tiling, name
 ) -> None:
     form = BUMP if name in ("front", "left", "top") else RAMP
-    thing = thing_of(form, COLORED, transform, tiling, shape="box")
-    faces = {each: Face.of(thing, each, form) for each in FACES}
+    obj = thing_of(form, COLORED, transform, tiling, shape="box")
+    faces = {each: Face.of(obj, each, form) for each in FACES}
     face = faces[name]
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(thing, list(faces.values()), seen(face), towards)
+    assert_right(obj, list(faces.values()), seen(face), towards)
 
 
 @pytest.mark.gpu
@@ -451,10 +453,10 @@ def test_on_each_face_of_a_box_the_picture_is_that_of_the_displaced_surface(
     ids=str,
 )
 def test_a_gpu_draws_the_same_answer(form, transform, tiling) -> None:
-    thing = thing_of(form, COLORED, transform, tiling)
-    face = Face.of(thing, "front", form)
+    obj = thing_of(form, COLORED, transform, tiling)
+    face = Face.of(obj, "front", form)
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(thing, [face], seen(face), towards, "gpu")
+    assert_right(obj, [face], seen(face), towards, "gpu")
 
 
 # --- light and shadow by the place in the world ---------------------------------------------------
@@ -465,7 +467,7 @@ SIDES = {"u": (1, 0), "minus v": (0, -1)}
 def positions(frame: Frame, camera: LookAt) -> Array:
     """Where in the world each pixel's point is, by its depth alone."""
     origins, directions = rays(camera, SIZE)
-    return origins + directions * np.where(frame.hit, frame.depth, 0.0)[..., None]
+    return origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -473,12 +475,14 @@ def positions(frame: Frame, camera: LookAt) -> Array:
 @pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
 def test_the_side_of_a_bump_that_faces_the_light_is_the_bright_one(transform, tiling, side) -> None:
     """In the world's own space, with no texture coordinate in the question."""
-    thing = thing_of(BUMP, GREY, transform, tiling, level=0.0, shift=(0.0, 0.0), scale=0.15)
-    face = Face.of(thing, "front", BUMP)
+    obj = thing_of(
+        BUMP, GREY, transform, tiling, reference_height=0.0, shift=(0.0, 0.0), scale=0.15
+    )
+    face = Face.of(obj, "front", BUMP)
     a, b = SIDES[side]
     towards = light_towards(face, a * unit(face.right) + b * unit(face.down), 25.0)
     camera = seen(face, "orthographic", slant=0.2)
-    frame = drawn(thing, camera, towards)
+    frame = drawn(obj, camera, towards)
     middle = face.at(0.4 - (tiling[0] < 0), 0.42 - (tiling[1] < 0))
     away = (positions(frame, camera) - middle) @ np.linalg.inv(
         np.stack([face.right, face.down, face.normal])
@@ -498,7 +502,7 @@ SHADOW_OFFSET = 0.004
 def stands_above(face: Face, start: Array, way: Array, samples: int) -> Array:
     """How far the surface stands above ways to a light, at the most; in a face's coordinates."""
     share = np.linspace(0.0, 1.0, samples + 1)[1:, None]
-    rise = (1.0 - face.level - start[:, None, 2:]) * share
+    rise = (1.0 - face.reference_height - start[:, None, 2:]) * share
     return -face.above(start[:, None] + way / way[2] * rise).min(axis=1)
 
 
@@ -508,13 +512,13 @@ def test_the_shadow_of_a_block_falls_away_from_the_light_and_ends_where_it_shoul
     transform, tiling
 ) -> None:
     """Dark where the way to the light, followed in float64, goes through the block."""
-    thing = thing_of(BLOCK, GREY, transform, tiling)
-    face = Face.of(thing, "front", BLOCK)
+    obj = thing_of(BLOCK, GREY, transform, tiling)
+    face = Face.of(obj, "front", BLOCK)
     side = -0.5 * unit(face.right) + 0.9 * unit(face.down)
     towards = light_towards(face, side, 35.0)
     camera = seen(face, "orthographic", slant=0.25)
     shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
-    frame = drawn(thing, camera, towards, shadows="hard", shadowing=shadowing)
+    frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
     wanted = answer([face], camera)
     ours = wanted.sure & ~wanted.grazing
     lit = 0.6 * float(face.normal @ towards)
@@ -538,12 +542,14 @@ def test_the_shadow_of_a_block_falls_away_from_the_light_and_ends_where_it_shoul
 @pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
 def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
     """By the places in the world of what is dark and of what is high."""
-    thing = thing_of(BLOCK, GREY, transform, tiling, shift=(0.0, 0.0), level=0.1, scale=0.2)
-    face = Face.of(thing, "front", BLOCK)
+    obj = thing_of(
+        BLOCK, GREY, transform, tiling, shift=(0.0, 0.0), reference_height=0.1, scale=0.2
+    )
+    face = Face.of(obj, "front", BLOCK)
     towards = light_towards(face, 0.7 * unit(face.right) + 0.5 * unit(face.down), 35.0)
     camera = seen(face, "orthographic", slant=0.2)
     shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
-    frame = drawn(thing, camera, towards, shadows="hard", shadowing=shadowing)
+    frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
     block = face.at(0.45 - (tiling[0] < 0), 0.55 - (tiling[1] < 0))
     away = positions(frame, camera) - block
     u, v, out = np.moveaxis(
@@ -564,10 +570,10 @@ def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
 @pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
 def test_a_clipped_plane_shows_the_whole_map_mirrored_or_not(tiling) -> None:
     """Mirrored tiles lie before the map's own, where its border alone would go on."""
-    thing = thing_of(RAMP, COLORED, "as it is", tiling, shift=(0.0, 0.0), scale=0.05, edge="clip")
-    face = Face.of(thing, "front", RAMP)
+    obj = thing_of(RAMP, COLORED, "as it is", tiling, shift=(0.0, 0.0), scale=0.05, edge="clip")
+    face = Face.of(obj, "front", RAMP)
     camera = LookAt((0.0, 0.0, 3.0), orthographic_height=0.9)
-    frame, wanted = drawn(thing, camera, face.normal), answer([face], camera)
+    frame, wanted = drawn(obj, camera, face.normal), answer([face], camera)
     shade = bilinear(COLORS, wanted.uv) * (wanted.normal @ face.normal)[..., None]
     inner = wanted.sure & (np.abs(wanted.uv % 1.0 - 0.5) < 0.37).all(axis=-1)
     assert inner.sum() > 500

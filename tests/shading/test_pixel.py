@@ -16,7 +16,7 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
-from basrelief.scene import LookAt, Object, Scene, directional, placed, point, spot, turned
+from basrelief.scene import LookAt, Object, Scene, directional, placed, point, rotated, spot
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES
 from helpers.made_up import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
@@ -39,9 +39,9 @@ def heights(values) -> Material:
     return Material("made up", height=map_of(values))
 
 
-def drawn(thing: Object, camera: LookAt, size=SIZE, **scene) -> Frame:
+def drawn(obj: Object, camera: LookAt, size=SIZE, **scene) -> Frame:
     scene = {"background": None, **scene}
-    return render(Scene((thing,), camera=camera, **scene), size=size, samples=1, engine=CPU)
+    return render(Scene((obj,), camera=camera, **scene), size=size, samples=1, engine=CPU)
 
 
 SLANTED = LookAt((1.1, -1.4, 1.7), (0.05, -0.1, 0.0), (0.2, 0.3, 1.0), field_of_view=35.0)
@@ -53,7 +53,9 @@ TRANSFORMS = {
     "as it is": np.eye(4),
     "scaled": placed((0.3, -0.2, 0.5), 3.0),
     "stretched": placed((0.1, 0.2, -0.4), (1.6, 0.7, 0.35)),
-    "turned and stretched": turned("y", 40.0) @ turned("x", -70.0) @ placed(scale=(0.5, 1.5, 2.5)),
+    "turned and stretched": rotated("y", 40.0)
+    @ rotated("x", -70.0)
+    @ placed(scale=(0.5, 1.5, 2.5)),
     "mirrored": placed(scale=(-1.2, 0.8, 1.0)),
 }
 
@@ -85,10 +87,10 @@ KNOWN = {
 HEIGHT = 0.625
 
 
-def assert_shifted(thing: Object, camera: LookAt, height: float = HEIGHT) -> None:
+def assert_shifted(obj: Object, camera: LookAt, height: float = HEIGHT) -> None:
     """Depth and uv are those of the plane at a height, within the polygon's outline."""
-    frame = drawn(thing, camera)
-    origins, directions = in_object(thing.to_world, *rays(camera))
+    frame = drawn(obj, camera)
+    origins, directions = in_object(obj.to_world, *rays(camera))
     polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
     outline = np.abs(polygon[..., :2]).max(axis=-1)
     within = outline < 0.499
@@ -96,12 +98,12 @@ def assert_shifted(thing: Object, camera: LookAt, height: float = HEIGHT) -> Non
     assert frame.hit[within].all()
     assert not frame.hit[outline > 0.501].any()
     # in object space the whole range is `scale` of the width of a tile, along u
-    tiles = np.array(thing.tiles, np.float64)
-    shift = (height - thing.relief_level) * thing.relief_scale / abs(tiles[0])
+    tiles = np.array(obj.tiles, np.float64)
+    shift = (height - obj.relief_reference_height) * obj.relief_scale / abs(tiles[0])
     distance = (shift - origins[..., 2]) / directions[..., 2]
     met = origins + directions * distance[..., None]
-    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1) * tiles + thing.shift
-    np.testing.assert_allclose(frame.depth[within], distance[within], rtol=1e-4)
+    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1) * tiles + obj.shift
+    np.testing.assert_allclose(frame.distance[within], distance[within], rtol=1e-4)
     np.testing.assert_allclose(frame.uv[within], uv[within], atol=2e-4 * np.abs(tiles).max())
 
 
@@ -110,15 +112,15 @@ def assert_shifted(thing: Object, camera: LookAt, height: float = HEIGHT) -> Non
 @pytest.mark.parametrize("lens", CAMERAS)
 def test_a_plane_of_one_height_is_the_polygon_shifted(technique, level, lens) -> None:
     """C18, H6: depth and uv of the plane at (height − level) · scale."""
-    thing = Object(
+    obj = Object(
         heights(np.full((8, 12), HEIGHT)),
         technique=technique,
         settings=KNOWN[technique],
         scale=0.3,
-        level=level,
+        reference_height=level,
         transform=np.eye(4),
     )
-    assert_shifted(thing, CAMERAS[lens])
+    assert_shifted(obj, CAMERAS[lens])
 
 
 @pytest.mark.parametrize("name", TRANSFORMS)
@@ -127,15 +129,15 @@ def test_a_plane_of_one_height_is_the_polygon_shifted(technique, level, lens) ->
 def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> None:
     """C15: set in object space, so a stretched object has a stretched relief, and no warp."""
     matrix = TRANSFORMS[name]
-    thing = Object(
+    obj = Object(
         heights(np.full((8, 12), HEIGHT)),
         technique=technique,
         settings=KNOWN[technique],
         scale=0.25,
-        level=0.75,
+        reference_height=0.75,
         transform=matrix,
     )
-    assert_shifted(thing, seen_alike(matrix, CAMERAS[lens]))
+    assert_shifted(obj, seen_alike(matrix, CAMERAS[lens]))
 
 
 @pytest.mark.parametrize(
@@ -146,7 +148,7 @@ def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> Non
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
 def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None:
     """W4, C4: the scale of each axis, mirrored too; the depth follows the width along u."""
-    thing = Object(
+    obj = Object(
         heights(np.full((5, 9), HEIGHT)),
         technique=technique,
         settings=KNOWN[technique],
@@ -155,24 +157,24 @@ def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None
         shift=shift,
         transform=TRANSFORMS["turned and stretched"],
     )
-    assert_shifted(thing, seen_alike(thing.to_world, SLANTED))
+    assert_shifted(obj, seen_alike(obj.to_world, SLANTED))
 
 
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
 @pytest.mark.parametrize("projection", ["biased", "limited"])
 def test_a_bent_ray_has_the_depth_of_its_height(technique, projection) -> None:
     """C18 with C6 and C8: uv by the bent ray, depth along the true one."""
-    thing = Object(
+    obj = Object(
         heights(np.full((8, 12), HEIGHT)),
         technique=technique,
         settings=KNOWN[technique],
         projection=projection,
         bias=0.42,
         scale=0.3,
-        level=1.0,
+        reference_height=1.0,
         transform=np.eye(4),
     )
-    frame = drawn(thing, SLANTED)
+    frame = drawn(obj, SLANTED)
     origins, directions = rays(SLANTED)
     polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
     within = np.abs(polygon[..., :2]).max(axis=-1) < 0.499
@@ -185,7 +187,7 @@ def test_a_bent_ray_has_the_depth_of_its_height(technique, projection) -> None:
     uv = uv + fall * travel * np.array([1.0, -1.0])
     distance = (fall - origins[..., 2]) / directions[..., 2]
     np.testing.assert_allclose(frame.uv[within], uv[within], atol=1e-4)
-    np.testing.assert_allclose(frame.depth[within], distance[within], rtol=1e-4)
+    np.testing.assert_allclose(frame.distance[within], distance[within], rtol=1e-4)
 
 
 # --- a ramp from all sides ------------------------------------------------------------------------
@@ -207,17 +209,17 @@ def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     a, b = slope
     scale = 0.12
-    thing = Object(
+    obj = Object(
         heights(0.5 + a * (u - 0.5) + b * (v - 0.5)),
         technique="parallax_occlusion",
         settings={"min_steps": 12, "max_steps": 24},
         scale=scale,
-        level=1.0,
+        reference_height=1.0,
         edge="clamp",
         transform=np.eye(4),
     )
     camera = LookAt(SIDES[side], up=(0.0, 0.0, 1.0), field_of_view=26.0)
-    frame = drawn(thing, camera)
+    frame = drawn(obj, camera)
     origins, directions = rays(camera)
     # z = scale · (0.5 + a x − b y − 1) with u − ½ = x, v − ½ = −y
     normal = np.array([-scale * a, scale * b, 1.0])
@@ -234,7 +236,7 @@ def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
         ours &= (place > inner).all(axis=-1) & (place < 1 - np.array(inner)).all(axis=-1)
     assert ours.mean() > 0.1
     np.testing.assert_allclose(frame.uv[ours], uv[ours], atol=1e-4)
-    np.testing.assert_allclose(frame.depth[ours], distance[ours], rtol=1e-4)
+    np.testing.assert_allclose(frame.distance[ours], distance[ours], rtol=1e-4)
     assert np.abs(uv - entry)[ours].max() > 0.03
 
 
@@ -253,7 +255,7 @@ def test_a_hill_hides_what_lies_behind_it(hill) -> None:
     form, axis, sign, hiding = WALLS[hill]
     columns, rows = 90, 60
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
-    thing = Object(
+    obj = Object(
         heights(form(u, v).astype(np.float32)),
         technique="relief",
         settings={"min_steps": 60, "max_steps": 60},
@@ -268,7 +270,7 @@ def test_a_hill_hides_what_lies_behind_it(hill) -> None:
     def ground(direction) -> np.ndarray:
         """How far before the hill's foot ground is seen, in uv, for a view at 45 degrees."""
         position = tuple(2.0 * direction + np.array([0.0, 0.0, 2.0]))
-        frame = drawn(thing, LookAt(position, up=(0.0, 0.0, 1.0), orthographic_height=0.8))
+        frame = drawn(obj, LookAt(position, up=(0.0, 0.0, 1.0), orthographic_height=0.8))
         along = frame.uv[frame.hit][:, axis]
         foot = 0.6 if sign > 0 else 0.4
         return (foot - along) * sign
@@ -321,11 +323,11 @@ def bump_material(kind: str) -> Material:
 @pytest.mark.parametrize("tiling", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, tiling) -> None:
     """In the picture's x and y, from a map or from heights, mirrored or not."""
-    thing = Object(
+    obj = Object(
         bump_material(kind), technique="flat", scale=0.15, tiling=tiling, transform=np.eye(4)
     )
     frame = drawn(
-        thing, FRONT, (60, 60), lights=(LIGHTS_FROM[light],), shading=MATTE, shading_model=model
+        obj, FRONT, (60, 60), lights=(LIGHTS_FROM[light],), shading=MATTE, shading_model=model
     )
     shade = frame.color[:, :, 1]
     # a band across the bump, its two halves on each axis
@@ -342,11 +344,11 @@ def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, t
 
 
 @pytest.mark.parametrize(
-    "matrix", [turned("z", 90.0), turned("z", 180.0), placed(scale=(-1, 1, 1))]
+    "matrix", [rotated("z", 90.0), rotated("z", 180.0), placed(scale=(-1, 1, 1))]
 )
 def test_a_turned_bump_is_lit_from_the_same_side(matrix) -> None:
-    thing = Object(bump_material("a normal map"), transform=matrix)
-    frame = drawn(thing, FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
+    obj = Object(bump_material("a normal map"), transform=matrix)
+    frame = drawn(obj, FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
     shade = frame.color[:, :, 1]
     assert shade[24:36, 32:42].mean() - shade[24:36, 18:28].mean() > 0.1
     assert abs(shade[18:28, 24:36].mean() - shade[32:42, 24:36].mean()) < 0.02
@@ -362,11 +364,11 @@ def test_lambert_on_a_normal_map_is_its_cosine() -> None:
         base_color=map_of(np.full((1, 1, 3), 0.75)),
     )
     # one tile and a half down, so that texels are square on the object
-    thing = Object(material, tiling=(1.0, 1.5), transform=np.eye(4))
+    obj = Object(material, tiling=(1.0, 1.5), transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), orthographic_height=1.0)
     light = directional(50.0, 25.0, intensity=2.0)
     frame = drawn(
-        thing, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
+        obj, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
     )
     facing = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
     wanted = 0.75 * 2.0 * np.maximum(facing, 0.0)
@@ -381,10 +383,10 @@ def test_normals_are_those_of_the_transformed_relief(name) -> None:
     u, v = np.meshgrid((np.arange(32) + 0.5) / 32, (np.arange(32) + 0.5) / 32)
     scale, a, b = 0.5, 0.6, -0.3
     ramp = heights(0.5 + a * (u - 0.5) + b * (v - 0.5))
-    thing = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
+    obj = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
     light = directional(35.0, 50.0)
     camera = seen_alike(matrix, SLANTED)
-    frame = drawn(thing, camera, lights=(light,), shading=MATTE, shading_model="phong")
+    frame = drawn(obj, camera, lights=(light,), shading=MATTE, shading_model="phong")
     # two directions on the ramp in object space, taken to the world; x is u and y is −v
     along = [matrix[:3, :3] @ way for way in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
     normal = unit(np.cross(*along)) * np.sign(np.linalg.det(matrix))
@@ -405,8 +407,8 @@ OVERHEAD = (directional(0.0, 0.0),)
 def shaded(material: Material, lights=(), shading=MATTE, **options) -> np.ndarray:
     """The linear colour of a material that faces the camera, the same everywhere."""
     model = options.pop("shading_model", "ggx")
-    thing = Object(material, transform=np.eye(4), **options)
-    frame = drawn(thing, FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
+    obj = Object(material, transform=np.eye(4), **options)
+    frame = drawn(obj, FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
     assert frame.hit.all()
     assert np.ptp(frame.color, axis=(0, 1)).max() < 1e-5
     return frame.color[2, 1, :3]
@@ -430,9 +432,11 @@ def normal_map(*normal: float) -> dict[str, Map]:
 def test_normal_strength_scales_the_slope_of_the_map(strength) -> None:
     """x and y times the strength, z as stored, of unit length again; as stored without one."""
     times = 1.0 if strength is None else strength
-    finish = {} if strength is None else {"normal_strength": strength}
+    surface_parameters = {} if strength is None else {"normal_strength": strength}
     wanted = unit([0.36 * times, -0.48 * times, 0.8])
-    found = shading_normal(white(**normal_map(0.36, -0.48, 0.8)), finish=finish)
+    found = shading_normal(
+        white(**normal_map(0.36, -0.48, 0.8)), surface_parameters=surface_parameters
+    )
     np.testing.assert_allclose(found, wanted, atol=2e-4)
 
 
@@ -450,9 +454,9 @@ def test_roughness_is_the_maps_times_the_factor(mapped, stored: float, factor) -
     """0.8 without a map. Black and lit along the view, π · D · V · F is 0.01 ÷ roughness⁴."""
     maps = {} if mapped is None else {"roughness": map_of([[mapped]])}
     material = Material("made up", base_color=map_of(np.zeros((1, 1, 3))), **maps)
-    finish = {} if factor is None else {"roughness": factor}
+    surface_parameters = {} if factor is None else {"roughness": factor}
     highlight = 0.01 / (stored * (1.0 if factor is None else factor)) ** 4
-    found = shaded(material, OVERHEAD, finish=finish)
+    found = shaded(material, OVERHEAD, surface_parameters=surface_parameters)
     np.testing.assert_allclose(found, highlight, rtol=3e-4)
 
 
@@ -463,11 +467,13 @@ def test_metallic_is_the_maps_times_the_factor(mapped, stored: float, factor) ->
     base = np.array([0.9, 0.5, 0.1])
     maps = {} if mapped is None else {"metallic": map_of([[mapped]])}
     material = Material("made up", base_color=map_of(base.reshape(1, 1, 3)), **maps)
-    finish = {} if factor is None else {"metallic": factor}
+    surface_parameters = {} if factor is None else {"metallic": factor}
     metal = stored * (1.0 if factor is None else factor)
     fresnel = 0.04 * (1.0 - metal) + base * metal
     wanted = base * (1.0 - metal) * (1.0 - fresnel) + fresnel * 0.25 / 0.8**4
-    np.testing.assert_allclose(shaded(material, OVERHEAD, finish=finish), wanted, atol=2e-4)
+    np.testing.assert_allclose(
+        shaded(material, OVERHEAD, surface_parameters=surface_parameters), wanted, atol=2e-4
+    )
 
 
 @pytest.mark.parametrize(("mapped", "stored"), [(None, 1.0), (0.3, 0.3)])
@@ -475,10 +481,10 @@ def test_metallic_is_the_maps_times_the_factor(mapped, stored: float, factor) ->
 def test_occlusion_acts_on_ambient_light_as_far_as_its_strength(mapped, stored, strength) -> None:
     """1 without a map; with one, from 1 to its value."""
     maps = {} if mapped is None else {"occlusion": map_of([[mapped]])}
-    finish = {} if strength is None else {"occlusion": strength}
+    surface_parameters = {} if strength is None else {"occlusion": strength}
     ambient = Shading(ambient=(0.8, 0.4, 0.2))
     share = 1.0 - (1.0 - stored) * (1.0 if strength is None else strength)
-    found = shaded(white(**maps), shading=ambient, finish=finish)
+    found = shaded(white(**maps), shading=ambient, surface_parameters=surface_parameters)
     np.testing.assert_allclose(found, np.array([0.8, 0.4, 0.2]) * share, atol=1e-4)
 
 
@@ -489,12 +495,18 @@ def test_colours_are_those_of_the_maps_times_the_factors() -> None:
         base_color=map_of(np.array([[[0.25, 0.5, 0.75]]])),
         emission=map_of(np.array([[[0.5, 0.125, 2.0]]])),
     )
-    finish = {"base_color": (1.0, 0.5, 2.0), "emission": (3.0, 1.0, 0.25)}
-    found = shaded(material, shading=Shading(ambient=(1.0, 1.0, 0.5)), finish=finish)
+    surface_parameters = {"base_color": (1.0, 0.5, 2.0), "emission": (3.0, 1.0, 0.25)}
+    found = shaded(
+        material, shading=Shading(ambient=(1.0, 1.0, 0.5)), surface_parameters=surface_parameters
+    )
     wanted = [0.25 + 1.5, 0.25 + 0.125, 0.75 + 0.5]
     np.testing.assert_allclose(found, wanted, atol=1e-4)
     # without maps: light grey, and no light of its own
-    plain = shaded(Material("nothing"), shading=Shading(ambient=(1.0, 0.5, 0.1)), finish=finish)
+    plain = shaded(
+        Material("nothing"),
+        shading=Shading(ambient=(1.0, 0.5, 0.1)),
+        surface_parameters=surface_parameters,
+    )
     np.testing.assert_allclose(plain, [0.6, 0.15, 0.12], atol=1e-5)
 
 
@@ -563,13 +575,13 @@ def test_the_offset_acts_in_every_light(lamp) -> None:
 def test_lights_add_up_and_ambient_counts_once(model) -> None:
     """C17, W10: all lights together are the sum of each alone, over ambient and emission."""
     material = replace(sample("bricks", 64), emission=map_of(noise(6, (64, 64))))
-    thing = Object(material, technique="relief")
+    obj = Object(material, technique="relief")
     camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
     more = (*LAMPS.values(), point((-0.6, 0.3, 0.2), intensity=0.4, falloff=1.0))
 
     def color(lights, shading=None) -> np.ndarray:
         chosen = {} if shading is None else {"shading": shading}
-        return drawn(thing, camera, lights=lights, shading_model=model, **chosen).color[:, :, :3]
+        return drawn(obj, camera, lights=lights, shading_model=model, **chosen).color[:, :, :3]
 
     nothing = color(())
     assert nothing.max() > 0.1
@@ -633,17 +645,17 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
     """C19: by the formula of the conventions, at each point with its own frame, as deep all over as
     on the widest tile."""
     scale = 0.15
-    thing = Object(
+    obj = Object(
         heights(np.full((6, 10), HEIGHT)),
         shape=shape,
         technique="parallax_occlusion",
         settings=KNOWN["parallax_occlusion"],
         scale=scale,
-        level=level,
+        reference_height=level,
         tiling=tiling,
     )
     camera = LookAt((0.9, 0.7, 1.6), field_of_view=36.0)
-    frame = drawn(thing, camera)
+    frame = drawn(obj, camera)
     distance, met, directions = round_hits(shape, camera)
     normal, along_u, along_v, uv = on_round(shape, met)
     facing = -(directions * normal).sum(-1)
@@ -667,7 +679,7 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
     shell = (1 - level) * deep
     leave = round_leaves(shape, camera)
     deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), leave)
-    np.testing.assert_allclose(frame.depth[ours], deeper[ours], rtol=2e-4)
+    np.testing.assert_allclose(frame.distance[ours], deeper[ours], rtol=2e-4)
 
 
 def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
@@ -676,7 +688,7 @@ def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
     origins, directions = rays(camera)
     errors = []
     for scale in (0.02, 0.04, 0.08, 0.16):
-        thing = Object(
+        obj = Object(
             heights(np.full((6, 10), HEIGHT)),
             shape="cylinder",
             technique="parallax_occlusion",
@@ -684,10 +696,10 @@ def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
             scale=scale,
             tiling=(3.0, 1.0),
         )
-        frame = drawn(thing, camera)
+        frame = drawn(obj, camera)
         deep = (1 - HEIGHT) * scale * np.pi / 3
         with np.errstate(invalid="ignore"):
-            met = origins + directions * frame.depth[..., None]
+            met = origins + directions * frame.distance[..., None]
             radius = np.hypot(met[..., 0], met[..., 2])
         side = frame.hit & (np.abs(met[..., 0]) < 0.4) & (np.abs(met[..., 1]) < 0.45)
         assert side.mean() > 0.1
@@ -714,9 +726,9 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
     position, up = FACES[face]
     color = noise(8, (20, 30))
     material = Material("made up", base_color=map_of(color))
-    thing = Object(material, shape="box", transform=placed(scale=(1, 1, 1)))
+    obj = Object(material, shape="box", transform=placed(scale=(1, 1, 1)))
     camera = LookAt(position, up=up, orthographic_height=1.0)
-    frame = drawn(thing, camera, (30, 30), lights=(), shading=Shading(ambient=(1.0, 1.0, 1.0)))
+    frame = drawn(obj, camera, (30, 30), lights=(), shading=Shading(ambient=(1.0, 1.0, 1.0)))
     assert frame.hit.all()
     u, v = np.meshgrid((np.arange(30) + 0.5) / 30, (np.arange(30) + 0.5) / 30)
     np.testing.assert_allclose(frame.uv, np.stack([u, v], -1), atol=1e-6)
@@ -738,9 +750,9 @@ PARALLAX = {
 }  # fmt: skip
 
 
-def functions(thing: Object, model: str = "ggx") -> set[str]:
+def functions(obj: Object, model: str = "ggx") -> set[str]:
     """The names of all functions in what the GPU and the CPU compile."""
-    program = program_of(thing, Scene((thing,), shading_model=model))
+    program = program_of(obj, Scene((obj,), shading_model=model))
     wgsl = print_wgsl(program.module, program.edge)
     llvm = print_llvm(program.module, 8)
     names = set(re.findall(r"\bfn (\w+)\(", wgsl))
@@ -757,9 +769,9 @@ def without(material: Material, *kinds: str) -> Material:
 def test_without_heights_there_is_no_parallax_code(shape) -> None:
     """C3."""
     material = replace(without(sample("tiles", 16), "height"), depth=None)
-    thing = Object(material, shape=shape)
-    assert not functions(thing) & PARALLAX
-    text = print_wgsl(program_of(thing).module, "wrap")
+    obj = Object(material, shape=shape)
+    assert not functions(obj) & PARALLAX
+    text = print_wgsl(program_of(obj).module, "wrap")
     assert "texture_2d<f32>" not in text
     assert "Depth" not in text
 
@@ -788,7 +800,7 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
     """Of a map that is not there, neither a read nor the texture is in the program."""
     whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
-    lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
+    lacking = without(replace(whole, distance=None), *kinds.get(what, (what,)))
     for material, there in ((whole, True), (lacking, False)):
         module = program_of(Object(material)).module
         # what both engines print: it is given the map, and the rest that reading takes, or nothing
@@ -810,8 +822,8 @@ def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:
     material = sample("tiles", 16)
     one = program_of(Object(material, technique="steep", settings={"steps": 5}, scale=0.01))
     other = program_of(
-        Object(material, technique="steep", settings={"steps": 50}, scale=0.3, level=0.2,
-               tiling=(2, -3), transform=turned("y", 3.0))
+        Object(material, technique="steep", settings={"steps": 50}, scale=0.3, reference_height=0.2,
+               tiling=(2, -3), transform=rotated("y", 3.0))
     )  # fmt: skip
     assert one.key == other.key
     assert program_of(Object(material, technique="relief")).key != one.key

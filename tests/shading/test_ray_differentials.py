@@ -159,9 +159,9 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     monkeypatch.setattr(pixels, "surface_at", recording)
     seen = {}
     for technique in ("flat", "relief"):
-        thing = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
-        scene = Scene((thing,), camera=Orbit(20, 30, 2.0))
-        program, values = program_of(thing), values_of(thing, scene, (32, 18), choose_engine("cpu"))
+        obj = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
+        scene = Scene((obj,), camera=Orbit(20, 30, 2.0))
+        program, values = program_of(obj), values_of(obj, scene, (32, 18), choose_engine("cpu"))
         spots.clear()
         for place in [(16, 9), (12, 8), (19, 11)]:
             pixel_in_python(program, values, *place)

@@ -11,7 +11,7 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene, directional
-from basrelief.shading.self_shadow import Shadowing, hard, hard_of_boxes, soft, soft_of_boxes
+from basrelief.shading.self_shadow import Shadowing, hard, hard_on_columns, soft, soft_on_columns
 from basrelief.techniques import Ray
 
 COLUMNS = 128
@@ -193,11 +193,11 @@ def test_a_soft_shadow_of_boxes_is_weighted_by_proximity(tops, darkest) -> None:
         weighted = (tops[darkest] - START - 0.8 * entered - 0.05) * (1.0 - entered)
         assert weighted > 0.01
     for softness in (0.0, 0.5, 2.0):
-        found = reaching(soft_of_boxes, tops, boxes, shadow_softness=softness, shadow_steps=1)
+        found = reaching(soft_on_columns, tops, boxes, shadow_softness=softness, shadow_steps=1)
         assert found.share == pytest.approx(1.0 - softness * weighted, abs=1e-6)
         assert found.reads == 6
     # once it is dark nothing further is read
-    dark = reaching(soft_of_boxes, tops, boxes, shadow_softness=64.0)
+    dark = reaching(soft_on_columns, tops, boxes, shadow_softness=64.0)
     assert (dark.share, dark.reads) == ((1.0, 6) if darkest is None else (0.0, min(tops)))
 
 
@@ -205,7 +205,7 @@ def test_a_soft_shadow_of_boxes_is_weighted_by_proximity(tops, darkest) -> None:
 def test_a_hard_shadow_of_boxes_needs_more_than_the_offset(offset: float) -> None:
     """By the third box, which the ray enters at a height of 0.2 + 0.8 · 0.46875 = 0.575."""
     for top, visible, reads in ((0.5749, 1.0, 6), (0.5751, 0.0, 3)):
-        found = reaching(hard_of_boxes, {3: top + offset}, boxes, shadow_offset=offset)
+        found = reaching(hard_on_columns, {3: top + offset}, boxes, shadow_offset=offset)
         assert (found.share, found.reads) == (visible, reads)
 
 
@@ -216,7 +216,7 @@ def test_the_last_box_before_the_top_counts() -> None:
     ray = to_light(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
     for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
         settings = Shadowing(shadow_offset=offset)
-        assert hard_of_boxes(HeightField([heights], "clamp"), ray, settings).share == visible
+        assert hard_on_columns(HeightField([heights], "clamp"), ray, settings).share == visible
 
 
 def picture(shadows: str, azimuth: float, engine: str = "cpu"):
@@ -224,9 +224,9 @@ def picture(shadows: str, azimuth: float, engine: str = "cpu"):
     heights = np.zeros((32, 64, 1), np.float32)
     heights[:, 24:32] = 1.0
     material = Material("wall", height=Map(heights, False, "wall"), normal=flat_normals())
-    thing = Object(material, scale=0.1, edge="clamp", technique="relief")
+    obj = Object(material, scale=0.1, edge="clamp", technique="relief")
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=1.0)
-    scene = Scene((thing,), camera, (directional(azimuth, 30.0),), shadows=shadows)
+    scene = Scene((obj,), camera, (directional(azimuth, 30.0),), shadows=shadows)
     return render(scene, size=(128, 64), samples=1, engine=engine).color[32, :, 0]
 
 
@@ -249,9 +249,9 @@ def test_shadows_fall_away_from_the_light(engine):
 
 
 def test_a_program_without_shadows_has_none_in_it():
-    thing = Object(sample("bricks", 16))
-    without = print_wgsl(program_of(thing).module, "wrap")
-    within = print_wgsl(program_of(thing, Scene((thing,), shadows="soft")).module, "wrap")
+    obj = Object(sample("bricks", 16))
+    without = print_wgsl(program_of(obj).module, "wrap")
+    within = print_wgsl(program_of(obj, Scene((obj,), shadows="soft")).module, "wrap")
     for word in ("self_shadowed", "Reaching", "shadow_steps"):
         assert word not in without
         assert word in within
@@ -264,10 +264,10 @@ def test_no_technique_shadows_what_nothing_stands_over(technique):
     dome = 0.2 + 0.6 * np.outer(np.sin(along), np.sin(along))
     heights = Map(dome.astype(np.float32)[:, :, None], False, "dome")
     material = Material("dome", height=heights, normal=flat_normals())
-    thing = Object(material, scale=0.05, technique=technique, edge="clamp")
+    obj = Object(material, scale=0.05, technique=technique, edge="clamp")
     lights = (directional(30.0, 75.0),)
     with_, without = (
-        render(Scene((thing,), lights=lights, shadows=kind), size=(96, 64), samples=1, engine="cpu")
+        render(Scene((obj,), lights=lights, shadows=kind), size=(96, 64), samples=1, engine="cpu")
         for kind in ("hard", "none")
     )
     np.testing.assert_array_equal(with_.color, without.color)

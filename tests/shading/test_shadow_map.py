@@ -21,7 +21,7 @@ from basrelief.scene.cameras import look
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import primary_ray, seen_from
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
-from basrelief.shading.shadow_map import CastView, past_others
+from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, plain, rays
 
@@ -41,16 +41,16 @@ LIGHTS = {
 }
 
 
-def share(things, light, **scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def share(objects, light, **scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How much of a light reaches each pixel of a picture, where any would; and the points."""
     lights = (light,) if isinstance(light, Light) else light
-    scene = {"camera": ABOVE, "lights": lights, "shadow_map": SIDE, **LOOK, **scene}
-    dark, plain_ = (drawn(*things, **scene, shadows=kind) for kind in ("hard", "none"))
+    scene = {"camera": ABOVE, "lights": lights, "shadow_map_size": SIDE, **LOOK, **scene}
+    dark, plain_ = (drawn(*objects, **scene, shadows=kind) for kind in ("hard", "none"))
     origins, directions = rays(scene["camera"])
-    depth = np.where(plain_.hit, plain_.depth, 0.0)
+    depth = np.where(plain_.hit, plain_.distance, 0.0)
     met = origins + directions * depth[..., None]
     bright = plain_.color[:, :, 0] > 0.01
-    np.testing.assert_array_equal(plain_.depth, dark.depth)
+    np.testing.assert_array_equal(plain_.distance, dark.distance)
     return dark.color[:, :, 0] / np.maximum(plain_.color[:, :, 0], 0.01), met, bright
 
 
@@ -78,7 +78,7 @@ def box_between(met, way, half: float) -> np.ndarray:
 
 def texel(light: Light) -> float:
     """About the width of a texel of the depth map where the ball or the box is."""
-    views = light_views(Scene((FLOOR, standing("sphere")), lights=(light,), shadow_map=SIDE))
+    views = light_views(Scene((FLOOR, standing("sphere")), lights=(light,), shadow_map_size=SIDE))
     wide = float(np.linalg.norm([*views[0].camera.right]))
     away = float(np.linalg.norm(np.array([*light.position]) - MIDDLE))
     return wide if light.kind == DIRECTIONAL else wide * away
@@ -111,8 +111,8 @@ def test_all_other_objects_cast_shadows() -> None:
     light = LIGHTS["directional"]
     other = np.array([-0.7, 0.3, 0.25])
     balls = (standing("sphere"), Object(plain(), "sphere", transform=placed(other, WIDTH)))
-    for things in ((FLOOR, *balls), (*balls[::-1], FLOOR)):
-        reaching, met, bright = share(things, light)
+    for objects in ((FLOOR, *balls), (*balls[::-1], FLOOR)):
+        reaching, met, bright = share(objects, light)
         floor = bright & (np.abs(met[..., 1]) < 1e-3)
         way, inner = towards(light, met), WIDTH / 2 - 2.0 * texel(light)
         for middle in (MIDDLE, other):
@@ -166,7 +166,7 @@ def test_a_raised_relief_casts_a_shadow() -> None:
         technique="relief",
         settings={"min_steps": 64, "max_steps": 64},
         scale=0.3,
-        level=0.0,
+        reference_height=0.0,
         edge="clamp",
         transform=LYING,
     )
@@ -183,7 +183,7 @@ def test_a_raised_relief_casts_a_shadow() -> None:
     np.testing.assert_array_equal(reaching[dark], 0.0)
     np.testing.assert_allclose(reaching[lit], 1.0, atol=1e-6)
     # and with no relief there is nothing above the shelf
-    still = replace(ridge, technique="flat", settings={}, level=1.0)
+    still = replace(ridge, technique="flat", settings={}, reference_height=1.0)
     reaching, met, bright = share((still, shelf), light, camera=camera)
     np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
 
@@ -203,7 +203,7 @@ def test_what_lies_in_one_plane_casts_nothing_on_itself() -> None:
     """A floor and a sheet in it, lit at 37° to the floor: within a texel of the depth map the floor
     comes 1.33 texels closer to the light."""
     sheet = Object(plain(), transform=placed((0.3, 0.0, -0.2)) @ LYING)
-    reaching, _, bright = share((FLOOR, sheet), directional(25.0, 37.0), shadow_map=64)
+    reaching, _, bright = share((FLOOR, sheet), directional(25.0, 37.0), shadow_map_size=64)
     assert bright.mean() > 0.5
     np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
 
@@ -217,11 +217,11 @@ def test_a_sheet_casts_a_shadow_on_a_floor_two_texels_below(texels: float, visib
         """Two units wide and 1.6 deep, over the floor."""
         return Object(plain(), transform=placed((0.2, height, 0.0), (2.0, 1.0, 1.6)) @ LYING)
 
-    (view,) = light_views(Scene((FLOOR, sheet(0.3)), lights=(light,), shadow_map=32))
+    (view,) = light_views(Scene((FLOOR, sheet(0.3)), lights=(light,), shadow_map_size=32))
     texel = float(np.linalg.norm([*view.camera.right]))
     from_aside = LookAt((0.0, 1.0, 4.0), orthographic_height=2.4)
-    things = (FLOOR, sheet(texels * texel))
-    reaching, met, bright = share(things, light, camera=from_aside, shadow_map=32)
+    objects = (FLOOR, sheet(texels * texel))
+    reaching, met, bright = share(objects, light, camera=from_aside, shadow_map_size=32)
     floor = bright & (np.abs(met[..., 1]) < 1e-3)
     # at the sheet's edges the four texels differ
     x, z, blur = np.abs(met[..., 0] - 0.2), np.abs(met[..., 2]), 1.5 * texel
@@ -234,11 +234,11 @@ def test_a_sheet_casts_a_shadow_on_a_floor_two_texels_below(texels: float, visib
 
 def test_each_light_has_its_own_shadow() -> None:
     """Two lights together are the sum of each alone, their shadows included."""
-    things = (FLOOR, standing("sphere"))
+    objects = (FLOOR, standing("sphere"))
     two = (directional(70.0, 50.0, intensity=0.5), point((-1.5, 2.5, 0.5)))
-    scene = {"camera": ABOVE, "shadows": "hard", "shadow_map": 128, **LOOK}
-    alone = [drawn(*things, lights=(light,), **scene).color for light in two]
-    both = drawn(*things, lights=two, **scene).color
+    scene = {"camera": ABOVE, "shadows": "hard", "shadow_map_size": 128, **LOOK}
+    alone = [drawn(*objects, lights=(light,), **scene).color for light in two]
+    both = drawn(*objects, lights=two, **scene).color
     np.testing.assert_allclose(both[:, :, :3], sum(alone)[:, :, :3], atol=1e-5)
     assert ((alone[0][:, :, 0] == 0.0) & (alone[1][:, :, 0] > 0.0)).sum() > 50
     assert ((alone[1][:, :, 0] == 0.0) & (alone[0][:, :, 0] > 0.0)).sum() > 50
@@ -246,8 +246,8 @@ def test_each_light_has_its_own_shadow() -> None:
 
 def test_an_object_may_cast_nothing() -> None:
     for casts, dark in (("shape", True), ("none", False)):
-        things = (FLOOR, standing("sphere", casts=casts))
-        reaching, _, bright = share(things, LIGHTS["directional"])
+        objects = (FLOOR, standing("sphere", casts=casts))
+        reaching, _, bright = share(objects, LIGHTS["directional"])
         assert bool((reaching[bright] < 0.5).any()) == dark
 
 
@@ -266,7 +266,7 @@ def test_an_object_may_cast_nothing() -> None:
 )
 def test_the_views_of_a_light_see_all_that_it_lights(light: Light, side: int) -> None:
     """Whatever lies on the objects is within the middles of the outer texels of a view."""
-    scene = Scene((FLOOR, standing("box")), lights=(light,), shadow_map=side)
+    scene = Scene((FLOOR, standing("box")), lights=(light,), shadow_map_size=side)
     around = np.random.default_rng(3)
     on_floor = around.uniform(-2.0, 2.0, (150, 3)) * (1.0, 0.0, 1.0)
     on_box = MIDDLE + WIDTH / 2 * around.uniform(-1.0, 1.0, (60, 3))
@@ -289,7 +289,7 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
     """The ends of a long bar along a side of the depth map."""
     bar = Object(plain(), shape="box", transform=placed(scale=(4.0, 0.1, 0.1)))
     small = Object(plain(), shape="box", transform=placed(scale=0.1))
-    scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map=side)
+    scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map_size=side)
     (view,) = light_views(scene)
     for place in bar.outline():
         at = seen_from(view.camera, vector(place))
@@ -311,11 +311,11 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
 def test_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
     """A relief that stands 2 · 1.5 above a polygon of 0.5 × 0.4."""
     tower = Object(
-        plain(height=1.0), technique="relief", scale=2.0, level=0.0,
+        plain(height=1.0), technique="relief", scale=2.0, reference_height=0.0,
         transform=LYING @ placed(scale=(0.5, 0.4, 1.5)),
     )  # fmt: skip
     small = Object(plain(), shape="box", transform=placed(scale=0.1))
-    views = light_views(Scene((tower, small), lights=(light,), shadow_map=side))
+    views = light_views(Scene((tower, small), lights=(light,), shadow_map_size=side))
     for x, y, z in itertools.product((-0.25, 0.25), (0.0, 3.0), (-0.2, 0.2)):
         seen = [seen_from(view.camera, vector((x, y, z))) for view in views]
         assert any(
@@ -329,7 +329,7 @@ def test_views_are_no_wider_than_they_have_to_be() -> None:
     radius, side = math.hypot(2.0, 2.0, 0.1), 256
 
     def half_angle(light: Light) -> float:
-        (view,) = light_views(Scene((FLOOR, box), lights=(light,), shadow_map=side))
+        (view,) = light_views(Scene((FLOOR, box), lights=(light,), shadow_map_size=side))
         across = float(np.linalg.norm([*view.camera.right])) * (side - 2) / 2
         return across if light.kind == DIRECTIONAL else math.degrees(math.atan(across))
 
@@ -344,10 +344,10 @@ def test_views_are_no_wider_than_they_have_to_be() -> None:
 @pytest.mark.parametrize(("angle", "count"), [(99.0, 1), (101.0, 6)])
 def test_beyond_a_hundred_degrees_a_light_has_six_views(angle: float, count: int) -> None:
     box = Object(plain(), shape="box")
-    things = (box, Object(plain(), shape="box", transform=placed(scale=0.5)))
+    objects = (box, Object(plain(), shape="box", transform=placed(scale=0.5)))
 
     def views(light: Light) -> int:
-        return len(light_views(Scene(things, lights=(light,), shadow_map=4096)))
+        return len(light_views(Scene(objects, lights=(light,), shadow_map_size=4096)))
 
     assert views(spot((0.1, 0.2, 0.3), angle=angle)) == count
     # the ball is √¾ · 1.02 wide, and a little for the outer texels
@@ -404,9 +404,9 @@ def visibility(camera, at, distance: float, met, light: int = 7) -> float:
     what the depth maps met."""
     ray = primary_ray(camera, Vec2(*at))
     place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
-    views = Buffer([CastView(7, camera, MAP, IVec2(*FIRST))], CastView)
+    views = Buffer([ShadowMapView(7, camera, MAP, IVec2(*FIRST))], ShadowMapView)
     field = HeightField([np.asarray(met, np.float32)], "clamp")
-    return float(past_others(field, views, light, vector(place)))
+    return float(shadow_map_visibility(field, views, light, vector(place)))
 
 
 def sheet_of(value: float) -> np.ndarray:
@@ -460,12 +460,14 @@ def test_out_of_the_view_of_a_light_nothing_is_shadowed(camera) -> None:
 
 def test_of_several_views_the_darkest_counts() -> None:
     """Two views of one light, side by side in the sheet, of which either may see what is near."""
-    views = [CastView(7, PARALLEL, MAP, IVec2(x, 0)) for x in (0, MAP)]
+    views = [ShadowMapView(7, PARALLEL, MAP, IVec2(x, 0)) for x in (0, MAP)]
     for near in (0, 1):
         met = np.full((MAP, 2 * MAP), FAR_AWAY, np.float32)
         met[:, near * MAP : (near + 1) * MAP] = 1.0
         field = HeightField([met], "clamp")
-        found = past_others(field, Buffer(views, CastView), 7, vector((0.1, 0.2, 2.0)))
+        found = shadow_map_visibility(
+            field, Buffer(views, ShadowMapView), 7, vector((0.1, 0.2, 2.0))
+        )
         assert found == 0.0
 
 
@@ -473,16 +475,16 @@ def test_of_several_views_the_darkest_counts() -> None:
 
 
 def test_without_other_objects_or_shadows_there_is_no_code_for_them() -> None:
-    thing, other = Object(sample("tiles", 16)), standing("box")
+    obj, other = Object(sample("tiles", 16)), standing("box")
 
-    def text(*things: Object, **scene) -> str:
-        program = program_of(things[0], Scene(things, **scene))
+    def text(*objects: Object, **scene) -> str:
+        program = program_of(objects[0], Scene(objects, **scene))
         return print_wgsl(program.module, program.edge)
 
-    for without in (text(thing, shadows="hard"), text(thing, other)):
+    for without in (text(obj, shadows="hard"), text(obj, other)):
         for word in ("past_others", "CastView", "seen_from", "distances"):
             assert word not in without
-    within = text(thing, other, shadows="hard")
+    within = text(obj, other, shadows="hard")
     for word in ("past_others", "CastView", "seen_from", "distances"):
         assert word in within
 
@@ -494,5 +496,7 @@ def test_cpu_and_gpu_agree(edge: str) -> None:
     floor = Object(sample("bricks", 64), edge=edge, fade=(2.0, 4.0))
     ball = Object(sample("gravel", 64), "sphere", edge=edge, transform=placed((0, 0.3, 0), 0.4))
     lights = (LIGHTS["directional"], LIGHTS["a spot"], point((0.5, 0.7, 0.3)))
-    scene = Scene((floor, ball), Orbit(30.0, 35.0, 2.2), lights, shadows="hard", shadow_map=128)
+    scene = Scene(
+        (floor, ball), Orbit(30.0, 35.0, 2.2), lights, shadows="hard", shadow_map_size=128
+    )
     assert_engines_agree(scene, 64)

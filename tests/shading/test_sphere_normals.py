@@ -11,7 +11,7 @@ from basrelief.shading.intersection import Meeting, Placement
 from basrelief.shading.pixel import shading_point
 from basrelief.shading.shapes import FAR, ShapeRay, globe
 from basrelief.shading.surfaces.surface import Surface
-from basrelief.shading.tangent_frame import frame_of
+from basrelief.shading.tangent_frame import tangent_frame
 from basrelief.shading.variant import Variant
 
 SCALE = 0.08
@@ -24,7 +24,7 @@ def drawn_normal(latitude: float, along_u: float, along_v: float, variant: Varia
     y, ring = np.sin(np.radians(latitude)), np.cos(np.radians(latitude))
     normal = Vec3(0.6 * ring, y, 0.8 * ring)
     lies = globe(normal)
-    frame = frame_of(normal, lies.along_u / TILES[0], lies.along_v / TILES[1])
+    frame = tangent_frame(normal, lies.along_u / TILES[0], lies.along_v / TILES[1])
     met = Meeting(True, 2.0, FAR, Vec2(0.0), frame, Vec3(0, 0, 1), ShapeRay(normal, -normal), 1.0)
     # as normals are made from heights, for square texels and a range of SCALE tile widths
     leaning = Vec3(-SCALE * along_u, SCALE * along_v, 1.0)

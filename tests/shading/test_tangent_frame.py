@@ -13,14 +13,14 @@ from basrelief.shading.shapes import ShapeRay, chart, shape
 from basrelief.shading.tangent_frame import (
     Frame,
     aspect,
-    frame_of,
     from_tangent,
+    tangent_frame,
     to_tangent,
     to_texture,
 )
 from basrelief.shading.variant import Variant
 
-SHADERS = [frame_of, aspect, to_tangent, from_tangent, to_texture]
+SHADERS = [tangent_frame, aspect, to_tangent, from_tangent, to_texture]
 
 # A place on each patch of each shape, as a ray that meets it from outside, not through its middle.
 RAYS = {
@@ -66,7 +66,7 @@ def patches(draw):
 
 
 def frame_from(normal, along_u, along_v) -> Frame:
-    return frame_of(Vec3(*normal), Vec3(*along_u), Vec3(*along_v))
+    return tangent_frame(Vec3(*normal), Vec3(*along_u), Vec3(*along_v))
 
 
 @pytest.mark.parametrize("function", SHADERS, ids=lambda f: f.name)
@@ -144,7 +144,7 @@ def test_on_a_slanted_tile_a_move_is_solved_too(patch, slant, x, y) -> None:
 
 def test_a_slanted_mirrored_tile_worked_out_by_hand() -> None:
     """4 wide along +y, 2 high along +x, leaning 3 along +y: seen from +z it is mirrored."""
-    frame = frame_of(Vec3(0, 0, 1), Vec3(0, 4, 0), Vec3(2, 3, 0))
+    frame = tangent_frame(Vec3(0, 0, 1), Vec3(0, 4, 0), Vec3(2, 3, 0))
     assert a(frame.tangent).tolist() == [0.0, 1.0, 0.0]
     assert a(frame.bitangent).tolist() == [-1.0, 0.0, 0.0]
     assert (frame.width, frame.height, frame.shear) == (4.0, 2.0, 3.0)
@@ -157,9 +157,9 @@ def test_a_slanted_mirrored_tile_worked_out_by_hand() -> None:
 
 
 def test_y_up_is_v_down() -> None:
-    square = frame_of(Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, -2, 0))
+    square = tangent_frame(Vec3(0, 0, 1), Vec3(2, 0, 0), Vec3(0, -2, 0))
     assert a(to_texture(square, Vec2(0.5, 1.0))).tolist() == [0.25, -0.5]
-    wide = frame_of(Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(0, -1, 0))
+    wide = tangent_frame(Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(0, -1, 0))
     assert a(to_texture(wide, Vec2(0.75, 1.5))).tolist() == [0.25, -1.5]
 
 
@@ -184,6 +184,6 @@ def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None
 
 
 def test_a_derivative_that_leans_off_the_surface_is_laid_on_it() -> None:
-    frame = frame_of(Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3(0, -3, 0))
+    frame = tangent_frame(Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3(0, -3, 0))
     np.testing.assert_allclose(columns(frame), np.eye(3), atol=1e-6)
     assert (frame.width, frame.height, frame.shear) == (2.0, 3.0, 0.0)

@@ -21,14 +21,14 @@ STEPS = {"min_steps": 64, "max_steps": 64}
 COLORS = noise(4, (32, 32))
 
 
-def thing(values, colors=COLORS, **options) -> Object:
+def obj(values, colors=COLORS, **options) -> Object:
     material = Material("made up", height=map_of(values), base_color=map_of(colors))
     options = {"mapping": "triplanar", "technique": "parallax_occlusion", **options}
     return Object(material, settings=STEPS, edge="clamp", transform=np.eye(4), **options)
 
 
 def seen(*args, camera=FRONT, scene=UNLIT, **options) -> Frame:
-    frame = drawn(thing(*args, **options), camera=camera, **scene)
+    frame = drawn(obj(*args, **options), camera=camera, **scene)
     assert frame.hit.all()
     return frame
 

@@ -24,14 +24,14 @@ def test_every_value_of_every_menu_comes_from_a_scene(name: str, value: str) -> 
     # with shadows, which some are about
     options: dict[str, Any] = {"shadows": "hard", name: value}
     of_object = {k: options.pop(k) for k in list(options) if k in Object.__dataclass_fields__}
-    thing, other = Object(sample("tiles", 16), **of_object), Object(sample("tiles", 16), "sphere")
-    assert getattr(variant_of(thing, Scene((thing, other), **options)), name) == value
+    obj, other = Object(sample("tiles", 16), **of_object), Object(sample("tiles", 16), "sphere")
+    assert getattr(variant_of(obj, Scene((obj, other), **options)), name) == value
 
 
 def test_what_is_not_asked_makes_no_program_of_its_own() -> None:
     def key(scene: dict[str, Any], **options: Any) -> str:
-        thing = Object(sample("tiles", 16), **options)
-        return program_of(thing, Scene((thing,), **scene)).key
+        obj = Object(sample("tiles", 16), **options)
+        return program_of(obj, Scene((obj,), **scene)).key
 
     flat = key({}, technique="flat")
     assert key({"shadows": "soft"}, technique="flat", projection="limited", fade=(1, 2)) == flat
@@ -60,9 +60,9 @@ def test_shaders_know_every_value_but_one(name: str) -> None:
 
 @pytest.mark.parametrize("name", MENUS)
 def test_what_is_in_no_menu_is_refused(name: str) -> None:
-    thing = Object(sample("tiles", 16))
+    obj = Object(sample("tiles", 16))
     of_object = name in Object.__dataclass_fields__
     with pytest.raises(Exception, match=f"{name}.*sideways"):
         Object(sample("tiles", 16), **{name: "sideways"}) if of_object else Scene(
-            (thing,), **{name: "sideways"}
+            (obj,), **{name: "sideways"}
         )

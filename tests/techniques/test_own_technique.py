@@ -108,7 +108,7 @@ def test_where_it_ends_is_known(here: Path) -> None:
 def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
     own(SINK)
     sink = technique_from_file("my.py", "sink")
-    assert sink.level == 1.0
+    assert sink.reference_height == 1.0
     assert sink.settings().depth_steps == 2
     ray = flat_ray((0.5, 0.5), (0.25, 0.5), cosine=0.7)
     hit = sink(HeightField([np.zeros((1, 1), np.float32)]), ray, sink.settings())

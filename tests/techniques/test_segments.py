@@ -61,7 +61,7 @@ def test_from_nowhere_on_it_falls_faster_than_it_may(bend: float, drop: float) -
 
 
 def test_a_height_is_where_it_says() -> None:
-    ray = flat_ray((0.1, 0.2), (0.5, 0.25), level=0.25)
+    ray = flat_ray((0.1, 0.2), (0.5, 0.25), reference_height=0.25)
     for height in (-0.5, 0.0, 0.25, 1.0, 1.5):
         assert float(height_at(ray, t_at(ray, height))) == pytest.approx(height, abs=1e-7)
     level = Ray(Vec2(0.0), Vec2(1.0), 0.5, 0.0, 0.5)
@@ -119,7 +119,7 @@ def planes_of(
     heights = np.asarray(heights, np.float32)
     given = {
         "rays": rays,
-        "field": HeightField([heights], edge, "boxes" if technique is texel else "sharp"),
+        "field": HeightField([heights], edge, "columns" if technique is texel else "sharp"),
         "settings": settings,
     }
     if technique.bake is not None:
@@ -353,6 +353,8 @@ def test_a_part_takes_its_share_of_the_steps_and_one_more_at_its_end() -> None:
 
 def test_an_offset_reads_where_the_ray_meets_the_polygon() -> None:
     heights = np.full((4, 4), 0.75, np.float32)
-    hit = offset(HeightField([heights]), flat_ray((0.5, 0.5), (-0.2, 0.1), level=0.5), Offset())
+    hit = offset(
+        HeightField([heights]), flat_ray((0.5, 0.5), (-0.2, 0.1), reference_height=0.5), Offset()
+    )
     np.testing.assert_allclose([*hit.uv], [0.55, 0.475], atol=1e-6)
     assert float(hit.t) == 0.25

@@ -84,11 +84,11 @@ def test_a_plane_of_one_height_stays_as_it_is() -> None:
 def test_close_by_it_is_the_finest_level() -> None:
     """A pixel smaller than a texel, no bias, no fading: bit for bit the sharp heights."""
     near = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.2)
-    thing = {"heights": "smooth", "smoothing": {"mip_bias": 0.0, "mip_fade": 0.0}}
+    obj = {"heights": "smooth", "smoothing": {"mip_bias": 0.0, "mip_fade": 0.0}}
     material = Material("rough", height=map_of(LEVELS[0]))
-    smooth_, sharp = (drawn(relief(material, **o), camera=near) for o in (thing, {}))
+    smooth_, sharp = (drawn(relief(material, **o), camera=near) for o in (obj, {}))
     np.testing.assert_array_equal(smooth_.uv, sharp.uv)
-    np.testing.assert_array_equal(smooth_.depth, sharp.depth)
+    np.testing.assert_array_equal(smooth_.distance, sharp.distance)
     # with a bias they are others
     other = drawn(relief(material, heights="smooth"), camera=near)
     assert np.abs(other.uv - sharp.uv).max() > 0.01
@@ -101,8 +101,8 @@ def test_far_away_a_checker_is_its_mean() -> None:
     wanted, _ = on_plane(far, -0.1)
     spread = {}
     for kind in ("smooth", "sharp"):
-        thing = relief(checker, technique="offset", settings={}, heights=kind)
-        frame = drawn(thing, camera=far)
+        obj = relief(checker, technique="offset", settings={}, heights=kind)
+        frame = drawn(obj, camera=far)
         assert frame.hit.mean() > 0.03
         # level 1: half the range below the polygon
         spread[kind] = np.abs(frame.uv - wanted)[frame.hit].max()
@@ -117,9 +117,9 @@ def test_a_self_shadow_reads_the_same_heights() -> None:
     far = LookAt((0.0, 0.0, 2.0), orthographic_height=3.2)
 
     def dark(kind: str) -> bool:
-        thing = relief(checker, technique="offset", settings={}, heights=kind)
+        obj = relief(checker, technique="offset", settings={}, heights=kind)
         shaded, free = (
-            drawn(thing, camera=far, shadows=shadows).color for shadows in ("hard", "none")
+            drawn(obj, camera=far, shadows=shadows).color for shadows in ("hard", "none")
         )
         return bool(np.abs(shaded - free).max() > 0.05)
 
@@ -141,5 +141,5 @@ def test_sharp_heights_have_no_code_for_smooth_ones() -> None:
 @pytest.mark.gpu
 @pytest.mark.parametrize("technique", ["parallax_occlusion", "relief"])
 def test_cpu_and_gpu_agree(technique: str) -> None:
-    thing = Object(sample("gravel", 64), technique=technique, heights="smooth", scale=0.1)
-    assert_engines_agree(Scene((thing,), Orbit(20.0, 30.0, 1.8), shadows="soft"), 64)
+    obj = Object(sample("gravel", 64), technique=technique, heights="smooth", scale=0.1)
+    assert_engines_agree(Scene((obj,), Orbit(20.0, 30.0, 1.8), shadows="soft"), 64)

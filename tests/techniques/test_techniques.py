@@ -23,7 +23,7 @@ from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.shading.intersection import Meeting, Placement
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import Depth, Intersection, displaced, move_of, relief_ray
+from basrelief.shading.relief import Intersection, ReliefParameters, displaced, move_of, relief_ray
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shapes import FAR, ShapeRay
 from basrelief.shading.tangent_frame import Frame
@@ -172,7 +172,7 @@ def test_everything_is_tested_here() -> None:
 
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 def test_the_level_is_the_height_on_the_polygon(level: float) -> None:
-    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), level=level)
+    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), reference_height=level)
     assert [*at(ray, t_at(ray, level))] == [0.25, 0.5]
     np.testing.assert_allclose(
         [*at(ray, 0.0)], [0.25 + 0.5 * (1 - level), 0.5 - 0.25 * (1 - level)]
@@ -184,7 +184,7 @@ def test_the_level_is_the_height_on_the_polygon(level: float) -> None:
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 def test_marches_enter_at_the_top_plane_whatever_the_level(technique, steps, level) -> None:
     """H6: below level 1 that is back along the ray, before the polygon."""
-    ray = ray_of(level=level)
+    ray = ray_of(reference_height=level)
     with surface(level_surface(1.0)) as places:
         hit = technique(EMPTY, ray, steps(8))
     assert len(places) == 1
@@ -204,7 +204,7 @@ def test_every_technique_finds_a_plane(tenths: int, level: float, fall) -> None:
     """At heights where a layer of ten lies; all but `flat` get there, steep by stopping on it."""
     height = tenths / 10
     assume(max(map(abs, fall)) > 0.01)
-    ray = ray_of(fall=fall, level=level)
+    ray = ray_of(fall=fall, reference_height=level)
     for technique, settings in ((p.values[0], p.values[1]) for p in everywhere(10)):
         # just above the layer, so that rounding cannot put it below
         hit, _ = traced(technique, level_surface(height + 1e-5), ray, settings)
@@ -244,7 +244,7 @@ def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings
 @pytest.mark.parametrize("count", [1, 2, 7, 10, 100])
 def test_a_march_reads_at_one_less_k_nths_and_ends_at_the_last(technique, steps, count) -> None:
     """C11: nothing is met on a surface at the very bottom; N reads, and the last position."""
-    ray = ray_of(level=0.5)
+    ray = ray_of(reference_height=0.5)
     hit, read = traced(technique, level_surface(0.0), ray, steps(count))
     np.testing.assert_allclose(read, [1 - k / count for k in range(count)], atol=1e-5)
     assert hit.reads == count
@@ -337,9 +337,11 @@ def test_relief_is_within_its_last_halving_of_a_ramp(ramp, steps: int, halvings:
 def test_an_offset_takes_the_height_where_the_ray_comes_in(ramp) -> None:
     form, ray, _, _ = ramp
     hit, _ = traced(offset, form, ray, Offset())
-    start = place_on(ray, float(ray.level))
+    start = place_on(ray, float(ray.reference_height))
     first = form(*start)
-    moved = np.clip(np.array([*ray.travel], np.float64) * (float(ray.level) - first), -1, 1)
+    moved = np.clip(
+        np.array([*ray.travel], np.float64) * (float(ray.reference_height) - first), -1, 1
+    )
     np.testing.assert_allclose([*hit.uv], start + moved, atol=1e-5)
     assert hit.reads == 1
 
@@ -349,7 +351,7 @@ def test_a_real_height_field_is_met_as_its_closed_form_is() -> None:
     columns, rows = 48, 20
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     field = HeightField([0.5 + 0.6 * (u - 0.5) - 0.3 * (v - 0.5)], "clamp")
-    ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), level=0.5)
+    ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), reference_height=0.5)
     # 0.5 + 0.6 (u − ½) − 0.3 (v − ½) = h with (u, v) = (0.6 + 0.15 d, 0.55 − 0.2 d), d = 0.5 − h
     d = (0.5 - (0.5 + 0.6 * 0.1 - 0.3 * 0.05)) / (1 + 0.6 * 0.15 + 0.3 * 0.2)
     hit = parallax_occlusion(field, ray, March(10, 10))
@@ -617,7 +619,7 @@ VIEWS = [
 
 def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
     """The ray that the whole pixel makes of a view vector in tangent space."""
-    met, depth = meeting(view, aspect), Depth(scale, level, bias)
+    met, depth = meeting(view, aspect), ReliefParameters(scale, level, bias)
     return relief_ray(met, depth, scale, 0.0, 0.0, Variant(projection=kind))
 
 
@@ -662,7 +664,7 @@ def test_a_high_texel_moves_towards_the_viewer_in_the_picture(view) -> None:
 @pytest.mark.parametrize("most", [0.0, 0.01, 0.02, 1.0])
 def test_each_component_of_the_offset_is_clamped(most: float) -> None:
     """W3: ±most for u and v apart, whatever their direction; (0.03, −0.015) unclamped."""
-    ray = ray_of(uv=(0.5, 0.5), fall=(-0.06, 0.03), level=0.5)
+    ray = ray_of(uv=(0.5, 0.5), fall=(-0.06, 0.03), reference_height=0.5)
     for height, sign in ((1.0, 1), (0.0, -1)):
         hit, _ = traced_anywhere(offset, height, ray, Offset(most))
         wanted = np.clip(sign * np.array([0.03, -0.015]), -most, most)
@@ -698,7 +700,7 @@ def test_limiting_divides_by_nothing() -> None:
     """C6, in the code that runs on the GPU."""
 
     @shader
-    def entry(at: IVec2, depth: Depth, variant: Variant) -> Ray:
+    def entry(at: IVec2, relief: ReliefParameters, variant: Variant) -> Ray:
         travel = move_of(Vec3(float(at.x), 0.0, 1.0), depth.bias, variant)
         return Ray(travel, travel, 1.0, 1.0, 1.0)
 
@@ -721,7 +723,7 @@ def test_along_the_surface_the_ray_stays_finite(view, kind: str) -> None:
 @pytest.mark.parametrize("scale", [0.1, 0.4])
 def test_the_limit_is_the_length_of_the_view_on_the_surface(view, scale: float) -> None:
     """G3, G7: length(V.xy) ÷ V.z × height scale, against the view."""
-    ray = relief_ray_of(view, "full", scale, level=1.0)
+    ray = relief_ray_of(view, "full", scale, reference_height=1.0)
     x, y, z = view
     assert math.hypot(*ray.travel) == pytest.approx(math.hypot(x, y) / z * scale, abs=1e-6)
     assert float(ray.travel.x) * x <= 0
@@ -737,7 +739,7 @@ def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
     )
 
 
-def ended(technique, settings, view, depth: Depth, kind: str = "full") -> Intersection:
+def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> Intersection:
     """Where the whole pixel lets a view vector end that meets a relief."""
     variant = Variant(displaced=True, projection=kind)
     place = Placement(
@@ -760,9 +762,9 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
     """C9: on the plane of height 0.7 each ends at scale · (0.7 − level) along the travel chosen."""
     x, y, z = view
     travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
-    level = technique.level
+    level = technique.reference_height
     with surface(level_surface(0.7)):
-        end = ended(technique, settings, view, Depth(0.1, level, bias), kind)
+        end = ended(technique, settings, view, ReliefParameters(0.1, level, bias), kind)
     height = level if technique is flat else 0.7
     wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
@@ -772,8 +774,8 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
 
 def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it() -> None:
     assert (offset.projection, offset_limited.projection) == ("full", "limited")
-    assert (offset.level, offset_limited.level) == (0.5, 0.5)
-    assert {t.level for t in (steep, parallax_occlusion, relief)} == {1.0}
+    assert (offset.reference_height, offset_limited.reference_height) == (0.5, 0.5)
+    assert {t.reference_height for t in (steep, parallax_occlusion, relief)} == {1.0}
     assert {t.projection for t in (steep, parallax_occlusion, relief)} == {"full"}
 
 
@@ -781,7 +783,7 @@ def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it(
 def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
     """C2."""
     with surface(level_surface(0.7)) as places:
-        end = ended(technique, settings, VIEWS[3], Depth(0.0, 0.5, 0.42))
+        end = ended(technique, settings, VIEWS[3], ReliefParameters(0.0, 0.5, 0.42))
     assert places == []
     assert end.reads == 0
     assert end.distance == 2.0
@@ -798,7 +800,7 @@ def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -
     y = float(at.y) * 0.17 - 0.9
     travel = Vec2(y, x) * 0.21
     uv = Vec2(x * 0.37, y * 0.53) - travel * 0.3
-    ray = Ray(uv, travel, 1.0, 1.0, 0.5 + x * 0.25, level=0.7)
+    ray = Ray(uv, travel, 1.0, 1.0, 0.5 + x * 0.25, reference_height=0.7)
     return displace(field, baked, ray, settings)
 
 

@@ -17,7 +17,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material
-from basrelief.measure.boxes import first_box_hits
+from basrelief.measure.columns import first_column_hits
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import LookAt, Object, Scene, directional
 from basrelief.shading.brdf import Shading
@@ -54,7 +54,7 @@ class Boxed:
 
 
 @shader
-def boxed(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
+def columns(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
     """One ray of many."""
     n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
@@ -65,7 +65,7 @@ def boxed(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
 
 
 def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dict[str, np.ndarray]:
-    program = Program(boxed, edge=edge)
+    program = Program(columns, edge=edge)
     values = {"fan": Fan(reach, 3), "field": HeightField([heights], edge)}
     planes = {k: v.ravel() for k, v in engine.run(program, values, (64, 64)).items()}
     pairs = {
@@ -78,14 +78,14 @@ def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dic
 def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
     heights = np.asarray(heights, np.float32)
     got = boxed_rays(engine, heights, edge, reach)
-    wanted = first_box_hits(heights, got["uv"], got["fall"], edge)
+    wanted = first_column_hits(heights, got["uv"], got["fall"], edge)
     texels = np.array(heights.shape[::-1])
     late = np.abs((1.0 - got["height"]) - wanted.t)
     moved = np.abs((got["met"] - wanted.uv) * texels).max(axis=1)
-    turned = (got["side"] != wanted.side).any(axis=1)
-    wrong = (late > 1e-5) | (moved > INSET + 1e-3) | turned
+    rotated = (got["side"] != wanted.side).any(axis=1)
+    wrong = (late > 1e-5) | (moved > INSET + 1e-3) | rotated
     assert got["found"].all()
-    assert wrong.mean() <= CORNERS, f"{wrong.mean():.3%} wrong, {turned.mean():.3%} of them turned"
+    assert wrong.mean() <= CORNERS, f"{wrong.mean():.3%} wrong, {rotated.mean():.3%} of them turned"
 
 
 # --- against all walls ----------------------------------------------------------------------------
@@ -111,7 +111,7 @@ def test_the_ruler_can_fail() -> None:
     """Boxes are not met where the bilinear surface is, nor beyond the edge where tiles repeat."""
     heights = MAPS["steps"].astype(np.float32)
     got = boxed_rays(CpuEngine(), heights, "wrap", 0.8)
-    other = first_box_hits(heights, got["uv"], got["fall"], "clamp")
+    other = first_column_hits(heights, got["uv"], got["fall"], "clamp")
     assert (np.abs((1.0 - got["height"]) - other.t) > 1e-5).mean() > 0.1
 
 
@@ -166,7 +166,7 @@ def test_the_level_is_where_the_ray_meets_the_polygon(level: float) -> None:
     """The same ray, told from another of its heights."""
     one, _ = ended(WALL, (0.25, 0.5), (0.4, 0.1))
     uv = (0.25 + 0.4 * (1 - level), 0.5 + 0.1 * (1 - level))
-    other, _ = ended(WALL, uv, (0.4, 0.1), level=level)
+    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=level)
     np.testing.assert_allclose([*other.uv, other.height], [*one.uv, one.height], atol=1e-6)
 
 
@@ -180,11 +180,11 @@ def test_straight_down_it_is_the_box_below(fall) -> None:
 
 def test_the_cpu_computes_the_same_bits_as_python() -> None:
     field = HeightField([MAPS["portrait"]], "wrap")
-    program = Program(boxed, edge="wrap")
+    program = Program(columns, edge="wrap")
     values = {"fan": Fan(0.8, 3), "field": field}
     planes = CpuEngine().run(program, values, (9, 7))
     for x, y in [(0, 0), (8, 6), (3, 2), (5, 5)]:
-        one = boxed(IVec2(x, y), Fan(0.8, 3), field)
+        one = columns(IVec2(x, y), Fan(0.8, 3), field)
         assert [planes[name][y, x] for name, _ in program.planes] == [*leaf_values(one, Boxed)]
 
 
@@ -231,7 +231,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
     _, directions = rays(camera)
     shape = uv.shape[:2]
     start, fall = uv.reshape(-1, 2), fall_of(directions).reshape(-1, 2)
-    hits = first_box_hits(TOWN, start, fall, "clamp")
+    hits = first_column_hits(TOWN, start, fall, "clamp")
     normals = np.column_stack([hits.side * [1, -1], 1 - np.abs(hits.side).sum(1)])
     light = unit(towards)
     shade = np.maximum(normals @ light, 0.0)
@@ -239,7 +239,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
         # the way back from the light, from where it comes in at the top
         back = np.broadcast_to(fall_of(-light), fall.shape)
         before = hits.uv + hits.side * 1e-6
-        met = first_box_hits(TOWN, before - back * hits.t[:, None], back, "clamp")
+        met = first_column_hits(TOWN, before - back * hits.t[:, None], back, "clamp")
         shade = shade * (met.t >= hits.t - 1e-5)
     # within the polygon's outline, and where the ray ends too
     places = np.concatenate([start, hits.uv], axis=1)
@@ -274,8 +274,8 @@ def test_the_normals_of_the_heights_do_not_bend_the_tops() -> None:
     """They are those of the bilinear surface; a normal map of the material's own is kept."""
     assert "maps_normal" not in values_of(town(), Scene((town(),)), (8, 8), CpuEngine())
     own = replace(town().material, normal=map_of(np.full((2, 2, 3), (0.6, 0.5, 0.9))))
-    thing = replace(town(), material=own)
-    assert "maps_normal" in values_of(thing, Scene((thing,)), (8, 8), CpuEngine())
+    obj = replace(town(), material=own)
+    assert "maps_normal" in values_of(obj, Scene((obj,)), (8, 8), CpuEngine())
 
 
 def test_colours_are_whole_texels_near_by() -> None:
@@ -286,9 +286,9 @@ def test_colours_are_whole_texels_near_by() -> None:
     camera = LookAt((0.0, 0.0, 3.0), orthographic_height=1.0)
     shades = {}
     for technique in ("texel", "steep"):
-        thing = Object(material, technique=technique, edge="clamp", transform=np.eye(4))
+        obj = Object(material, technique=technique, edge="clamp", transform=np.eye(4))
         frame = drawn(
-            thing, camera=camera, lights=(), shading=Shading(ambient=Vec3(1.0)), size=(60, 60)
+            obj, camera=camera, lights=(), shading=Shading(ambient=Vec3(1.0)), size=(60, 60)
         )
         shades[technique] = np.unique(np.round(frame.color[:, :, 0][frame.hit], 3))
     assert len(shades["texel"]) == 2
@@ -302,11 +302,11 @@ def test_it_costs_other_techniques_nothing() -> None:
         "pixelated(",
     )  # fmt: skip
     for technique in TECHNIQUES.values():
-        thing = town(technique=technique)
-        program = program_of(thing, Scene((thing,), shadows="hard"))
+        obj = town(technique=technique)
+        program = program_of(obj, Scene((obj,), shadows="hard"))
         text = print_wgsl(program.module, program.edge)
         found = [name for name in names if f"fn {name}" in text]
-        assert bool(found) == technique.boxes, f"{technique.name}: {found}"
+        assert bool(found) == technique.columns, f"{technique.name}: {found}"
 
 
 def test_heights_are_read_sharp() -> None:

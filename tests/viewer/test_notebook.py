@@ -80,7 +80,7 @@ def viewer(made: Viewer) -> Iterator[Viewer]:
     yield made
     made.unobserve_all()
     made._follow()
-    for name in ("settings_of", "finish_of"):
+    for name in ("settings_of", "all_surface_parameters"):
         made.set_state({name: {each: {} for each in getattr(made, name)}})
     made.set_state(_as_json(before | {"camera": vars(before["camera"])}))
 
@@ -89,13 +89,17 @@ SHARED = (
     "technique", "shape", "projection", "shadows", "shading_model", "scale", "level", "bias",
     "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
     "mapping", "alpha", "surface", "layer", "layer_tiling", "shading", "shadowing",
-    "occlusion_kind", "fog", "air", "background", "lights", "camera", "compare", "divider", "show",
+    "occlusion_kind", "fog", "fog", "background", "lights", "camera", "compare", "divider", "show",
 )  # fmt: skip
 
 
 def test_the_page_and_python_share_all_settings(viewer: Viewer) -> None:
     state = state_of(viewer.scene(), viewer.scene().objects[0])
-    assert {*state} - {"settings", "finish"} == {*SHARED} - {"compare", "divider", "show"}
+    assert {*state} - {"settings", "surface_parameters"} == {*SHARED} - {
+        "compare",
+        "divider",
+        "show",
+    }
 
 
 def _as_json(value: Any) -> Any:
@@ -106,7 +110,7 @@ def _as_json(value: Any) -> Any:
 def _told(viewer: Viewer) -> dict[str, Any]:
     """What the page is told, but for the page itself."""
     state = viewer.get_state()
-    names = (*SHARED, "settings_of", "finish_of", "height")
+    names = (*SHARED, "settings_of", "all_surface_parameters", "height")
     return _as_json({name: state[name] for name in names})
 
 
@@ -128,10 +132,15 @@ def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None
     viewer.technique = "parallax_occlusion"
     viewer.settings = {"max_steps": 20}
     viewer.shape, viewer.shadows, viewer.shading_model = "cylinder", "soft", "phong"
-    viewer.scale, viewer.level, viewer.projection, viewer.bias = 0.06, 0.75, "biased", 0.2
+    viewer.scale, viewer.reference_height, viewer.projection, viewer.bias = (
+        0.06,
+        0.75,
+        "biased",
+        0.2,
+    )
     viewer.tiling, viewer.shift = (2, 1.5), (-0.25, 0.5)
     viewer.shading, viewer.shadowing = {"ambient": (0.2, 0.1, 0.3)}, {"shadow_steps": 12}
-    viewer.finish = {"roughness": 0.4}
+    viewer.surface_parameters = {"roughness": 0.4}
     viewer.camera = Orbit(10.0, 20.0, 3.0, (0.1, -0.1, 0.0))
     lights = (
         basrelief.directional(-30.0, 50.0, intensity=2.0),
@@ -139,12 +148,12 @@ def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None
         basrelief.point((-1.0, 0.5, 1.0), (1.0, 0.5, 0.5)),
     )
     viewer.lights = lights
-    thing = Object(
+    obj = Object(
         material, "cylinder", "parallax_occlusion", {"max_steps": 20}, 0.06, 0.75, "biased", 0.2,
-        tiling=(2.0, 1.5), shift=(-0.25, 0.5), finish={"roughness": 0.4},
+        tiling=(2.0, 1.5), shift=(-0.25, 0.5), surface_parameters={"roughness": 0.4},
     )  # fmt: skip
     scene = Scene(
-        (thing,), viewer.camera, lights, {"ambient": (0.2, 0.1, 0.3)}, "phong", "soft",
+        (obj,), viewer.camera, lights, {"ambient": (0.2, 0.1, 0.3)}, "phong", "soft",
         shadowing={"shadow_steps": 12},
     )  # fmt: skip
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
@@ -152,17 +161,17 @@ def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None
 
 def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
     over = Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0)))
-    thing = Object(material, layer=over, transform=placed(scale=(0.7, 1.0, 0.9)), scale=0.08)
+    obj = Object(material, layer=over, transform=placed(scale=(0.7, 1.0, 0.9)), scale=0.08)
     with no_stills():
-        viewer = Viewer(Scene((thing,), camera=Orbit(24.0, 32.0)), texels=TEXELS, engine="cpu")
+        viewer = Viewer(Scene((obj,), camera=Orbit(24.0, 32.0)), texels=TEXELS, engine="cpu")
     viewer.heights, viewer.smoothing = "smooth", {"mip_bias": 1.0}
     viewer.fades, viewer.fade = True, (1.0, 3.0)
     viewer.apart, viewer.tilings = True, {"base_color": Tiling((2.0, 3.0), (0.1, 0.0))}
     viewer.layer_tiling = Tiling((3.0, 2.0), (0.0, 0.5))
-    viewer.fog, viewer.air, viewer.background = "linear", {"fog_end": 3.0}, (0.1, 0.0, 0.2)
+    viewer.fog_mode, viewer.fog, viewer.background = "linear", {"fog_end": 3.0}, (0.1, 0.0, 0.2)
     viewer.edge, viewer.occlusion_kind, viewer.alpha = "clip", "directional", "mask"
     wanted = replace(
-        thing,
+        obj,
         heights="smooth",
         smoothing={"mip_bias": 1.0},
         fade=(1.0, 3.0),
@@ -174,17 +183,17 @@ def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
     scene = Scene(
         (wanted,),
         Orbit(24.0, 32.0),
-        fog="linear",
-        air={"fog_end": 3.0},
+        fog_mode="linear",
+        fog={"fog_end": 3.0},
         background=(0.1, 0.0, 0.2),
         occlusion_kind="directional",
     )
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
-    viewer.surface, viewer.finish = "landscape", {"water_level": 0.6}
-    assert viewer.scene().objects[0].finish == Landscape(water_level=0.6)
+    viewer.surface, viewer.surface_parameters = "landscape", {"water_level": 0.6}
+    assert viewer.scene().objects[0].surface_parameters == Landscape(water_level=0.6)
     viewer.surface = "standard"
-    assert viewer.finish["roughness"] == 1.0
-    assert viewer.finish_of["landscape"]["water_level"] == pytest.approx(0.6)
+    assert viewer.surface_parameters["roughness"] == 1.0
+    assert viewer.all_surface_parameters["landscape"]["water_level"] == pytest.approx(0.6)
     # another shape stands where it stands by itself, and what is switched off is not there
     viewer.shape, viewer.apart, viewer.layer = "box", False, False
     box = viewer.scene().objects[0]
@@ -195,14 +204,14 @@ def test_a_technique_and_a_shape_bring_what_is_theirs(viewer: Viewer) -> None:
     viewer.settings = {"max_steps": 64}
     viewer.camera = Orbit(24.0, 32.0, 3.0, (0.1, 0.2, 0.0))
     viewer.technique = "offset"
-    assert (viewer.level, viewer.settings) == (0.5, {"max_offset": 1.0})
+    assert (viewer.reference_height, viewer.settings) == (0.5, {"max_offset": 1.0})
     viewer.technique = "relief"
-    assert (viewer.level, viewer.settings["max_steps"]) == (1.0, 64)
+    assert (viewer.reference_height, viewer.settings["max_steps"]) == (1.0, 64)
     viewer.shape = "sphere"
     assert (viewer.tiling, viewer.camera) == ((4.0, 2.0), Orbit(24.0, 32.0))
     # the page says all of it at once
     viewer.set_state({"technique": "offset", "level": 0.75, "shape": "box", "tiling": [3, 2]})
-    assert (viewer.level, viewer.tiling) == (0.75, (3.0, 2.0))
+    assert (viewer.reference_height, viewer.tiling) == (0.75, (3.0, 2.0))
 
 
 def test_a_light_that_is_put_out_keeps_its_colour(viewer: Viewer) -> None:
@@ -220,10 +229,10 @@ def test_one_light_will_do(viewer: Viewer) -> None:
 def test_what_is_read_is_a_copy(viewer: Viewer) -> None:
     viewer.settings["max_steps"] = 99
     viewer.lights[0]["azimuth"] = 77.0
-    viewer.finish["roughness"] = 0.1
+    viewer.surface_parameters["roughness"] = 0.1
     assert viewer.settings["max_steps"] == 32
     assert viewer.lights[0]["azimuth"] == -50.0
-    assert viewer.finish["roughness"] == 1.0
+    assert viewer.surface_parameters["roughness"] == 1.0
 
 
 def test_what_the_page_says_wrong_is_told_back_and_the_rest_is_taken(
@@ -296,9 +305,13 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("tilings", {"normal": 3}, r"a tiling is 3: give a Tiling"),
         ("layer", True, r"there is none; make the viewer of a scene with a layer"),
         ("background", "red", r"background is 'red': give three numbers"),
-        ("air", {"fog_start": 9, "fog_end": 2}, r"fog from 9 to 2: give a fog_end no nearer"),
-        ("air", {"fog_density": -1}, r"fog_density is -1: give a number from 0"),
-        ("finish", {"water_level": 0.3}, r"the standard surface has no setting 'water_level'"),
+        ("fog", {"fog_start": 9, "fog_end": 2}, r"fog from 9 to 2: give a fog_end no nearer"),
+        ("fog", {"fog_density": -1}, r"fog_density is -1: give a number from 0"),
+        (
+            "surface_parameters",
+            {"water_level": 0.3},
+            r"the standard surface has no setting 'water_level'",
+        ),
         ("nosuch", 3, r"a viewer has no setting 'nosuch'; it has air, alpha,"),
         ("preset", "gamedev", r"a viewer has no setting 'preset'"),
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),
@@ -469,7 +482,7 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
     assert viewer.scale == pytest.approx(0.034)
     shown.frame().get_by_label("Technique", exact=True).select_option("offset")
     shown.saved("model.saved.length")
-    assert (viewer.technique, viewer.level) == ("offset", 0.5)
+    assert (viewer.technique, viewer.reference_height) == ("offset", 0.5)
     shown.frame().get_by_label("max offset", exact=True).fill("0.25")
     shown.frame().locator("#canvas").focus()
     shown.page.keyboard.press("ArrowRight")

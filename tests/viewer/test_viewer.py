@@ -37,8 +37,8 @@ from basrelief.scene import (
     Tiling,
     placed,
     point,
+    rotated,
     spot,
-    turned,
 )
 from basrelief.scene.presets import preset
 from basrelief.scene.views import FILLED
@@ -148,8 +148,8 @@ def fresh(seen: Seen) -> Iterator[Seen]:
 
 def expected(material: Material, **options: Any) -> Frame:
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
-    thing = Object(material, **{"scale": 0.08, **options})
-    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    obj = Object(material, **{"scale": 0.08, **options})
+    scene = Scene((obj,), **{"camera": CAMERA, **of_scene})
     return render(scene, size=SIZE, samples=1, engine="cpu")
 
 
@@ -195,7 +195,9 @@ def test_its_policy_refuses_the_network(seen: Seen, attempt: str, directive: str
 @pytest.mark.parametrize("technique", TECHNIQUES)
 def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, technique: str) -> None:
     made = TECHNIQUES[technique]
-    fresh.state(technique=technique, level=made.level, projection=made.projection)
+    fresh.state(
+        technique=technique, reference_height=made.reference_height, projection=made.projection
+    )
     assert_agree(expected(material, technique=technique), fresh.frame(), TEXELS)
     assert fresh.said == []
 
@@ -205,8 +207,8 @@ def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, techni
 def test_shapes_and_shadows_are_the_cpus(
     fresh: Seen, material: Material, shape: str, shadows: str
 ) -> None:
-    thing = Object(material, shape=shape)
-    fresh.state(shape=shape, shadows=shadows, tiling=list(thing.tiles))
+    obj = Object(material, shape=shape)
+    fresh.state(shape=shape, shadows=shadows, tiling=list(obj.tiles))
     assert_agree(expected(material, shape=shape, shadows=shadows), fresh.frame(), TEXELS)
 
 
@@ -224,8 +226,8 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
     )
     file = base64.b64decode(url.split(",")[1])
     shown = read_picture(_saved(file, "canvas.png")).pixels[:, :, :3].astype(int)
-    thing = Object(material, scale=0.08)
-    frame = render(Scene((thing,), camera=CAMERA), size=SIZE, samples=4, engine="cpu")
+    obj = Object(material, scale=0.08)
+    frame = render(Scene((obj,), camera=CAMERA), size=SIZE, samples=4, engine="cpu")
     wanted = read_picture(_saved(encode_png(frame.color[:, :, :3]), "cpu.png")).pixels.astype(int)
     apart = np.abs(shown - wanted).max(axis=-1)
     assert (apart <= 2).mean() >= 0.995
@@ -233,7 +235,7 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
 
 
 def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> None:
-    fresh.state(technique="offset", level=0.5, projection="full", show="missed")
+    fresh.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, engine="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
@@ -289,14 +291,14 @@ def test_missed_hits_are_against_the_finest_level(
     fresh.state(**changes, tiling=[10, 10])
     fresh.draw()
     figures = fresh.page.evaluate("viewer.drawing.frames.found")
-    thing = Object(
+    obj = Object(
         material,
         scale=0.08,
         technique="parallax_occlusion",
         heights=heights,
         tiling=(10.0, 10.0),
     )
-    scene = Scene((thing,), camera=CAMERA)
+    scene = Scene((obj,), camera=CAMERA)
     drawn = render(scene, size=SIZE, samples=1, engine="cpu")
     wanted = errors(drawn, truth(scene, SIZE)).missed
     assert wanted > 0.05
@@ -356,8 +358,8 @@ OTHERWISE: dict[str, dict[str, Any]] = {
         }
     },
     "a layer": {"layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1)))},
-    "fog": {"fog": "linear", "air": {"fog_start": 1.0, "fog_end": 3.0}},
-    "thick fog": {"fog": "exponential_squared", "air": {"fog_density": 0.5}},
+    "fog": {"fog_mode": "linear", "fog": {"fog_start": 1.0, "fog_end": 3.0}},
+    "thick fog": {"fog_mode": "exponential_squared", "fog": {"fog_density": 0.5}},
     "occluded": {"occlusion_kind": "directional", "shadows": "soft"},
     "lamps": {
         "lights": (
@@ -370,7 +372,7 @@ OTHERWISE: dict[str, dict[str, Any]] = {
 }
 
 
-LEANING = placed((0.1, 0.0, 0.05), scale=(1.2, 0.8, 0.9)) @ turned("x", -70.0)
+LEANING = placed((0.1, 0.0, 0.05), scale=(1.2, 0.8, 0.9)) @ rotated("x", -70.0)
 
 
 @pytest.fixture(scope="module")
@@ -378,9 +380,9 @@ def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tup
     """A page of a material that has every map, and a second layer."""
     material = _rich_material()
     file = tmp_path_factory.mktemp("rich") / "page.html"
-    thing = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
+    obj = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
     with no_stills():
-        write_view(Scene((thing,), camera=CAMERA), file, engine="cpu")
+        write_view(Scene((obj,), camera=CAMERA), file, engine="cpu")
     made = Seen(browser, file)
     yield made, material
     made.page.close()
@@ -413,8 +415,8 @@ def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str)
     options = dict(OTHERWISE[way])
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
     standing = None if "shape" in options else LEANING
-    thing = Object(material, **{"scale": 0.08, "transform": standing, **options})
-    scene = Scene((thing,), **{"camera": CAMERA, **of_scene})
+    obj = Object(material, **{"scale": 0.08, "transform": standing, **options})
+    scene = Scene((obj,), **{"camera": CAMERA, **of_scene})
     _shown_as(seen, scene)
     drawn = render(scene, size=SIZE, samples=1, engine="cpu")
     assert drawn.hit.mean() > 0.1
@@ -466,8 +468,8 @@ def test_keys_turn_zoom_move_and_frame(fresh: Seen) -> None:
     camera = "JSON.parse(JSON.stringify(viewer.state.camera))"
     fresh.page.keyboard.press("ArrowRight")
     fresh.page.keyboard.press("ArrowUp")
-    turned = fresh.page.evaluate(camera)
-    assert (turned["azimuth"], turned["elevation"]) == (28, 36)
+    rotated = fresh.page.evaluate(camera)
+    assert (rotated["azimuth"], rotated["elevation"]) == (28, 36)
     fresh.page.keyboard.press("+")
     near = fresh.page.evaluate(camera)["distance"]
     fresh.page.keyboard.press("-")
@@ -554,7 +556,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     assert filled == pytest.approx(FILLED, abs=0.03)
     distance.fill("0.2")
     assert page.evaluate("viewer.state.camera.distance") > 0.5
-    assert_agree(whole, replace(fresh.frame(), depth=whole.depth), TEXELS)
+    assert_agree(whole, replace(fresh.frame(), distance=whole.distance), TEXELS)
     page.get_by_label("Orthographic").uncheck()
     # a camera that somebody put far away is not fetched by the wheel at once
     distance.fill("100")
@@ -585,9 +587,9 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
         return camera
 
     touch("touchStart", (0.0, 0.0))
-    turned = touch("touchMove", (-50.0, 25.0))
-    assert turned["azimuth"] == pytest.approx(44.0, abs=0.5)
-    assert turned["elevation"] == pytest.approx(42.0, abs=0.5)
+    rotated = touch("touchMove", (-50.0, 25.0))
+    assert rotated["azimuth"] == pytest.approx(44.0, abs=0.5)
+    assert rotated["elevation"] == pytest.approx(42.0, abs=0.5)
     touch("touchEnd")
     touch("touchStart", (-20.0, 0.0), (20.0, 0.0))
     near = touch("touchMove", (-21.0, 0.0), (21.0, 0.0))["distance"]
@@ -597,7 +599,7 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
     moved = touch("touchMove", (-100.0, 0.0), (20.0, 0.0))
     touch("touchEnd")
     assert moved["distance"] == pytest.approx(apart["distance"], rel=0.02)
-    assert moved["azimuth"] == turned["azimuth"]
+    assert moved["azimuth"] == rotated["azimuth"]
     across = np.array([np.cos(np.radians(44.0)), 0.0, -np.sin(np.radians(44.0))])
     assert np.dot(np.subtract(moved["target"], apart["target"]), across) > 0.01
 
@@ -634,7 +636,7 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
     # what is folded away is not in the way, and opens by key
     wanted = {"technique", "preset", "scale", "shape", "lights.0.azimuth", "add-light", "save"}
     assert wanted <= set(reached)
-    assert "finish.standard.roughness" not in reached
+    assert "surface_parameters.standard.roughness" not in reached
     page.locator("#section-surface summary").focus()
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
@@ -699,7 +701,7 @@ def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> No
 
 def _changed(fresh: Seen) -> None:
     fresh.state(
-        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06, level=0.75,
+        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06, reference_height=0.75,
         tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
         shading_model="phong",
     )  # fmt: skip
@@ -815,7 +817,7 @@ ODD: list[Any] = [
     {"camera": {"elevation": -60, "distance": "x", "target": 3, "field_of_view": 1e3}},
     {"camera": {"azimuth": 1e30, "target": [1e30, -1e30, 0], "orthographic_height": -1}},
     {"show": "xyz", "compare": "warp", "preset": "nothing", "surface": "sea", "fades": "yes"},
-    {"fades": True, "fade": [5, 4], "fog": "linear", "air": {"fog_start": 50, "fog_end": 1}},
+    {"fades": True, "fade": [5, 4], "fog_mode": "linear", "fog": {"fog_start": 50, "fog_end": 1}},
     {"constructor": 1, "__proto__": {"scale": 1}, "layer": True},
     [1, 2],
     None,
@@ -864,7 +866,7 @@ def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
 
 
 def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
-    fresh.state(technique="offset", show="missed", compare="exact", level=0.5)
+    fresh.state(technique="offset", show="missed", compare="exact", reference_height=0.5)
     fresh.draw()
     shares = re.search(r" missed ([0-9.]+) \| ([0-9.]+) %", fresh.text("#figures"))
     assert shares is not None

@@ -191,7 +191,9 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     for technique in ("exact", "cone", "relaxed_cone", "relief"):
         made = TECHNIQUES[technique]
-        seen.state(technique=technique, level=made.level, projection=made.projection)
+        seen.state(
+            technique=technique, reference_height=made.reference_height, projection=made.projection
+        )
         assert_agree(expected(swapped, technique=technique), seen.frame(), TEXELS)
     assert seen.said == []
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
@@ -229,7 +231,12 @@ def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
     seen: Seen, material: Material
 ) -> None:
     made = TECHNIQUES["exact"]
-    seen.state(technique="exact", level=made.level, projection=made.projection, compare="cone")
+    seen.state(
+        technique="exact",
+        reference_height=made.reference_height,
+        projection=made.projection,
+        compare="cone",
+    )
     seen.draw()
     for seed in (1, 2):
         codes = noise((TEXELS, TEXELS), seed)
@@ -257,7 +264,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
     files = [base64.b64encode(png(each[:, :, None], 0, 16)).decode() for each in pictures]
     seen.page.evaluate(script, files)
     made = TECHNIQUES["exact"]
-    seen.state(level=made.level, projection=made.projection)
+    seen.state(reference_height=made.reference_height, projection=made.projection)
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(swapped, technique="exact"), seen.frame(), TEXELS)
     assert seen.said == []
@@ -267,7 +274,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
 def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
-    seen.state(technique="offset", level=0.5, projection="full", show="missed")
+    seen.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     scene = Scene((Object(swapped, technique="offset", scale=0.08),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, engine="cpu")

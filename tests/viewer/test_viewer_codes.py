@@ -314,10 +314,10 @@ def test_one_channel_is_taken_as_it_is(seen: Seen) -> None:
     for k, channel in enumerate("rgba"):
         found = replaced(seen, pixels, "height", channel=channel, polarity="height")
         np.testing.assert_array_equal(found[:, :, 0], pixels[:, :, k])
-    turned = replaced(seen, pixels, "normal", green="dx")
+    rotated = replaced(seen, pixels, "normal", green="dx")
     wanted = np.stack([pixels[:, :, 0], 65535 - pixels[:, :, 1], pixels[:, :, 2]], -1)
-    np.testing.assert_array_equal(turned[:, :, :3], wanted)
-    assert (turned[:, :, 3] == 65535).all()
+    np.testing.assert_array_equal(rotated[:, :, :3], wanted)
+    assert (rotated[:, :, 3] == 65535).all()
 
 
 @pytest.mark.parametrize(

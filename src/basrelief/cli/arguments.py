@@ -26,7 +26,7 @@ from basrelief.scene import (
     Scene,
     Tiling,
     placed,
-    turned,
+    rotated,
 )
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import LIGHTS
@@ -207,7 +207,7 @@ def preset_from(text: str | None) -> Preset:
     return NOTHING if text is None else preset(text)
 
 
-_RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "air": Fog}
+_RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "fog": Fog}
 _READERS: dict[str, Callable[[Any], Any]] = {
     "tiling": lambda text: pair(text, "--tiling"),
     "shift": lambda text: pair(text, "--shift"),
@@ -307,11 +307,11 @@ def _tilings(
     return made
 
 
-def _sorted_out(given: Mapping[str, str], thing: Object) -> dict[str, dict[str, Any]]:
+def _sorted_out(given: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
     """Settings by the record that they belong to; the technique's come first."""
     records = {
-        "settings": thing.drawn_with.settings,
-        "finish": SURFACES[thing.surface],
+        "settings": obj.drawn_with.settings,
+        "surface_parameters": SURFACES[obj.surface],
         **_RECORDS,
     }
     known = {home: [f.name for f in fields(record)] for home, record in records.items()}
@@ -330,7 +330,7 @@ def _sorted_out(given: Mapping[str, str], thing: Object) -> dict[str, dict[str, 
 # --- further objects -----------------------------------------------------------------------------
 
 _TEXTS = ("technique", "projection", "heights", "edge", "mapping", "alpha", "casts")
-_NUMBERS = ("scale", "level", "bias")
+_NUMBERS = ("scale", "reference_height", "bias")
 _PAIRS = ("tiling", "shift")
 _OWN = ("position", "size", "turn", "material", "color")
 
@@ -355,7 +355,9 @@ def object_from(text: str) -> Object:
         texts = _some(given, *names)
         options |= {name: read(text, f"{what}: {name}") for name, text in texts.items()}
     if "color" in given or "material" not in given:
-        options["finish"] = {"base_color": value(given.get("color", _GREY), f"{what}: color")}
+        options["surface_parameters"] = {
+            "base_color": value(given.get("color", _GREY), f"{what}: color")
+        }
     plain = Object(material, **options)
     return replace(plain, transform=_placed(given, what) @ plain.to_world)
 
@@ -377,7 +379,7 @@ def _placed(given: Mapping[str, str], what: str) -> Any:
         axis, _, degrees = given["turn"].partition("/")
         if axis not in ("x", "y", "z"):
             raise InputError(f"{what}: turn {given['turn']}: write an axis and degrees, as x/30")
-        turn = turned(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
+        turn = rotated(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
     return placed(position) @ turn @ placed(scale=size)
 
 

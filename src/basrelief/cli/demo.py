@@ -58,7 +58,7 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
 
 def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:
     for name in _SHOWN:
-        thing = Object(materials["bricks"], technique=name, scale=0.08)
-        yield f"bricks-{name}", Scene((thing,), camera=Orbit(30.0, 28.0))
+        obj = Object(materials["bricks"], technique=name, scale=0.08)
+        yield f"bricks-{name}", Scene((obj,), camera=Orbit(30.0, 28.0))
     for sample_name, shape in _SHAPES:
         yield f"{sample_name}-{shape}", Scene((Object(materials[sample_name], shape=shape),))

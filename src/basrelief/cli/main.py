@@ -162,23 +162,25 @@ def techniques() -> None:
     from basrelief.shading.fog import Fog
     from basrelief.shading.self_shadow import Shadowing
     from basrelief.shading.surfaces.landscape import Landscape
-    from basrelief.shading.surfaces.standard import Finish
+    from basrelief.shading.surfaces.standard import SurfaceParameters
     from basrelief.techniques import TECHNIQUES
     from basrelief.techniques.height import Smoothing
 
     for made in TECHNIQUES.values():
-        defaults = f"Defaults: --level {made.level:g} --projection {made.projection}"
+        defaults = (
+            f"Defaults: --reference-height {made.reference_height:g} --projection {made.projection}"
+        )
         paragraphs = inspect.cleandoc(made.__doc__ or "").split("\n\n")
         _list(made.name, [*paragraphs, defaults], made.settings)
     bias = "Beside a technique's own settings, --set turns bias (0.42), which goes with"
     _list("with every technique", [f"{bias} --projection biased, and all that follow."])
     for name, record in (
         ("smooth heights (--heights smooth)", Smoothing),
-        ("the standard surface", Finish),
+        ("the standard surface", SurfaceParameters),
         ("a landscape (--surface landscape)", Landscape),
         ("light and shading", Shading),
         ("shadows of the relief on itself (--shadows hard, soft)", Shadowing),
-        ("fog (--fog linear, exponential, exponential_squared)", Fog),
+        ("fog (--fog-mode linear, exponential, exponential_squared)", Fog),
     ):
         _list(name, [], record)
 
@@ -310,7 +312,7 @@ def _show(
     check_shown(what)
     if frames != 1:
         raise InputError(f"--show {what}: one picture shows it; leave --frames away")
-    boxes = [each.drawn_with.name for each in scene.objects if each.drawn_with.boxes]
+    boxes = [each.drawn_with.name for each in scene.objects if each.drawn_with.columns]
     if boxes and what != "reads":
         raise InputError(
             f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "
@@ -349,7 +351,7 @@ def compare(
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
     scale: ScaleOption = None,
-    level: Annotated[
+    reference_height: Annotated[
         float | None, typer.Option(help="The height on the polygon (each technique's own).")
     ] = None,
     projection: Annotated[
@@ -366,7 +368,9 @@ def compare(
         seen, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
         arguments.check_lengths(maps["depth"], maps["tile"], scale)
         said = arguments.plain_settings(settings or [])
-        relief = _said({"scale": scale, "level": level, "projection": projection})
+        relief = _said(
+            {"scale": scale, "reference_height": reference_height, "projection": projection}
+        )
         if "bias" in said:
             relief["bias"] = said.pop("bias")
         material = _loaded(path, **maps)

@@ -54,7 +54,9 @@ class Relief:
         Texts, _option("A number that `techniques` lists; repeat.", "NAME=VALUE", "--set")
     ]
     scale: Annotated[Number, _option("Depth as a fraction of a tile's width.")]
-    level: Annotated[Number, _option("The height on the polygon: 1 pushes the relief in.")]
+    reference_height: Annotated[
+        Number, _option("The height on the polygon: 1 pushes the relief in.")
+    ]
     projection: Annotated[Text, _option("full, biased or limited.")]
     heights: Annotated[Text, _choice(kinds.HeightsKind, "How they are read: ")]
     fade: Annotated[Text, _option("Whole up to a distance, gone from another.", "NEAR,FAR")]
@@ -81,7 +83,7 @@ class Surface:
 
 
 class Light:
-    """Lights, shadows and air."""
+    """Lights, shadows and fog."""
 
     lights: Annotated[
         Texts,
@@ -97,7 +99,7 @@ class Light:
     shadows_on: Annotated[Text, _choice(kinds.ShadowsOnKind, "Shadows of other objects land on: ")]
     casts: Annotated[Text, _choice(kinds.CastsKind, "What throws a shadow: ")]
     occlusion_kind: Annotated[Text, _option("It acts on: ambient light, or every (directional).")]
-    fog: Annotated[Text, _choice(kinds.FogKind)]
+    fog_mode: Annotated[Text, _choice(kinds.FogKind)]
     background: Annotated[Text, _option("A linear colour, or none.", "R,G,B")]
 
 

@@ -59,7 +59,7 @@ def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
     """What a page shows of a panel that is drawn; what colours mean is said of debug pictures."""
     if panel.shown == "color":
         return DebugPicture(frame.image, "")
-    height, width = frame.depth.shape
+    height, width = frame.distance.shape
     needed = panel.shown != "reads"
     true = truth(panel.scene, (width, height), engine=engine) if needed else None
     return debug_picture(panel.shown, frame, true)

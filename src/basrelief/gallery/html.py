@@ -39,7 +39,7 @@ def picture_name(page: Page, number: int) -> str:
 def page_html(page: Page, panels: Sequence[Drawn], beside: Sequence[Page]) -> str:
     """A page with its pictures; `beside` are all pages of the folder, for the way on."""
     first = panels[0].frame
-    height, width = first.depth.shape
+    height, width = first.distance.shape
     here = [each.name for each in beside].index(page.name)
     return fill(
         "gallery/templates/page.html.jinja",

@@ -16,33 +16,33 @@ def settings_of(scene: Scene) -> str:
     return " · ".join([*_of_object(scene.objects[0]), *_of_scene(scene)])
 
 
-def _of_object(thing: Object) -> Iterator[str]:
-    yield f"{thing.drawn_with.name}, {thing.material.name} on a {thing.shape}"
-    if thing.has_relief:
-        yield f"scale {thing.relief_scale:.3g}"
-        yield from _numbers(thing.settings)
-        yield from _of_ray(thing)
-    if thing.tiling is not None:
-        yield "{:g} × {:g} tiles".format(*thing.tiling)
-    if thing.mapping != "planar" and thing.has_relief:
-        yield f"{thing.mapping} colour"
-    if thing.alpha != "blend":
-        yield f"alpha {thing.alpha}"
-    yield from _changed(thing.finish, type(thing.finish)())
+def _of_object(obj: Object) -> Iterator[str]:
+    yield f"{obj.drawn_with.name}, {obj.material.name} on a {obj.shape}"
+    if obj.has_relief:
+        yield f"scale {obj.relief_scale:.3g}"
+        yield from _numbers(obj.settings)
+        yield from _of_ray(obj)
+    if obj.tiling is not None:
+        yield "{:g} × {:g} tiles".format(*obj.tiling)
+    if obj.mapping != "planar" and obj.has_relief:
+        yield f"{obj.mapping} colour"
+    if obj.alpha != "blend":
+        yield f"alpha {obj.alpha}"
+    yield from _changed(obj.surface_parameters, type(obj.surface_parameters)())
 
 
-def _of_ray(thing: Object) -> Iterator[str]:
+def _of_ray(obj: Object) -> Iterator[str]:
     """How the view ray is projected, where it enters, and what it reads."""
-    if thing.relief_projection != "full":
-        with_bias = f" {thing.bias:g}" if thing.relief_projection == "biased" else ""
-        yield f"projection {thing.relief_projection}{with_bias}"
-    if thing.relief_level != thing.drawn_with.level:
-        yield f"level {thing.relief_level:g}"
-    if thing.heights != "sharp":
-        yield f"{thing.heights} heights"
-        yield from _numbers(thing.smoothing)
-    if thing.fade is not None:
-        yield "fades from {:g} to {:g}".format(*thing.fade)
+    if obj.relief_projection != "full":
+        with_bias = f" {obj.bias:g}" if obj.relief_projection == "biased" else ""
+        yield f"projection {obj.relief_projection}{with_bias}"
+    if obj.relief_reference_height != obj.drawn_with.reference_height:
+        yield f"reference height {obj.relief_reference_height:g}"
+    if obj.heights != "sharp":
+        yield f"{obj.heights} heights"
+        yield from _numbers(obj.smoothing)
+    if obj.fade is not None:
+        yield "fades from {:g} to {:g}".format(*obj.fade)
 
 
 def _of_scene(scene: Scene) -> Iterator[str]:
@@ -55,8 +55,8 @@ def _of_scene(scene: Scene) -> Iterator[str]:
         yield f"shadows of others on the {scene.shadows_on}"
     if scene.occlusion_kind != "ambient":
         yield f"{scene.occlusion_kind} occlusion"
-    if scene.fog != "none":
-        yield f"{scene.fog.replace('_', ' ')} fog"
+    if scene.fog_mode != "none":
+        yield f"{scene.fog_mode.replace('_', ' ')} fog"
 
 
 def _numbers(record: Any) -> Iterator[str]:

@@ -448,7 +448,7 @@ class _FunctionAnalysis:
             raise self.source.error(
                 node,
                 "numbers and bools only; the subset has no text but in static conditions, as in "
-                '`variant.fog == "linear"`',
+                '`variant.fog_mode == "linear"`',
             )
         return tree.Literal(type(value), value)
 

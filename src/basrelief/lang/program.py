@@ -141,28 +141,28 @@ class _Contents:
         self.found: list[bytes] = [program.edge.encode()]
         self.names: list[tuple[Shader[..., Any], str, Any]] = []
 
-    def visit(self, thing: Any) -> None:
-        if isinstance(thing, Shader) or is_record(thing) or members_of(thing):
-            if thing in self.seen:
-                self.found.append(f"the same as {self.seen[thing]}".encode())
+    def visit(self, obj: Any) -> None:
+        if isinstance(obj, Shader) or is_record(obj) or members_of(obj):
+            if obj in self.seen:
+                self.found.append(f"the same as {self.seen[obj]}".encode())
                 return
-            self.seen[thing] = len(self.seen)
-            if isinstance(thing, Shader):
-                self.shader(thing)
-            elif members_of(thing):
-                for name, t in members_of(thing).items():
+            self.seen[obj] = len(self.seen)
+            if isinstance(obj, Shader):
+                self.shader(obj)
+            elif members_of(obj):
+                for name, t in members_of(obj).items():
                     self.found.append(name.encode())
                     self.visit(t)
             else:
-                self.record(thing)
-        elif buffer_record(thing) is not None:
-            self.visit(buffer_record(thing))
-        elif is_type_slot(thing):
-            self.found.append(thing.__name__.encode())
-        elif type(thing) in SCALARS:
-            self.found.append(repr(thing).encode())
+                self.record(obj)
+        elif buffer_record(obj) is not None:
+            self.visit(buffer_record(obj))
+        elif is_type_slot(obj):
+            self.found.append(obj.__name__.encode())
+        elif type(obj) in SCALARS:
+            self.found.append(repr(obj).encode())
         else:
-            self.found.append(getattr(thing, "__name__", type(thing).__name__).encode())
+            self.found.append(getattr(obj, "__name__", type(obj).__name__).encode())
 
     def shader(self, shader: Shader[..., Any]) -> None:
         parameters, result = shader.signature

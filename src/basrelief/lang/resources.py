@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from basrelief.lang.types import ShaderError, StaticField, from_leaves, is_static, static_fields
 
 Edge = Literal["wrap", "clamp"]
-Filter = Literal["sharp", "smooth", "mip", "boxes"]
+Filter = Literal["sharp", "smooth", "mip", "columns"]
 _T = TypeVar("_T")
 _MEMBERS = "__members__"
 

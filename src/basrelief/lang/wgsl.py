@@ -128,12 +128,12 @@ class ModulePrinter:
             for field in fields_of(t).values():
                 self.note_shared(field)
 
-    def claim(self, thing: Any, name: str) -> str:
+    def claim(self, obj: Any, name: str) -> str:
         """Give something of the module a name of its own."""
         while name in self.taken:
             name += "_"
         self.taken.add(name)
-        self.scope[thing] = name
+        self.scope[obj] = name
         return name
 
     def field(self, name: str) -> str:

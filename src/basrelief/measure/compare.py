@@ -219,10 +219,10 @@ def candidates(
     named = techniques
     if named is None:
         # those draw another surface, which the truth knows nothing of
-        named = [name for name, each in TECHNIQUES.items() if not each.boxes]
+        named = [name for name, each in TECHNIQUES.items() if not each.columns]
     found = [_candidate(each, settings) for each in named]
     for each in found:
-        if each.technique.boxes:
+        if each.technique.columns:
             raise InputError(
                 f"{each.name} draws heights as boxes, and is exact on them; compare techniques "
                 "that draw the bilinear surface"
@@ -276,13 +276,13 @@ def _own_settings(text: str) -> tuple[str, dict[str, float]]:
 # --- as JSON -------------------------------------------------------------------------------------
 
 
-def _described(name: str, thing: Object) -> dict[str, Any]:
+def _described(name: str, obj: Object) -> dict[str, Any]:
     return {
         "name": name,
-        "technique": thing.drawn_with.name,
-        "settings": settings_of(thing),
-        "level": thing.relief_level,
-        "projection": thing.relief_projection,
+        "technique": obj.drawn_with.name,
+        "settings": settings_of(obj),
+        "reference_height": obj.relief_reference_height,
+        "projection": obj.relief_projection,
     }
 
 

@@ -108,8 +108,8 @@ def depth_error(frame: Frame, truth: Truth) -> Floats:
     """How much further a frame's depth is than the truth's, in world units, (height, width)."""
     both = _drawn(frame, truth)
     # not infinite less something where nothing is
-    seen = np.where(both, frame.depth, 0.0).astype(np.float64)
-    return np.where(both, seen - truth.depth, np.nan)
+    seen = np.where(both, frame.distance, 0.0).astype(np.float64)
+    return np.where(both, seen - truth.distance, np.nan)
 
 
 def flip(reference: Image | Frame, picture: Image | Frame) -> float:

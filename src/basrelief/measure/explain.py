@@ -17,7 +17,7 @@ import numpy as np
 from basrelief.engine import choose_engine
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
-from basrelief.measure.boxes import first_box_hits
+from basrelief.measure.columns import first_column_hits
 from basrelief.measure.oracle import first_hits
 from basrelief.measure.section import write_section
 from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
@@ -26,7 +26,7 @@ from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.intersection import Meeting, footprint_at, meet
-from basrelief.shading.relief import depth_seen, height_range, lod_seen, relief_ray
+from basrelief.shading.relief import faded, height_range, lod_seen, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
@@ -62,25 +62,25 @@ def explain(
             f"pixel {x},{y}: outside a picture of {size[0]} × {size[1]}; count from the top left"
         )
     scene.check_camera()
-    met = [each for thing in scene.objects if (each := _met(thing, scene, pixel, size)) is not None]
+    met = [each for obj in scene.objects if (each := _met(obj, scene, pixel, size)) is not None]
     if not met:
         raise InputError(f"pixel {x},{y} meets nothing; choose one on the object")
-    thing, meeting = min(met, key=lambda pair: float(pair[1].distance))
-    if not thing.has_relief:
+    obj, meeting = min(met, key=lambda pair: float(pair[1].distance))
+    if not obj.has_relief:
         raise InputError(
-            f"pixel {x},{y} meets a {thing.shape} without relief, where nothing is read; "
+            f"pixel {x},{y} meets a {obj.shape} without relief, where nothing is read; "
             "give it heights and a technique other than flat"
         )
-    return _explained(thing, scene, meeting, pixel, size)
+    return _explained(obj, scene, meeting, pixel, size)
 
 
 def _met(
-    thing: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
+    obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
 ) -> tuple[Object, Meeting] | None:
     """An object with where the ray through the middle of a pixel meets its shape."""
     ray = _camera_ray(scene, pixel, size)
-    meeting = meet(ray, thing.placement(), variant_of(thing, scene))
-    return (thing, meeting) if meeting.found else None
+    meeting = meet(ray, obj.placement(), variant_of(obj, scene))
+    return (obj, meeting) if meeting.found else None
 
 
 def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> CameraRay:
@@ -88,42 +88,42 @@ def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> 
 
 
 def _explained(
-    thing: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
+    obj: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
-    values = values_of(thing, scene, size, choose_engine("cpu"))
-    field, technique = values["field"], thing.drawn_with
-    variant = variant_of(thing, scene)
-    seen = depth_seen(values["depth"], met.distance, variant)
+    values = values_of(obj, scene, size, choose_engine("cpu"))
+    field, technique = values["field"], obj.drawn_with
+    variant = variant_of(obj, scene)
+    seen = faded(values["relief"], met.distance, variant)
     if seen.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
-    camera, placement = _camera_ray(scene, pixel, size), thing.placement()
+    camera, placement = _camera_ray(scene, pixel, size), obj.placement()
     footprint = footprint_at(camera, placement, met, met.distance)
     lod = lod_seen(field, footprint, values["smoothing"])
     deep = height_range(seen, placement, variant)
     ray = relief_ray(met, seen, deep, lod, values["smoothing"].mip_fade, variant)
-    notes = _Notes(ray, field, technique.boxes)
+    notes = _Notes(ray, field, technique.columns)
     baked = values.get("baked") or _UNBAKED
     with bound({displace: technique}), watched(notes.watch):
         hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
     travel = _numbers(ray.travel)
-    first = first_box_hits if technique.boxes else first_hits
-    true = first(notes.heights, _numbers(ray.uv), travel, map_edge(thing))
+    first = first_column_hits if technique.columns else first_hits
+    true = first(notes.heights, _numbers(ray.uv), travel, map_edge(obj))
     return Explanation(
-        material=thing.material.name,
+        material=obj.material.name,
         technique=technique.name,
-        settings={f.name: getattr(thing.settings, f.name) for f in fields(thing.settings)},
+        settings={f.name: getattr(obj.settings, f.name) for f in fields(obj.settings)},
         pixel=pixel,
         uv=_pair(_numbers(met.uv)),
         travel=_pair(travel),
-        level=float(ray.level),
+        reference_height=float(ray.reference_height),
         samples=tuple(notes.samples),
         hit=hit,
         true_uv=_pair(true.uv[0]),
         true_height=float(1.0 - true.t[0]),
         heights=notes.heights,
-        edge=map_edge(thing),
-        boxes=technique.boxes,
+        edge=map_edge(obj),
+        columns=technique.columns,
     )
 
 
@@ -142,8 +142,8 @@ class _Notes:
     what is baked is one.
     """
 
-    def __init__(self, ray: Ray, field: HeightField, boxes: bool) -> None:
-        self.ray, self.boxes, self.edge = ray, boxes, field.edge
+    def __init__(self, ray: Ray, field: HeightField, columns: bool) -> None:
+        self.ray, self.columns, self.edge = ray, columns, field.edge
         self.heights: Floats = field.levels[0].astype(np.float64)
         self.samples: list[Sample] = []
         self.known: dict[bytes, float] = {}
@@ -205,7 +205,7 @@ class _Notes:
         if self.place is not None:
             self._add(of, self.place, None)
         elif len(self.cell) == 2:
-            whole: Kind = "height" if self.boxes else "cell"
+            whole: Kind = "height" if self.columns else "cell"
             self._add_cell(whole if of == "height" else of, IVec2(*self.cell))
         else:
             # read by its texel alone, whose middle stands for it
@@ -215,7 +215,7 @@ class _Notes:
     def _add(self, kind: Kind, uv: Vec2, surface: float | None) -> None:
         place = _numbers(uv)
         if surface is None:
-            surface = float(surface_heights(self.heights, place[None], self.edge, self.boxes)[0])
+            surface = float(surface_heights(self.heights, place[None], self.edge, self.columns)[0])
         ray = self.known.get(_key(uv))
         self.samples.append(
             Sample(kind, _pair(place), self._height_at(place) if ray is None else ray, surface)
@@ -230,7 +230,7 @@ class _Notes:
     def _add_cell(self, kind: Kind, cell: IVec2) -> None:
         """A read of a whole cell, or box: noted where the ray comes to it."""
         texels = np.array(self.heights.shape[::-1], np.float64)
-        half = 0.0 if self.boxes else 0.5
+        half = 0.0 if self.columns else 0.5
         start, way = _numbers(self.ray.uv) * texels - half, _numbers(self.ray.travel) * texels
         low = np.array([int(cell.x), int(cell.y)], np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -239,7 +239,7 @@ class _Notes:
         place = (start + way * enter + half) / texels
         # a little further on, so that the box is the one behind the wall
         inner = (np.clip(start + way * enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
-        surface = float(surface_heights(self.heights, inner[None], self.edge, self.boxes)[0])
+        surface = float(surface_heights(self.heights, inner[None], self.edge, self.columns)[0])
         self.samples.append(Sample(kind, _pair(place), 1.0 - enter, surface))
 
 

@@ -212,12 +212,12 @@ def _facts(each: Result) -> Iterator[tuple[str, str]]:
 
 
 def _settings(comparison: Results, name: str) -> str:
-    thing = comparison.objects[name]
-    said = [f"{key} {value:g}" for key, value in settings_of(thing).items()]
-    if thing.relief_projection != "full":
-        said.append(f"projection {thing.relief_projection}")
-    if thing.relief_level != 1.0:
-        said.append(f"level {thing.relief_level:g}")
+    obj = comparison.objects[name]
+    said = [f"{key} {value:g}" for key, value in settings_of(obj).items()]
+    if obj.relief_projection != "full":
+        said.append(f"projection {obj.relief_projection}")
+    if obj.relief_reference_height != 1.0:
+        said.append(f"reference height {obj.relief_reference_height:g}")
     return " · ".join(said)
 
 

@@ -59,11 +59,11 @@ class Results:
         return [each for each in self.results if each.technique == technique]
 
 
-def settings_of(thing: Object) -> dict[str, Any]:
+def settings_of(obj: Object) -> dict[str, Any]:
     """The settings of an object's technique, as plain numbers."""
-    if thing.drawn_with is flat:
+    if obj.drawn_with is flat:
         return {}
-    record = thing.settings
+    record = obj.settings
     return {name: _plain(getattr(record, name)) for name in type(record).__dataclass_fields__}
 
 

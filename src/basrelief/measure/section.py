@@ -58,7 +58,7 @@ class _Section:
         self.labels: list[tuple[float, float]] = []
 
     def uv_at(self, height: float) -> NDArray[np.float64]:
-        return np.array(self.of.uv) + np.array(self.of.travel) * (self.of.level - height)
+        return np.array(self.of.uv) + np.array(self.of.travel) * (self.of.reference_height - height)
 
     def draw(self) -> None:
         self.ground()
@@ -76,10 +76,10 @@ class _Section:
         height = self.of.surface(np.array(self.of.uv) + x[:, None] * step)
         self.axes.fill_between(x, -0.2, height, color=_GROUND, linewidth=0, zorder=1)
         self.axes.plot(x, height, color=_EDGE, linewidth=1.8, zorder=3)
-        level = self.of.level
-        self.axes.axhline(level, color=_INK, linewidth=1.0, dashes=(7, 4), zorder=2)
+        reference_height = self.of.reference_height
+        self.axes.axhline(reference_height, color=_INK, linewidth=1.0, dashes=(7, 4), zorder=2)
         self.axes.annotate(
-            "the polygon", (1.0, level), (-5, 3), xycoords=("axes fraction", "data"),
+            "the polygon", (1.0, reference_height), (-5, 3), xycoords=("axes fraction", "data"),
             textcoords="offset points", ha="right", va="bottom", fontsize=9, color=_INK, zorder=9,
         )  # fmt: skip
 
@@ -88,7 +88,7 @@ class _Section:
         true = self.of.true_height
         length = max(self.of.length, 1e-6)
         # from where it comes into the picture, through its top or its side
-        top = min(1.14, self.of.level + (self.of.along(self.of.uv) - self.left) / length)
+        top = min(1.14, self.of.reference_height + (self.of.along(self.of.uv) - self.left) / length)
         from_x, to_x, end_x = self.of.along([self.uv_at(h) for h in (top, true, 0.0)])
         self.axes.plot([to_x, end_x], [true, 0.0], color=_QUIET, linewidth=1.0, ls=":", zorder=4)
         self.axes.annotate(

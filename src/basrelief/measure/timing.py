@@ -58,8 +58,8 @@ def seconds_of(
 
 def _ready(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
     """What draws a scene once and says how long it took."""
-    thing, size = scene.objects[0], timing.size
-    program, values = program_of(thing, scene), values_of(thing, scene, size, engine)
+    obj, size = scene.objects[0], timing.size
+    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
     match timing.by:
         case "timestamps":
             job = stack.enter_context(engine.prepare(program, values, size))

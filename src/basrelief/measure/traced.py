@@ -39,7 +39,7 @@ class Sample:
 class TracedRay:
     """The ray of one pixel, what a technique read along it, and where it should have ended.
 
-    `uv` is where the ray meets the polygon, at height `level`; while it falls from height 1 to 0 it
+    `uv` is where the ray meets the polygon, at height `reference_height`; while it falls from height 1 to 0 it
     moves by `travel`, in texture coordinates. `hit` is the technique's own; `true_uv` and
     `true_height` those of the first hit in float64, on the bilinear surface, or on boxes where the
     technique takes texels for boxes. `heights` are the map, (height, width) float64.
@@ -51,14 +51,14 @@ class TracedRay:
     pixel: tuple[int, int]
     uv: tuple[float, float]
     travel: tuple[float, float]
-    level: float
+    reference_height: float
     samples: tuple[Sample, ...]
     hit: Hit
     true_uv: tuple[float, float]
     true_height: float
     heights: Floats = field(repr=False)
     edge: Edge
-    boxes: bool
+    columns: bool
 
     @property
     def texels(self) -> Floats:
@@ -91,7 +91,7 @@ class TracedRay:
 
     def surface(self, uv: Any) -> Floats:
         """The surface's heights at texture coordinates, (n, 2)."""
-        return surface_heights(self.heights, np.asarray(uv, np.float64), self.edge, self.boxes)
+        return surface_heights(self.heights, np.asarray(uv, np.float64), self.edge, self.columns)
 
     @property
     def told(self) -> str:
@@ -131,10 +131,10 @@ class TracedRay:
         return "\n".join(lines)
 
 
-def surface_heights(heights: Floats, uv: Floats, edge: Edge, boxes: bool) -> Floats:
+def surface_heights(heights: Floats, uv: Floats, edge: Edge, columns: bool) -> Floats:
     """Heights at texture coordinates (n, 2): bilinear, or the texels' own."""
     size = np.array(heights.shape[::-1])
-    place = uv * size - (0.0 if boxes else 0.5)
+    place = uv * size - (0.0 if columns else 0.5)
     first = np.floor(place).astype(np.int64)
 
     def read(right: int, down: int) -> Floats:
@@ -149,7 +149,7 @@ def surface_heights(heights: Floats, uv: Floats, edge: Edge, boxes: bool) -> Flo
         found: Floats = heights[y, x]
         return found
 
-    if boxes:
+    if columns:
         return read(0, 0)
     x, y = (place - first).T
     upper = read(0, 0) * (1 - x) + read(1, 0) * x

@@ -33,7 +33,7 @@ class Truth:
     """The true first hit of every pixel's ray; arrays are (height, width, …), row 0 at the top.
 
     `uv` (…, 2) are the texture coordinates of the hit, not taken into one tile; `height` (0 to 1)
-    is that of the surface there, `depth` the distance along the ray in world units. `there` says
+    is that of the surface there, `distance` that along the ray in world units. `there` says
     which pixels show the object at all; where it is False the others are 0. `travel` (…, 2) is how
     far the ray's coordinates move while it falls from height 1 to 0. `texels` is the size of the
     height map, (along u, along v), and `wraps` whether it repeats.
@@ -41,7 +41,7 @@ class Truth:
 
     uv: Floats
     height: Floats
-    depth: Floats
+    distance: Floats
     there: NDArray[np.bool_]
     travel: Floats
     texels: tuple[int, int]
@@ -57,26 +57,26 @@ def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine =
     """
     size = check_picture(size)
     scene = what if isinstance(what, Scene) else Scene((what,))
-    thing = measurable(scene)
+    obj = measurable(scene)
     runner = choose_engine(engine) if isinstance(engine, str) else engine
-    values = values_of(thing, scene, size, runner)
-    rays = runner.run(rays_of(thing), values, size)
+    values = values_of(obj, scene, size, runner)
+    rays = runner.run(rays_of(obj), values, size)
     found = rays["found"] != 0
     start, travel = (
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1).astype(np.float64)
         for name in ("uv", "travel")
     )
-    heights = _heights(thing)
+    heights = _heights(obj)
     uv, height = np.zeros_like(start), np.zeros(found.shape)
-    uv[found], height[found] = _met(heights, start[found], travel[found], map_edge(thing))
+    uv[found], height[found] = _met(heights, start[found], travel[found], map_edge(obj))
     depth = rays["distance"] + (1.0 - height) * rays["length"].astype(float)
     there = found & (depth > 0.0)
-    if thing.edge == "clip":
-        place = (uv - thing.shift) / thing.tiles
+    if obj.edge == "clip":
+        place = (uv - obj.shift) / obj.tiles
         there &= ((place >= 0.0) & (place <= 1.0)).all(-1)
     return Truth(
         uv, height, np.where(there, depth, 0.0), there, travel, heights.shape[::-1],
-        map_edge(thing) == "wrap",
+        map_edge(obj) == "wrap",
     )  # fmt: skip
 
 
@@ -84,17 +84,17 @@ def measurable(scene: Scene) -> Object:
     """The one object of a scene whose truth is known; raises InputError where there is none."""
     if len(scene.objects) != 1 or scene.objects[0].shape != "plane":
         raise InputError("errors are measured on one plane; give a scene of one object, a plane")
-    thing = scene.objects[0]
-    if thing.material.height is None:
+    obj = scene.objects[0]
+    if obj.material.height is None:
         raise InputError(
-            f"{thing.material.name} has no height map, so there is nothing to measure; add one"
+            f"{obj.material.name} has no height map, so there is nothing to measure; add one"
         )
-    return thing
+    return obj
 
 
-def _heights(thing: Object) -> NDArray[np.float32]:
+def _heights(obj: Object) -> NDArray[np.float32]:
     """The finest level of the field that programs read."""
-    field = textures.height_field(thing.material, map_edge(thing))
+    field = textures.height_field(obj.material, map_edge(obj))
     assert field is not None
     heights: NDArray[np.float32] = field.levels[0]
     return heights

@@ -91,7 +91,7 @@ class Tuned:
         if "bias" in self.options:
             parts += ["--set", f"bias={self.options['bias']:g}"]
         parts += ["--scale", f"{self.scale:g}"]
-        for name in ("level", "projection"):
+        for name in ("reference_height", "projection"):
             if name in self.options:
                 value = self.options[name]
                 parts += [f"--{name}", value if isinstance(value, str) else f"{value:g}"]
@@ -104,14 +104,16 @@ class Tuned:
             f"For {self.material}: the cheapest with {self._told(self.chosen)}, "
             f"from {self.angles[0]:g} to {self.angles[-1]:g} degrees."
         )
-        plain = {k: v for k, v in self.options.items() if k in ("level", "projection", "bias")}
-        thing = {
+        plain = {
+            k: v for k, v in self.options.items() if k in ("reference_height", "projection", "bias")
+        }
+        obj = {
             "technique": _from_anywhere(self.chosen.candidate.spelled),
             "scale": self.scale,
             **plain,
             "settings": dict(self.settings),
         }
-        return Preset(f"{self.material}-tuned", about, values={"object": thing})
+        return Preset(f"{self.material}-tuned", about, values={"object": obj})
 
     def report(self) -> str:
         """The chosen settings and the cheaper ones that just missed, in a few lines of text."""
@@ -209,7 +211,7 @@ def tune(
     best = fit[0]
     cheaper = [each for each in timed if not each.passed and each.seconds < best.seconds]
     scene = ruler.scene(best.candidate, views[0])
-    thing = scene.objects[0]
+    obj = scene.objects[0]
     return Tuned(
         chosen=best,
         nearest=min(cheaper, key=lambda each: each.error, default=None),
@@ -219,8 +221,8 @@ def tune(
         angles=views,
         source=source or (material.name if isinstance(what, Material) else os.fspath(what)),
         material=material.name,
-        scale=thing.relief_scale,
-        settings=settings_of(thing),
+        scale=obj.relief_scale,
+        settings=settings_of(obj),
         options=options,
         engine=f"{runner.name}: {runner.device}",
     )

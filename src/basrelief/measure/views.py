@@ -47,6 +47,6 @@ def at_angle(
     lying = LYING @ placed(scale=(tiles, tiles / material.proportion, tiles))
     fixed = {"shape": "plane", "tiling": (tiles, tiles), "alpha": "opaque", "camera": camera}
     scene = scene_of(material, {**options, **fixed, "transform": lying})
-    thing = scene.objects[0]
-    sunk = placed((0.0, (thing.relief_level - 1.0) * thing.relief_scale, 0.0))
-    return replace(scene, objects=(replace(thing, transform=sunk @ lying),))
+    obj = scene.objects[0]
+    sunk = placed((0.0, (obj.relief_reference_height - 1.0) * obj.relief_scale, 0.0))
+    return replace(scene, objects=(replace(obj, transform=sunk @ lying),))

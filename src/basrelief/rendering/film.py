@@ -155,7 +155,7 @@ def write_film(
     first = next(shown, None)
     if first is None:
         raise InputError(f"{path}: a film of no frames; give one or more")
-    size = (first.depth.shape[1], first.depth.shape[0])
+    size = (first.distance.shape[1], first.distance.shape[0])
     check_film(path, known or _MOST_FRAMES, fps, size, bits=bits, quality=quality)
     shown = itertools.chain([first], shown)
     kind = _film_for(path, known)
@@ -251,7 +251,7 @@ def _numbered(path: Path, number: int, count: int) -> Path:
 def _pictures(shown: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Light]:
     """What the frames show, all of one size."""
     for frame in shown:
-        if frame.depth.shape != (size[1], size[0]):
+        if frame.distance.shape != (size[1], size[0]):
             raise InputError(f"{path}: frames of unequal size make no film")
         yield frame.color
 

@@ -40,14 +40,14 @@ class Image:
 class Frame:
     """What was drawn, pixel by pixel; arrays are (height, width, …), row 0 at the top.
 
-    `color` (…, 4) float32 linear with coverage, over the background; `depth` float32, the distance
+    `color` (…, 4) float32 linear with coverage, over the background; `distance` float32, the distance
     from the camera along the ray in world units, infinite where nothing is; `uv` (…, 2) float32,
     the displaced texture coordinates; `hit` bool; `reads` int32, how many heights were read. All
     but the colour are those of the first sample, in the middle of the pixel. `engine` says on what.
     """
 
     color: NDArray[np.float32]
-    depth: NDArray[np.float32]
+    distance: NDArray[np.float32]
     uv: NDArray[np.float32]
     hit: NDArray[np.bool_]
     reads: NDArray[np.int32]
@@ -58,7 +58,7 @@ class Frame:
         some = slice(first, last)
         return Frame(
             self.color[some],
-            self.depth[some],
+            self.distance[some],
             self.uv[some],
             self.hit[some],
             self.reads[some],
@@ -67,7 +67,7 @@ class Frame:
 
     def take(self, other: Frame) -> None:
         """Copy what another frame of the same size holds into this one."""
-        for name in ("color", "depth", "uv", "hit", "reads"):
+        for name in ("color", "distance", "uv", "hit", "reads"):
             np.copyto(getattr(self, name), getattr(other, name))
 
     @property
@@ -81,7 +81,7 @@ class Frame:
         return Image(self.color)
 
     def __repr__(self) -> str:
-        height, width = self.depth.shape
+        height, width = self.distance.shape
         return f"<Frame {width} × {height}, {self.engine}>"
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
@@ -92,13 +92,13 @@ class Frame:
         return self.image._repr_png_()
 
 
-def lay_over(frame: Frame, planes: Planes) -> None:
+def composite(frame: Frame, planes: Planes) -> None:
     """Put an object's planes where they are nearer than what is there.
 
     What is mostly see-through leaves the depth as it is, and so hides nothing that comes later.
     """
     np.add(frame.reads, planes["reads"], out=frame.reads)
-    nearer = (planes["hit"] != 0) & (planes["depth"] < frame.depth)
+    nearer = (planes["hit"] != 0) & (planes["distance"] < frame.distance)
     coverage = np.where(nearer, planes["color.w"], np.float32(0.0))
     rest = np.float32(1.0) - coverage
     for channel, name in enumerate(("color.x", "color.y", "color.z")):
@@ -109,7 +109,7 @@ def lay_over(frame: Frame, planes: Planes) -> None:
     np.multiply(alpha, rest, out=alpha)
     alpha += coverage
     solid = coverage >= SOLID
-    np.copyto(frame.depth, planes["depth"], where=solid)
+    np.copyto(frame.distance, planes["distance"], where=solid)
     np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=solid)
     np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=solid)
     np.logical_or(frame.hit, solid, out=frame.hit)

@@ -14,9 +14,9 @@ from basrelief.engine import Engine, choose_engine
 from basrelief.errors import InputError
 from basrelief.lang import Vec2
 from basrelief.material import Material, load
-from basrelief.rendering.frame import Frame, lay_over
+from basrelief.rendering.frame import Frame, composite
 from basrelief.rendering.programs import program_of, values_of
-from basrelief.rendering.shadow_maps import cast_values
+from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.presets import NOTHING, Preset
 from basrelief.scene.presets import preset as preset_named
@@ -130,19 +130,19 @@ class _Drawing:
     ) -> None:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
         self.places = sample_places(samples)
-        order = scene.from_far_to_near(size)
+        order = scene.back_to_front(size)
         cast = (
-            cast_values(replace(scene, objects=tuple(order)), engine)
+            shadow_map_values(replace(scene, objects=tuple(order)), engine)
             if scene.casts
             else [{}] * len(order)
         )
-        self.things = [
-            (program_of(thing, scene), {**values_of(thing, scene, size, engine), **others})
-            for thing, others in zip(order, cast, strict=True)
+        self.objects = [
+            (program_of(obj, scene), {**values_of(obj, scene, size, engine), **others})
+            for obj, others in zip(order, cast, strict=True)
         ]
         width, height = size
         self.band = max(1, min(height, _BAND // width))
-        self.runs = -(-height // self.band) * samples * len(self.things)
+        self.runs = -(-height // self.band) * samples * len(self.objects)
         self.done = 0
 
     def frame(self) -> Frame:
@@ -175,10 +175,10 @@ class _Drawing:
         frame = self.empty(rows[1] - rows[0])
         if self.scene.background is not None:
             frame.color[:] = (*self.scene.background, 1.0)
-        for program, values in self.things:
+        for program, values in self.objects:
             view = View(values["view"].camera, Vec2(*place))
             planes = self.engine.run(program, {**values, "view": view}, self.size, rows)
-            lay_over(frame, planes)
+            composite(frame, planes)
             self.done += 1
             if self.progress is not None:
                 self.progress(self.done / self.runs)

@@ -20,7 +20,7 @@ from basrelief.scene.lights import numbers_of
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import FAR_AWAY, Light
-from basrelief.shading.shadow_map import CastView
+from basrelief.shading.shadow_map import ShadowMapView
 
 _WIDEST = 100.0
 """The widest angle, in degrees, of one depth map; a lamp that needs more has six, all around."""
@@ -41,8 +41,8 @@ def light_views(scene: Scene) -> list[LightView]:
     """The views from all lights of a scene that between them see all of its objects."""
     center, radius = _ball_around(scene)
     # seen from the middles of the outer texels, which are the last that are compared
-    radius *= scene.shadow_map / (scene.shadow_map - 2.0)
-    side = (scene.shadow_map, scene.shadow_map)
+    radius *= scene.shadow_map_size / (scene.shadow_map_size - 2.0)
+    side = (scene.shadow_map_size, scene.shadow_map_size)
     return [
         LightView(index, camera)
         for index, light in enumerate(scene.lights)
@@ -52,11 +52,11 @@ def light_views(scene: Scene) -> list[LightView]:
 
 def _ball_around(scene: Scene) -> tuple[NDArray[np.float64], float]:
     """Middle and radius of a ball that holds all objects, their raised reliefs included."""
-    points = np.concatenate([thing.outline() for thing in scene.objects])
+    points = np.concatenate([obj.outline() for obj in scene.objects])
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     radius = float(np.linalg.norm(points - center, axis=1).max())
     raised = max(
-        thing.raised * float(np.linalg.norm(thing.to_world[:3, :3], 2)) for thing in scene.objects
+        obj.raised * float(np.linalg.norm(obj.to_world[:3, :3], 2)) for obj in scene.objects
     )
     return center, (radius + raised) * 1.02
 
@@ -113,16 +113,16 @@ def _looking(
 # --- what they show -------------------------------------------------------------------------------
 
 
-def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
+def shadow_map_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
     """For each object of a scene, what the others' shadows on it are read from."""
-    views, side = light_views(scene), scene.shadow_map
-    whose = [_distances(thing, views, side, engine) for thing in scene.objects]
+    views, side = light_views(scene), scene.shadow_map_size
+    whose = [_distances(obj, views, side, engine) for obj in scene.objects]
     # side by side in a sheet about as wide as it is high, which any GPU takes
     columns = max(math.isqrt(max(len(views) - 1, 0)) + 1, 1)
     rows = -(-len(views) // columns) or 1
     corners = [(k % columns * side, k // columns * side) for k in range(len(views))]
     listed = [
-        CastView(view.light, view.camera, side, IVec2(*corner))
+        ShadowMapView(view.light, view.camera, side, IVec2(*corner))
         for view, corner in zip(views, corners, strict=True)
     ]
     found = []
@@ -135,21 +135,21 @@ def cast_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
                 np.minimum(part, seen, out=part)
         # a program has one edge for all its maps; depth maps are read within theirs alone
         distances = HeightField([sheet], map_edge(scene.objects[own]))
-        found.append({"distances": distances, "views": Buffer(listed, CastView)})
+        found.append({"distances": distances, "views": Buffer(listed, ShadowMapView)})
     return found
 
 
 def _distances(
-    thing: Object, views: list[LightView], side: int, engine: Engine
+    obj: Object, views: list[LightView], side: int, engine: Engine
 ) -> list[NDArray[np.float32]] | None:
     """How far each view of each light reaches until it meets an object."""
-    if thing.casts == "none" or not views:
+    if obj.casts == "none" or not views:
         return None
-    program, values = depth_program_of(thing), own_values(thing, engine)
+    program, values = depth_program_of(obj), own_values(obj, engine)
     made = []
     for view in views:
         seen = View(view.camera, Vec2(0.5, 0.5))
         planes = engine.run(program, {**values, "view": seen}, (side, side))
         met = planes["hit"] != 0
-        made.append(np.where(met, planes["depth"], np.float32(FAR_AWAY)).astype(np.float32))
+        made.append(np.where(met, planes["distance"], np.float32(FAR_AWAY)).astype(np.float32))
     return made

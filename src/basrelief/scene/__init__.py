@@ -17,11 +17,26 @@ from basrelief.scene.objects import (
 )
 from basrelief.scene.scene import BACKGROUND, Scene
 from basrelief.scene.shapes import SHAPES
-from basrelief.scene.transforms import LYING, placed, turned
+from basrelief.scene.transforms import LYING, placed, rotated
 from basrelief.scene.views import LookAt, Orbit
 
 __all__ = [
-    "BACKGROUND", "LYING", "OWN_TILINGS", "SHAPES", "SURFACES", "Layer", "LookAt", "Object",
-    "Orbit", "Scene", "Tiling", "checked_record", "directional", "placed", "point", "spot",
-    "technique_named", "turned",
+    "BACKGROUND",
+    "LYING",
+    "OWN_TILINGS",
+    "SHAPES",
+    "SURFACES",
+    "Layer",
+    "LookAt",
+    "Object",
+    "Orbit",
+    "Scene",
+    "Tiling",
+    "checked_record",
+    "directional",
+    "placed",
+    "point",
+    "rotated",
+    "spot",
+    "technique_named",
 ]  # fmt: skip

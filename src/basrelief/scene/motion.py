@@ -17,7 +17,7 @@ from typing import Protocol
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Material, hole, sample
-from basrelief.scene import LookAt, Object, Orbit, Scene, turned
+from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.scene.checks import within
 from basrelief.scene.lights import numbers_of
 from basrelief.shading.lights import Light
@@ -125,7 +125,7 @@ class Scrolling:
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with its maps where they are at that moment."""
         along = (self.u * now.seconds, self.v * now.seconds)
-        return replace(scene, objects=tuple(_shifted(thing, along) for thing in scene.objects))
+        return replace(scene, objects=tuple(_shifted(obj, along) for obj in scene.objects))
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ _Place = tuple[float, float, float]
 
 def _round_y(vector: Sequence[float], degrees: float) -> _Place:
     """A vector turned about the vertical, from +z towards +x as azimuths grow."""
-    x, y, z = (float(each) for each in turned("y", degrees)[:3, :3] @ [*vector])
+    x, y, z = (float(each) for each in rotated("y", degrees)[:3, :3] @ [*vector])
     return x, y, z
 
 
@@ -199,9 +199,9 @@ def _dust(height: int, width: int) -> Material:
     return sample("dust", (height, width))
 
 
-def _shifted(thing: Object, along: tuple[float, float]) -> Object:
-    moved = thing.scrolled(*along)
-    if thing.edge != "wrap":
+def _shifted(obj: Object, along: tuple[float, float]) -> Object:
+    moved = obj.scrolled(*along)
+    if obj.edge != "wrap":
         return moved
     # a whole tile further is the same picture, and small numbers keep their digits
     return replace(moved, shift=(math.fmod(moved.shift[0], 1.0), math.fmod(moved.shift[1], 1.0)))

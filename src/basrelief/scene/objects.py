@@ -27,9 +27,9 @@ from basrelief.shading.kinds import (
     SurfaceKind,
     menus_of,
 )
-from basrelief.shading.relief import Depth
+from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.surfaces.landscape import Landscape
-from basrelief.shading.surfaces.standard import Finish
+from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.shading.surfaces.surface import MapPlaces
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
@@ -84,7 +84,7 @@ class Layer:
 
 OWN_TILINGS = ("base_color", "normal", "response", "emission")
 """The maps that may lie otherwise than the heights; response is occlusion, roughness, metallic."""
-SURFACES: dict[str, Any] = {"standard": Finish, "landscape": Landscape}
+SURFACES: dict[str, Any] = {"standard": SurfaceParameters, "landscape": Landscape}
 """The surfaces, each with the record of its numbers."""
 
 
@@ -94,7 +94,7 @@ class Object:
 
     `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
     heights, and asking for one where there are none is an error. `settings` is its record, or a
-    mapping of the fields to change. `scale` defaults to the material's, `level` and `projection`
+    mapping of the fields to change. `scale` defaults to the material's, `reference_height` and `projection`
     to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a layer too,
     whose tiles then do not repeat), or "clip" (nothing).
     `heights` are read "sharp", from the finest level, "smooth", as `smoothing` says, or "mip", from
@@ -107,7 +107,7 @@ class Object:
     ("triplanar"). `alpha` says what opacity means: "blend", "mask" (a cut-out) or "opaque";
     `casts` whether the object casts shadows on others, "opaque" as if nothing were cut out of it.
 
-    `surface` is "standard" or "landscape", `finish` its record or a mapping of the fields to
+    `surface` is "standard" or "landscape", `surface_parameters` its record or a mapping of the fields to
     change; `layer` lies over it. Raises InputError for values out of range.
     """
 
@@ -116,7 +116,7 @@ class Object:
     technique: str | Technique[..., Any] | None = None
     settings: Any = field(default_factory=dict)
     scale: float | None = None
-    level: float | None = None
+    reference_height: float | None = None
     projection: Projection | None = None
     bias: float = 0.42
     heights: HeightsKind = "sharp"
@@ -130,7 +130,7 @@ class Object:
     alpha: AlphaKind = "blend"
     casts: CastsKind = "shape"
     surface: SurfaceKind = "standard"
-    finish: Any = field(default_factory=dict)
+    surface_parameters: Any = field(default_factory=dict)
     layer: Layer | None = None
     transform: Transform | None = None
 
@@ -140,7 +140,7 @@ class Object:
         for name, values in menus_of(Object).items():
             one_of(name, getattr(self, name), values)
         within("scale", self.relief_scale, 0.0, 10.0)
-        within("level", self.relief_level, 0.0, 1.0)
+        within("reference_height", self.relief_reference_height, 0.0, 1.0)
         within("bias", self.bias, 0.0, 100.0)
         able = self.drawn_with.takes_heights
         if self.heights not in able:
@@ -153,7 +153,7 @@ class Object:
         for name, record, owner in (
             ("settings", self.drawn_with.settings, self.drawn_with.name),
             ("smoothing", Smoothing, "the smoothing"),
-            ("finish", SURFACES[self.surface], f"the {self.surface} surface"),
+            ("surface_parameters", SURFACES[self.surface], f"the {self.surface} surface"),
         ):
             object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
         if not sound(self.to_world):
@@ -171,7 +171,7 @@ class Object:
         for name, each in self.tilings.items():
             if not isinstance(each, Tiling):
                 raise InputError(f"tiling of {name} is {each!r}: give a Tiling((2, 2))")
-        for name in ("scale", "level", "bias"):
+        for name in ("scale", "reference_height", "bias"):
             number = getattr(self, name)
             if not (number is None or isinstance(number, NUMBERS)):
                 raise InputError(f"{name} is {number!r}: give a number")
@@ -223,9 +223,9 @@ class Object:
         return _first(self.scale, self.material.scale, DEFAULT_SCALE)
 
     @property
-    def relief_level(self) -> float:
+    def relief_reference_height(self) -> float:
         """The height that lies on the polygon."""
-        return _first(self.level, self.drawn_with.level)
+        return _first(self.reference_height, self.drawn_with.reference_height)
 
     @property
     def raised(self) -> float:
@@ -233,7 +233,7 @@ class Object:
         if not self.has_relief:
             return 0.0
         width = SHAPES[self.shape].width
-        return (1.0 - self.relief_level) * self.relief_scale * width / abs(self.tiles[0])
+        return (1.0 - self.relief_reference_height) * self.relief_scale * width / abs(self.tiles[0])
 
     @property
     def relief_projection(self) -> Projection:
@@ -289,9 +289,11 @@ class Object:
         ratio = own.beside(self.main_tiling)
         return self.material.proportion * abs(float(ratio.x / ratio.y))
 
-    def depth(self) -> Depth:
+    def relief_parameters(self) -> ReliefParameters:
         """The shaders' record of how deep the relief is."""
-        return Depth(self.relief_scale, self.relief_level, self.bias, *(self.fade or (0.0, 0.0)))
+        return ReliefParameters(
+            self.relief_scale, self.relief_reference_height, self.bias, *(self.fade or (0.0, 0.0))
+        )
 
     @property
     def main_tiling(self) -> Tiling:

@@ -46,12 +46,12 @@ class Scene:
     several objects, those that they cast on one another, which are hard-edged either way. These
     fall on the relief, or, with `shadows_on="polygon"`, on the polygons, as where an engine's
     displacement does not reach them.
-    `shadow_map` is how many texels a side a light's depth map has.
+    `shadow_map_size` is how many texels a side a light's depth map has.
 
     `occlusion_kind` says what occlusion acts on: ambient light ("ambient"), or every light, the
     more the flatter it comes ("directional"). `fog` is "none", "linear", "exponential" or
-    "exponential_squared", its numbers `air`. `background` is a linear colour, or None for
-    transparent. `shading`, `shadowing` and `air` are records, or mappings of the fields to change.
+    "exponential_squared", its numbers `fog`. `background` is a linear colour, or None for
+    transparent. `shading`, `shadowing` and `fog` are records, or mappings of the fields to change.
     Raises InputError for values out of range.
     """
 
@@ -62,33 +62,33 @@ class Scene:
     shading_model: ShadingModel = "ggx"
     shadows: ShadowsKind = "none"
     shadows_on: ShadowsOnKind = "relief"
-    shadow_map: int = 1024
+    shadow_map_size: int = 1024
     shadowing: Any = field(default_factory=dict)
     occlusion_kind: OcclusionKind = "ambient"
-    fog: FogKind = "none"
-    air: Any = field(default_factory=dict)
+    fog_mode: FogKind = "none"
+    fog: Any = field(default_factory=dict)
     background: tuple[float, float, float] | None = BACKGROUND
 
     def __post_init__(self) -> None:
         objects = tuple(self.objects) if np.iterable(self.objects) else (self.objects,)
-        if not all(isinstance(thing, Object) for thing in objects):
+        if not all(isinstance(obj, Object) for obj in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
         for name, values in menus_of(Scene).items():
             one_of(name, getattr(self, name), values)
         self._check_lights()
-        within("shadow_map", self.shadow_map, 16, 8192)
+        within("shadow_map_size", self.shadow_map_size, 16, 8192)
         for name, record, owner in (
             ("shading", Shading, "the shading"),
             ("shadowing", Shadowing, "the shadows"),
-            ("air", Fog, "the fog"),
+            ("fog", Fog, "the fog"),
         ):
             object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
         ground = (0.0,) * 3 if self.background is None else self.background
         if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
-        if self.fog == "linear" and self.air.fog_start > self.air.fog_end:
+        if self.fog_mode == "linear" and self.fog.fog_start > self.fog.fog_end:
             raise InputError(
-                f"fog from {self.air.fog_start:g} to {self.air.fog_end:g}: "
+                f"fog from {self.fog.fog_start:g} to {self.fog.fog_end:g}: "
                 "give a fog_end no nearer than fog_start"
             )
         object.__setattr__(self, "objects", objects)
@@ -114,10 +114,10 @@ class Scene:
             camera = camera.framing(self.objects[0].outline(), size)
         return camera.camera(size)
 
-    def from_far_to_near(self, size: tuple[int, int]) -> list[Object]:
+    def back_to_front(self, size: tuple[int, int]) -> list[Object]:
         """The objects by the distance of their middles, so that what is nearer is laid over."""
         eye = np.array([*self.shader_camera(size).position], np.float64)
-        away = [float(np.linalg.norm(thing.to_world[:3, 3] - eye)) for thing in self.objects]
+        away = [float(np.linalg.norm(obj.to_world[:3, 3] - eye)) for obj in self.objects]
         order = sorted(range(len(away)), key=lambda index: -away[index])
         return [self.objects[index] for index in order]
 
@@ -128,15 +128,15 @@ class Scene:
     def check_camera(self) -> None:
         """Raise InputError where the camera stands inside an object, or behind a lone plane."""
         eye = np.array([*self.shader_camera((1, 1)).position, 1.0], np.float64)
-        for thing in self.objects:
-            x, y, z, _ = np.linalg.inv(thing.to_world) @ eye
+        for obj in self.objects:
+            x, y, z, _ = np.linalg.inv(obj.to_world) @ eye
             advice = "move it away, for example --camera distance=3"
-            facts = SHAPES[thing.shape]
+            facts = SHAPES[obj.shape]
             # within a flat shape is within its raised relief
-            if facts.contains(x, y, z) and (not facts.flat or 0.0 <= z <= thing.raised):
-                raise InputError(f"the camera is inside the {thing.shape}; {advice}")
+            if facts.contains(x, y, z) and (not facts.flat or 0.0 <= z <= obj.raised):
+                raise InputError(f"the camera is inside the {obj.shape}; {advice}")
             if facts.flat and z <= 0.0 and len(self.objects) == 1:
                 raise InputError(
-                    f"the camera is behind the {thing.shape}, which has no back; lift it to the "
+                    f"the camera is behind the {obj.shape}, which has no back; lift it to the "
                     "other side, for example --camera elevation=35"
                 )

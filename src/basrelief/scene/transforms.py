@@ -15,7 +15,7 @@ Transform = NDArray[np.float64]
 """An affine map from object to world space, (4, 4), acting on columns."""
 
 
-def turned(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
+def rotated(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
     """A rotation about an axis of the world, counterclockwise seen against the axis."""
     a, b = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
@@ -42,5 +42,5 @@ def sound(transform: Transform) -> bool:
     return bool(sizes[-1] >= NEAR and (transform[3] == (0.0, 0.0, 0.0, 1.0)).all())
 
 
-LYING = turned("x", -90.0)
+LYING = rotated("x", -90.0)
 """Lays a plane flat: it faces up, the picture's top away from a camera at azimuth 0."""

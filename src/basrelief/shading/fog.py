@@ -28,11 +28,11 @@ class Fog:
 @shader
 def fogged(color: Vec3, distance: float, fog: Fog, variant: Variant) -> Vec3:
     """A colour as it is seen through so much air."""
-    if variant.fog == "linear":
+    if variant.fog_mode == "linear":
         return linear(color, distance, fog)
-    if variant.fog == "exponential":
+    if variant.fog_mode == "exponential":
         return exponential(color, distance, fog)
-    if variant.fog == "exponential_squared":
+    if variant.fog_mode == "exponential_squared":
         return exponential_squared(color, distance, fog)
     return color
 

@@ -6,7 +6,7 @@ from basrelief.lang import Mat3, Vec2, Vec3, length, shader, struct
 from basrelief.shading.camera import Camera, CameraRay
 from basrelief.shading.ray_differentials import Footprint, transferred
 from basrelief.shading.shapes import ShapeRay, chart, on_shape, shape
-from basrelief.shading.tangent_frame import Frame, frame_of, to_tangent, to_texture
+from basrelief.shading.tangent_frame import Frame, tangent_frame, to_tangent, to_texture
 from basrelief.shading.variant import Variant
 
 
@@ -62,7 +62,7 @@ def meet(ray: CameraRay, placement: Placement, variant: Variant) -> Meeting:
     inside = ShapeRay(origin, direction)
     met = shape(inside, variant)
     lies = chart(met.position, met.normal, variant)
-    frame = frame_of(
+    frame = tangent_frame(
         met.normal, lies.along_u / placement.tiling.x, lies.along_v / placement.tiling.y
     )
     return Meeting(

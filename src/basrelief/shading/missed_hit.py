@@ -8,7 +8,7 @@ from __future__ import annotations
 from basrelief.lang import Buffer, IVec2, Map, Vec2, dot, length, shader, struct
 from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View
-from basrelief.shading.relief import Depth
+from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.variant import Variant
 from basrelief.shading.view_ray import view_ray
 from basrelief.techniques.edge import nearest_copy
@@ -54,7 +54,7 @@ def missed_hit(
     at: IVec2,
     view: View,
     placement: Placement,
-    depth: Depth,
+    relief: ReliefParameters,
     picture: PictureSize,
     drawn: Buffer[DrawnHit],
     truth: Buffer[TrueHit],
@@ -74,6 +74,6 @@ def missed_hit(
     if drawn[k].hit == 0:
         return MissedHit(True, False)
     off = drawn[k].uv - truth[k].uv
-    ray = view_ray(at, view, placement, depth, geometry, variant)
+    ray = view_ray(at, view, placement, relief, geometry, variant)
     along = dot(off * picture.texels, ray.travel * picture.texels)
     return MissedHit(length(nearest_copy(map, off) * picture.texels) > WITHIN, along > 0.0)

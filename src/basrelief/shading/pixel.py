@@ -32,9 +32,15 @@ from basrelief.shading.intersection import (
 )
 from basrelief.shading.lights import Light, arriving
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import Depth, Intersection, displaced, self_shadowed, slope_of
+from basrelief.shading.relief import (
+    Intersection,
+    ReliefParameters,
+    displaced,
+    self_shadow_visibility,
+    slope_of,
+)
 from basrelief.shading.self_shadow import Shadowing
-from basrelief.shading.shadow_map import CastView, past_others
+from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
 from basrelief.shading.shapes import widest
 from basrelief.shading.surfaces.surface import (
     MapPlaces,
@@ -59,7 +65,7 @@ class Pixel:
     but in a depth map), displaced texture coordinates, whether anything is hit, heights read."""
 
     color: Vec4
-    depth: float
+    distance: float
     uv: Vec2
     hit: bool
     reads: int
@@ -70,10 +76,10 @@ def pixel(
     at: IVec2,
     view: View,
     placement: Placement,
-    depth: Depth,
+    relief: ReliefParameters,
     smoothing: Smoothing,
     settings: Settings,
-    finish: SurfaceSettings,
+    surface_parameters: SurfaceSettings,
     places: MapPlaces,
     shading: Shading,
     shadowing: Shadowing,
@@ -84,7 +90,7 @@ def pixel(
     maps: SurfaceMaps,
     lights: Buffer[Light],
     distances: HeightField,
-    views: Buffer[CastView],
+    views: Buffer[ShadowMapView],
     variant: Variant,
 ) -> Pixel:
     """Find the object, displace the texture, read its maps there, and light it."""
@@ -94,13 +100,13 @@ def pixel(
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
     footprint = footprint_at(ray, placement, met, met.distance)
     moved = displaced(
-        field, baked, met, footprint, placement, depth, smoothing, settings, shadowing, variant
+        field, baked, met, footprint, placement, relief, smoothing, settings, shadowing, variant
     )
     distance = moved.distance
     if distance <= 0.0 or clipped(moved.uv, placement, variant):
         return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
     spot = spot_on(field, met, moved, footprint, variant)
-    surface = surface_at(spot, finish, places, maps, variant)
+    surface = surface_at(spot, surface_parameters, places, maps, variant)
     if variant.depth_only:
         return Pixel(Vec4(0.0), distance, moved.uv, surface.opacity >= SOLID, moved.reads)
     if surface.opacity <= 0.0:
@@ -117,18 +123,20 @@ def pixel(
         if max(max(light.x, light.y), light.z) > 0.0:
             share = 1.0
             if variant.shadow_maps:
-                share = past_others(distances, views, k, receiving)
+                share = shadow_map_visibility(distances, views, k, receiving)
             if variant.shadows != "none":
                 towards = placement.to_object @ incoming.direction
-                reaching = self_shadowed(
+                reaching = self_shadow_visibility(
                     field, baked, met, moved, smoothing, towards, settings, shadowing, variant
                 )
                 share = share * reaching.share
                 reads = reads + reaching.reads
             if variant.occlusion_kind == "directional":
-                share = share * open_from_above(point, moved.height, incoming.direction, shading)
+                share = share * directional_visibility(
+                    point, moved.height, incoming.direction, shading
+                )
             color = color + light * share
-    if variant.fog != "none":
+    if variant.fog_mode != "none":
         color = fogged(color, distance, fog, variant)
     return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
 
@@ -196,7 +204,7 @@ def steepened(met: Meeting, placement: Placement, variant: Variant) -> float:
 def facing(normal: Vec3, slope: Vec3, variant: Variant) -> Vec3:
     """Which way the surface faces in tangent space: as the maps say, but on the side of a box as
     the side does, which no map knows."""
-    if variant.boxed and slope.z < 0.5:
+    if variant.columns and slope.z < 0.5:
         return slope
     return normal
 
@@ -217,7 +225,9 @@ def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting, variant: Variant
 
 
 @shader
-def open_from_above(point: ShadingPoint, height: float, direction: Vec3, shading: Shading) -> float:
+def directional_visibility(
+    point: ShadingPoint, height: float, direction: Vec3, shading: Shading
+) -> float:
     """How much of a light's direction the surroundings leave open: the occlusion map mixed with
     depth and N · L, a cheap likeness of soft shadows.
 

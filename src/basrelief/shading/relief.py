@@ -31,16 +31,16 @@ from basrelief.techniques.technique import Settings, displace
 
 
 @struct
-class Depth:
+class ReliefParameters:
     """How deep the relief is: `scale` is the whole range as a fraction of a tile's width.
 
-    `level` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
+    `reference_height` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
     Where the relief fades with distance, it is whole up to `fade_near` and gone from `fade_far`
     on, in world units.
     """
 
     scale: float
-    level: float
+    reference_height: float
     bias: float
     fade_near: float = 0.0
     fade_far: float = 0.0
@@ -70,15 +70,17 @@ class Intersection:
 
 
 @shader
-def depth_seen(depth: Depth, distance: float, variant: Variant) -> Depth:
+def faded(relief: ReliefParameters, distance: float, variant: Variant) -> ReliefParameters:
     """How deep the relief is drawn at a distance from the camera: where it fades, shallower with
     distance, to plain normal mapping, where nothing is read any more."""
     if not variant.fades:
-        return depth
-    span = max(depth.fade_far - depth.fade_near, 1e-6)
+        return relief
+    span = max(relief.fade_far - relief.fade_near, 1e-6)
     # not (far − distance): from that, Mesa 22.3's software driver makes a program that crashes
-    left = 1.0 - saturate((distance - depth.fade_near) / span)
-    return Depth(depth.scale * left, depth.level, depth.bias, depth.fade_near, depth.fade_far)
+    left = 1.0 - saturate((distance - relief.fade_near) / span)
+    return ReliefParameters(
+        relief.scale * left, relief.reference_height, relief.bias, relief.fade_near, relief.fade_far
+    )
 
 
 @shader
@@ -95,10 +97,10 @@ def lod_seen(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> 
 
 
 @shader
-def height_range(depth: Depth, placement: Placement, variant: Variant) -> float:
+def height_range(relief: ReliefParameters, placement: Placement, variant: Variant) -> float:
     """The range of heights in units of object space: one number for all of the object, by its
     widest tile."""
-    return depth.scale * widest(variant) / abs(placement.tiling.x)
+    return relief.scale * widest(variant) / abs(placement.tiling.x)
 
 
 # --- where a ray ends ----------------------------------------------------------------------------
@@ -140,7 +142,7 @@ def displaced(
     met: Meeting,
     footprint: Footprint,
     placement: Placement,
-    depth: Depth,
+    relief: ReliefParameters,
     smoothing: Smoothing,
     settings: Settings,
     shadowing: Shadowing,
@@ -149,18 +151,18 @@ def displaced(
     """Where the view ray ends: on the relief, as the technique says, or on the polygon itself."""
     if not variant.displaced:
         return Intersection(True, met.distance, met.uv, 1.0, 0)
-    seen = depth_seen(depth, met.distance, variant)
+    seen = faded(relief, met.distance, variant)
     # where it is flat the technique reads nothing
     if seen.scale <= 0.0:
         return Intersection(True, met.distance, met.uv, flat_height(field, met.uv, variant), 0)
     deep = height_range(seen, placement, variant)
     lod = lod_seen(field, footprint, smoothing)
     ray = relief_ray(met, seen, deep, lod, smoothing.mip_fade, variant)
-    span = span_of(met, seen.level, deep)
+    span = span_of(met, seen.reference_height, deep)
     ended = trace(field, baked, ray, span, settings, shadowing, False, variant)
     # the relief of a curved surface is that of its tangent plane, which near the outline runs far
     # from the shape: what is pushed in stays within it, what is raised within a shell around it
-    shell = shell_depth((1.0 - seen.level) * deep, variant) / met.stretch
+    shell = shell_depth((1.0 - seen.reference_height) * deep, variant) / met.stretch
     distance = clamp(met.distance + ended.distance, met.distance - shell, met.t_exit)
     return Intersection(
         ended.found, distance, ended.uv, ended.height, ended.reads, 1.0, ended.scale, ended.lod
@@ -172,23 +174,23 @@ def flat_height(field: HeightField, uv: Vec2, variant: Variant) -> float:
     """The height that a flat relief reports: the map's, where a landscape's water or the shade of a
     pit go by it."""
     if variant.surface == "landscape" or variant.occlusion_kind == "directional":
-        return top_at(field, uv) if field.filter == "boxes" else sharp(field, uv)
+        return top_at(field, uv) if field.filter == "columns" else sharp(field, uv)
     return 1.0
 
 
 @shader
 def relief_ray(
-    met: Meeting, depth: Depth, deep: float, lod: float, fade: float, variant: Variant
+    met: Meeting, relief: ReliefParameters, deep: float, lod: float, fade: float, variant: Variant
 ) -> Ray:
     """The ray that a technique follows through a relief that is `deep`: the chosen projection."""
-    travel = to_texture(met.frame, move_of(met.view, depth.bias, variant) * -deep)
+    travel = to_texture(met.frame, move_of(met.view, relief.bias, variant) * -deep)
     return Ray(
-        uv=met.uv + travel * (depth.level - 1.0),
+        uv=met.uv + travel * (relief.reference_height - 1.0),
         travel=travel,
         height=1.0,
         drop=1.0,
         cosine=met.view.z,
-        level=depth.level,
+        reference_height=relief.reference_height,
         scale=deep / met.frame.width,
         lod=lod,
         fade=fade,
@@ -196,13 +198,13 @@ def relief_ray(
 
 
 @shader
-def span_of(met: Meeting, level: float, deep: float) -> Interval:
+def span_of(met: Meeting, reference_height: float, deep: float) -> Interval:
     """Where the true view ray is in the relief, in world units from the polygon on.
 
     A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
     """
     whole = deep / (max(met.view.z, SHALLOWEST) * met.stretch)
-    return Interval((level - 1.0) * whole, level * whole)
+    return Interval((reference_height - 1.0) * whole, reference_height * whole)
 
 
 @shader
@@ -230,8 +232,8 @@ class Slope:
 def slope_of(field: HeightField, moved: Intersection, met: Meeting, variant: Variant) -> Slope:
     """How the relief lies where the ray ended, for what asks: the sides of boxes, and colours that
     are laid on from three sides."""
-    if variant.boxed:
-        return of_boxes(field, moved, met)
+    if variant.columns:
+        return column_slope(field, moved, met)
     if variant.displaced and variant.mapping == "triplanar" and variant.base_color_map:
         return of_heights(field, moved, met)
     return Slope(Vec3(0.0, 0.0, 1.0), 0.0)
@@ -247,7 +249,7 @@ def of_heights(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
 
 
 @shader
-def of_boxes(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
+def column_slope(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
     """Level on the top of a box; on its side, as the side faces."""
     deep = moved.height * moved.scale
     if moved.scale <= 0.0 or not moved.found:
@@ -261,7 +263,7 @@ def of_boxes(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
 
 
 @shader
-def self_shadowed(
+def self_shadow_visibility(
     field: HeightField,
     baked: Texture,
     met: Meeting,
@@ -281,7 +283,7 @@ def self_shadowed(
         return Reaching(1.0, 0)
     uv = moved.uv
     height = moved.height
-    if variant.boxed:
+    if variant.columns:
         # from the box's top, or as far before its side as the view ray was put within it
         side = side_at(field, uv, height, to_texture(met.frame, -met.view.xy))
         extent = size(field, 0)

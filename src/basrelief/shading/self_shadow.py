@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from basrelief.lang import HeightField, saturate, setting, shader, size, struct
 from basrelief.shading.variant import Variant
-from basrelief.techniques.columns import MOST_BOXES, leaving, line_over, next_box, top_of
+from basrelief.techniques.columns import MAX_COLUMNS, leaving, line_over, next_column, top_of
 from basrelief.techniques.height import height_under
 from basrelief.techniques.ray import Ray, height_at
 
@@ -45,10 +45,10 @@ class Reaching:
 @shader
 def shadow(field: HeightField, ray: Ray, shadowing: Shadowing, variant: Variant) -> Reaching:
     """How much of a light reaches the start of a ray that rises to the light, out of the relief."""
-    if variant.boxed:
+    if variant.columns:
         if variant.shadows == "hard":
-            return hard_of_boxes(field, ray, shadowing)
-        return soft_of_boxes(field, ray, shadowing)
+            return hard_on_columns(field, ray, shadowing)
+        return soft_on_columns(field, ray, shadowing)
     if variant.shadows == "hard":
         return hard(field, ray, shadowing)
     return soft(field, ray, shadowing)
@@ -85,22 +85,22 @@ def soft(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
 
 
 @shader
-def hard_of_boxes(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
+def hard_on_columns(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """All of it, or none once a box stands above the ray: exact, however many steps are asked."""
-    most = above_boxes(field, ray, shadowing.shadow_offset, 0.0)
+    most = highest_column_above(field, ray, shadowing.shadow_offset, 0.0)
     return Reaching(1.0 if most.share <= 0.0 else 0.0, most.reads)
 
 
 @shader
-def soft_of_boxes(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
+def soft_on_columns(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
     """Less the more of a box stands above the ray, what is near counting most."""
     softness = shadowing.shadow_softness
-    most = above_boxes(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
+    most = highest_column_above(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
     return Reaching(1.0 - saturate(most.share * softness), most.reads)
 
 
 @shader
-def above_boxes(field: HeightField, ray: Ray, offset: float, enough: float) -> Reaching:
+def highest_column_above(field: HeightField, ray: Ray, offset: float, enough: float) -> Reaching:
     """How far boxes stand above the ray where it comes to them, the most of it, and the reads.
 
     The box that the ray leaves does not count, and the walk ends once it is more than `enough`.
@@ -111,10 +111,10 @@ def above_boxes(field: HeightField, ray: Ray, offset: float, enough: float) -> R
     most = 0.0
     reads = 0
     t = 0.0
-    while reads < MOST_BOXES and t < 1.0 and most <= enough:
+    while reads < MAX_COLUMNS and t < 1.0 and most <= enough:
         leave = leaving(line, cell)
         t = max(min(leave.x, leave.y), t)
-        cell = next_box(line, cell, leave)
+        cell = next_column(line, cell, leave)
         above = top_of(field, extent, cell) - height_at(ray, t) - offset
         most = max(most, above * max(1.0 - t, 0.0))
         reads = reads + 1

@@ -22,12 +22,12 @@ from basrelief.lang import (
 )
 from basrelief.shading.camera import Camera, seen_from
 
-SLACK = 1.5
+SHADOW_BIAS_TEXELS = 1.5
 """Texels of depth map by which what is met may lie before the surface and cast nothing."""
 
 
 @struct
-class CastView:
+class ShadowMapView:
     """One depth map: whose light, from where, of how many texels a side, and its first texel in the
     sheet of all."""
 
@@ -38,8 +38,8 @@ class CastView:
 
 
 @shader
-def past_others(
-    distances: HeightField, views: Buffer[CastView], light: int, position: Vec3
+def shadow_map_visibility(
+    distances: HeightField, views: Buffer[ShadowMapView], light: int, position: Vec3
 ) -> float:
     """How much of a light reaches a position past all other objects, as its depth maps have it."""
     share = 1.0
@@ -50,7 +50,7 @@ def past_others(
 
 
 @shader
-def lit(distances: HeightField, view: CastView, position: Vec3) -> float:
+def lit(distances: HeightField, view: ShadowMapView, position: Vec3) -> float:
     """The share of the four texels around a position that see as far as it; 1 out of view."""
     seen = seen_from(view.camera, position)
     x = seen.x - 0.5
@@ -63,7 +63,7 @@ def lit(distances: HeightField, view: CastView, position: Vec3) -> float:
     four = corners(distances, IVec2(int(left) + view.first.x, int(top) + view.first.y), 0)
     # a texel's width where the position is
     texel = length(view.camera.right) * mix(1.0, seen.z, view.camera.perspective)
-    needed = seen.z - SLACK * texel
+    needed = seen.z - SHADOW_BIAS_TEXELS * texel
     upper = mix(sees(four.x, needed), sees(four.y, needed), x - left)
     lower = mix(sees(four.z, needed), sees(four.w, needed), x - left)
     return mix(upper, lower, y - top)

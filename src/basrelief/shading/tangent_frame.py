@@ -26,7 +26,7 @@ class Frame:
 
 
 @shader
-def frame_of(normal: Vec3, along_u: Vec3, along_v: Vec3) -> Frame:
+def tangent_frame(normal: Vec3, along_u: Vec3, along_v: Vec3) -> Frame:
     """The frame of a unit normal and the derivatives ∂P/∂u and ∂P/∂v, neither along the other."""
     tangent = normalize(along_u - normal * dot(normal, along_u))
     across = cross(normal, tangent)

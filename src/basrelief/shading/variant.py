@@ -25,7 +25,7 @@ class Variant:
     Everything else is a number or a map, and turns no program into another. Beside it a program has
     its technique and surface, which are slots, and the edge and filter of its maps.
 
-    `displaced` says whether there is a relief, `boxed` whether each texel of it is a box, `fades`
+    `displaced` says whether there is a relief, `columns` whether each texel of it is a box, `fades`
     whether it fades with distance; `own_tilings` whether maps have tilings of their own, `layer`
     whether there is a second one; `X_map` whether there is such a map; `shadow_maps` whether other
     objects cast shadows on this one; `depth_only` whether the picture is a depth map, in which only
@@ -35,7 +35,7 @@ class Variant:
     # --- of the object
     shape: ShapeKind = "plane"
     displaced: bool = False
-    boxed: bool = False
+    columns: bool = False
     projection: Projection = "full"
     fades: bool = False
     edge: EdgeKind = "wrap"
@@ -57,5 +57,5 @@ class Variant:
     shadows_on: ShadowsOnKind = "relief"
     shading_model: ShadingModel = "ggx"
     occlusion_kind: OcclusionKind = "ambient"
-    fog: FogKind = "none"
+    fog_mode: FogKind = "none"
     depth_only: bool = False

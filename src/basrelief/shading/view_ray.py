@@ -10,7 +10,7 @@ from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View, meet
-from basrelief.shading.relief import Depth, depth_seen, height_range, relief_ray, span_of
+from basrelief.shading.relief import ReliefParameters, faded, height_range, relief_ray, span_of
 from basrelief.shading.variant import Variant
 
 
@@ -32,17 +32,22 @@ class ViewRay:
 
 @shader
 def view_ray(
-    at: IVec2, view: View, placement: Placement, depth: Depth, geometry: Geometry, variant: Variant
+    at: IVec2,
+    view: View,
+    placement: Placement,
+    relief: ReliefParameters,
+    geometry: Geometry,
+    variant: Variant,
 ) -> ViewRay:
     """The ray of one pixel."""
     ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
     met = meet(ray, placement, variant)
     if not met.found:
         return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
-    seen = depth_seen(depth, met.distance, variant)
+    seen = faded(relief, met.distance, variant)
     deep = height_range(seen, placement, variant)
     straight = relief_ray(met, seen, deep, 0.0, 0.0, variant)
-    span = span_of(met, seen.level, deep)
+    span = span_of(met, seen.reference_height, deep)
     return ViewRay(
         True, straight.uv, straight.travel, met.distance + span.enter, span.leave - span.enter
     )

@@ -11,7 +11,7 @@ from __future__ import annotations
 from basrelief.lang import HeightField, IVec2, Vec2, clamp, corners, floor, shader, size, struct
 from basrelief.techniques.edge import cell_in_map
 
-MOST_BOXES = 16384
+MAX_COLUMNS = 16384
 """A ray that passes over more boxes, at a grazing angle over many tiles, stays where it is."""
 FLATTEST = 1e-20
 """The least way, in texels, that is divided by."""
@@ -64,7 +64,7 @@ def leaving(line: Line, cell: IVec2) -> Vec2:
 
 
 @shader
-def next_box(line: Line, cell: IVec2, leave: Vec2) -> IVec2:
+def next_column(line: Line, cell: IVec2, leave: Vec2) -> IVec2:
     """The box behind the wall that is crossed first."""
     along_u = leave.x <= leave.y
     return IVec2(cell.x + (line.sign.x if along_u else 0), cell.y + (0 if along_u else line.sign.y))

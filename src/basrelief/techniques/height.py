@@ -57,7 +57,7 @@ def height_under(field: HeightField, ray: Ray, t: float) -> float:
 def surface_height(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
     """The height, 0 to 1, at texture coordinates: the finest level's, that of the one level which
     the ray reads, or a smooth one's; of boxes that of the box's top."""
-    if field.filter == "boxes":
+    if field.filter == "columns":
         return top_at(field, uv)
     if field.filter == "smooth":
         return smooth(field, uv, lod, fade)

@@ -20,10 +20,10 @@ class Offset:
 @technique()
 def flat(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """No parallax at all. Cost: nothing."""
-    return hit_at(ray, t_at(ray, ray.level), True, 0)
+    return hit_at(ray, t_at(ray, ray.reference_height), True, 0)
 
 
-@technique(level=0.5, most_reads=1)
+@technique(reference_height=0.5, most_reads=1)
 def offset(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """Take the height where the ray comes in for that where it ends.
 
@@ -34,7 +34,7 @@ def offset(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     return shifted(field, ray, settings)
 
 
-@technique(level=0.5, projection="limited", most_reads=1)
+@technique(reference_height=0.5, projection="limited", most_reads=1)
 def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """The same, the offset never longer than the height: no tearing, little depth at an angle.
 
@@ -47,7 +47,7 @@ def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
     """One read, one shift, each component held to the most allowed."""
-    start = t_at(ray, ray.level)
+    start = t_at(ray, ray.reference_height)
     height = height_under(field, ray, start)
     end = t_at(ray, height)
     most = settings.max_offset

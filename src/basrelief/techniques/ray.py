@@ -17,7 +17,7 @@ class Ray:
     line by a quarter of `bend`. Over a flat surface one straight segment is the whole ray, from
     height 1 to height 0.
 
-    `cosine` is V · N, 1 head-on and 0 along the surface. `level` is the height of the polygon;
+    `cosine` is V · N, 1 head-on and 0 along the surface. `reference_height` is the height of the polygon;
     `scale` the range of heights in tile widths; `share` the segment's part of the whole way, by
     which steps are shared out. `lod` and `fade` say how smooth the heights are read
     (`techniques.height`), where they are read smooth.
@@ -30,7 +30,7 @@ class Ray:
     cosine: float
     bend: float = 0.0
     share: float = 1.0
-    level: float = 1.0
+    reference_height: float = 1.0
     scale: float = 1.0
     lod: float = 0.0
     fade: float = 0.0

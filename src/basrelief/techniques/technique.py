@@ -39,20 +39,20 @@ def displace(field: HeightField, baked: Texture, ray: Ray, settings: Settings) -
 class Technique(Shader[P, R]):
     """A technique with what it prefers where nothing else is said."""
 
-    level: float = 1.0
+    reference_height: float = 1.0
     """The height that lies on the polygon."""
     projection: Projection = "full"
     most_reads: int = 0
     """Heights read at most with the default settings, a first idea of the cost."""
     bake: Bake | None = None
     """The table that it reads, baked from the heights."""
-    boxes: bool = False
+    columns: bool = False
     """Whether it takes each texel for a box (`techniques.columns`), and no bilinear surface."""
 
     @property
     def takes_heights(self) -> tuple[str, ...]:
         """The ways to read heights that it can be drawn with."""
-        if self.boxes:
+        if self.columns:
             return ("sharp",)
         if self.bake is not None:
             return ("sharp", "mip") if self.bake.all_levels else ("sharp",)
@@ -67,17 +67,17 @@ class Technique(Shader[P, R]):
 
 def technique(
     *,
-    level: float = 1.0,
+    reference_height: float = 1.0,
     projection: Projection = "full",
     most_reads: int = 0,
     bake: Bake | None = None,
-    boxes: bool = False,
+    columns: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
-    """Mark a shader as a technique; `level` and `projection` are its defaults.
+    """Mark a shader as a technique; `reference_height` and `projection` are its defaults.
 
     `most_reads` says how many heights it reads at most with its default settings, `bake` what is
     baked for it, as `CONE_MAP`: such a technique takes `(field, baked, ray, settings)`. With
-    `boxes` the object's normals and shadows are those of boxes, one for each texel.
+    `columns` the object's normals and shadows are those of boxes, one for each texel.
     Raises TypeError for a bake that is no declaration.
     """
     if not (bake is None or isinstance(bake, Bake)):
@@ -85,8 +85,12 @@ def technique(
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
         made: Technique[P, R] = Technique(function)
-        made.level, made.projection, made.most_reads = level, projection, most_reads
-        made.bake, made.boxes = bake, boxes
+        made.reference_height, made.projection, made.most_reads = (
+            reference_height,
+            projection,
+            most_reads,
+        )
+        made.bake, made.columns = bake, columns
         return made
 
     return mark

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from basrelief.lang import HeightField, Vec2, clamp, size
 from basrelief.techniques.columns import (
-    MOST_BOXES,
+    MAX_COLUMNS,
     leaving,
     line_over,
-    next_box,
+    next_column,
     top_of,
     within_box,
 )
@@ -16,7 +16,7 @@ from basrelief.techniques.ray import SLOWEST, Hit, Ray, fall_at, height_at
 from basrelief.techniques.technique import Nothing, technique
 
 
-@technique(boxes=True, most_reads=64)
+@technique(columns=True, most_reads=64)
 def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """Go from box to box, each texel being one, to the first whose side or top is met.
 
@@ -35,7 +35,7 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     out = 0.0
     found = False
     k = 0
-    while k < MOST_BOXES and not found and t < 1.0:
+    while k < MAX_COLUMNS and not found and t < 1.0:
         top = top_of(field, extent, cell)
         leave = leaving(line, cell)
         out = min(max(min(leave.x, leave.y), t), 1.0)
@@ -47,7 +47,7 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
             found = found or height_at(ray, clamp(lowest, t, out)) <= top
         t = t if found else out
         height = height if found else after
-        cell = cell if found or out >= 1.0 else next_box(line, cell, leave)
+        cell = cell if found or out >= 1.0 else next_column(line, cell, leave)
         k = k + 1
     over = height - top
     on_top = found and over > 0.0

@@ -103,8 +103,8 @@ def _show(viewer: Viewer, name: str, value: Any) -> Any:
 def _number(viewer: Viewer, name: str, value: Any) -> float:
     if value is None:
         raise InputError(f"{name} is None: give a number")
-    thing = Object(viewer._material, **{name: value})
-    return float(getattr(thing, name))
+    obj = Object(viewer._material, **{name: value})
+    return float(getattr(obj, name))
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:
@@ -139,14 +139,14 @@ def _record(viewer: Viewer, name: str, value: Any) -> Any:
     return plain(record_of(_RECORDS[name], value, f"the {name}"))
 
 
-def _air(viewer: Viewer, name: str, value: Any) -> Any:
-    air = record_of(Fog, value, "the fog")
-    if air.fog_start > air.fog_end:
+def _fog(viewer: Viewer, name: str, value: Any) -> Any:
+    fog = record_of(Fog, value, "the fog")
+    if fog.fog_start > fog.fog_end:
         raise InputError(
-            f"fog from {air.fog_start:g} to {air.fog_end:g}: "
+            f"fog from {fog.fog_start:g} to {fog.fog_end:g}: "
             "give a fog_end no nearer than fog_start"
         )
-    return plain(air)
+    return plain(fog)
 
 
 def _settings(viewer: Viewer, name: str, value: Any) -> Any:
@@ -157,15 +157,17 @@ def _settings_of(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
     return _each(name, value, viewer._all_settings, viewer._settings_checked, "technique")
 
 
-def _finish(viewer: Viewer, name: str, value: Any) -> Any:
-    return _finish_checked(viewer.surface, value)
+def _surface_parameters(viewer: Viewer, name: str, value: Any) -> Any:
+    return _surface_parameters_checked(viewer.surface, value)
 
 
-def _finish_of(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return _each(name, value, viewer._all_finishes, _finish_checked, "surface")
+def _all_surface_parameters(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
+    return _each(
+        name, value, viewer._all_surface_parameters_sent, _surface_parameters_checked, "surface"
+    )
 
 
-def _finish_checked(surface: str, value: Any) -> Any:
+def _surface_parameters_checked(surface: str, value: Any) -> Any:
     return plain(record_of(SURFACES[surface], value, f"the {surface} surface"))
 
 
@@ -236,14 +238,14 @@ class Viewer(anywidget.AnyWidget):
 
     Every setting of the page is an attribute, checked when it is set, that `observe` and marimo
     follow: `technique`, `shape`, `projection`, `heights`, `edge`, `mapping`, `alpha`, `surface`,
-    `shadows`, `shading_model`, `occlusion_kind`, `fog` (names); `scale`, `level`, `bias`, `divider`
+    `shadows`, `shading_model`, `occlusion_kind`, `fog` (names); `scale`, `reference_height`, `bias`, `divider`
     (numbers); `tiling`, `shift`, and `fade` where `fades` is True (two numbers); `settings` (of the
-    technique), `finish` (of the surface), `smoothing`, `shading`, `shadowing`, `air` (set by a
+    technique), `surface_parameters` (of the surface), `smoothing`, `shading`, `shadowing`, `fog` (set by a
     mapping of what differs from the defaults, read as a whole); where `apart` is True `tilings` of
     single maps, and where there is a `layer` its `layer_tiling` (set by `Tiling`s, read as
     mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights` (set by lights, read
     as mappings); `compare` (a technique beside it, or ""), `show` ("color", "reads", "missed",
-    "depth"). `settings_of` and `finish_of` hold those of all techniques and surfaces by name. As in
+    "depth"). `settings_of` and `all_surface_parameters` hold those of all techniques and surfaces by name. As in
     the page, another technique brings its own level and projection, another shape its own tiling.
 
     Raises InputError for a value that is none of these, and for a scene that the page's programs
@@ -265,20 +267,20 @@ class Viewer(anywidget.AnyWidget):
     shadows = _shared(_choice)
     shading_model = _shared(_choice)
     occlusion_kind = _shared(_choice)
-    fog = _shared(_choice)
+    fog_mode = _shared(_choice)
     scale = _shared(_number)
-    level = _shared(_number)
+    reference_height = _shared(_number)
     bias = _shared(_number)
     tiling = _shared(_pair)
     shift = _shared(_pair)
     settings = _Setting(_settings)
     settings_of = _shared(_settings_of)
-    finish = _Setting(_finish)
-    finish_of = _shared(_finish_of)
+    surface_parameters = _Setting(_surface_parameters)
+    all_surface_parameters = _shared(_all_surface_parameters)
     smoothing = _shared(_record)
     shading = _shared(_record)
     shadowing = _shared(_record)
-    air = _shared(_air)
+    fog = _shared(_fog)
     fades = _shared(_flag)
     fade = _shared(_pair)
     apart = _shared(_flag)
@@ -308,14 +310,14 @@ class Viewer(anywidget.AnyWidget):
         check_shown(scene)
         texels = _whole("texels", texels, 1, None)
         height = _whole("height", height, 100, 10_000)
-        thing = scene.objects[0]
-        self._material = thing.material
+        obj = scene.objects[0]
+        self._material = obj.material
         self._began = scene
-        self._techniques = techniques_of(thing)
+        self._techniques = techniques_of(obj)
         self._heard: frozenset[str] = frozenset()
-        state = state_of(scene, thing)
+        state = state_of(scene, obj)
         self._all_settings = state.pop("settings")
-        self._all_finishes = state.pop("finish")
+        self._all_surface_parameters_sent = state.pop("surface_parameters")
         self._all_tilings = state["tilings"]
         sources = Sources(str(what) if isinstance(what, str | Path) else None)
         made = page_of(scene, texels, sources, engine, progress or (lambda what, share: None))
@@ -326,11 +328,11 @@ class Viewer(anywidget.AnyWidget):
             show=show,
             divider=0.5,
             settings_of=self._all_settings,
-            finish_of=self._all_finishes,
+            all_surface_parameters=self._all_surface_parameters_sent,
             **state,
         )
         self.settings = self.settings_of[self.technique]
-        self.finish = self.finish_of[self.surface]
+        self.surface_parameters = self.all_surface_parameters[self.surface]
         self._follow()
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -349,7 +351,7 @@ class Viewer(anywidget.AnyWidget):
         """
         names = state_of(self._began, self._began.objects[0])
         state = {name: getattr(self, name) for name in names}
-        both = {"settings": self.settings_of, "finish": self.finish_of}
+        both = {"settings": self.settings_of, "surface_parameters": self.all_surface_parameters}
         return shown_scene({**state, **both}, self._began)
 
     def _settings_checked(self, technique: str, value: Any) -> Any:
@@ -374,7 +376,7 @@ class Viewer(anywidget.AnyWidget):
     def _follow(self) -> None:
         """Let settings follow one another; what the page says itself it has made follow."""
         for name in (
-            "technique", "shape", "settings", "settings_of", "surface", "finish", "finish_of",
+            "technique", "shape", "settings", "settings_of", "surface", "surface_parameters", "all_surface_parameters",
             "tilings",
         ):  # fmt: skip
             self.observe(getattr(self, f"_follow_{name}"), name)
@@ -382,7 +384,7 @@ class Viewer(anywidget.AnyWidget):
     def _follow_technique(self, change: Any) -> None:
         if "technique" not in self._heard:
             made = self._techniques[self.technique]
-            self.level, self.projection = made.level, made.projection
+            self.reference_height, self.projection = made.reference_height, made.projection
         self.settings = self.settings_of[self.technique]
 
     def _follow_shape(self, change: Any) -> None:
@@ -398,14 +400,14 @@ class Viewer(anywidget.AnyWidget):
         self.settings = self.settings_of[self.technique]
 
     def _follow_surface(self, change: Any) -> None:
-        self.finish = self.finish_of[self.surface]
+        self.surface_parameters = self.all_surface_parameters[self.surface]
 
-    def _follow_finish(self, change: Any) -> None:
-        self.finish_of = {self.surface: self.finish}
+    def _follow_surface_parameters(self, change: Any) -> None:
+        self.all_surface_parameters = {self.surface: self.surface_parameters}
 
-    def _follow_finish_of(self, change: Any) -> None:
-        self._all_finishes = self.finish_of
-        self.finish = self.finish_of[self.surface]
+    def _follow_all_surface_parameters(self, change: Any) -> None:
+        self._all_surface_parameters_sent = self.all_surface_parameters
+        self.surface_parameters = self.all_surface_parameters[self.surface]
 
     def _follow_tilings(self, change: Any) -> None:
         self._all_tilings = self.tilings

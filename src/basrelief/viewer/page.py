@@ -90,16 +90,16 @@ def page_of(
     scene: Scene, texels: int, sources: Sources, engine: str | Engine, progress: Progress
 ) -> View:
     """The page of a scene."""
-    thing = scene.objects[0]
+    obj = scene.objects[0]
     progress("printing the programs", 0.0)
-    programs = printed(techniques_of(thing))
+    programs = printed(techniques_of(obj))
     runner = choose_engine(engine) if isinstance(engine, str) else engine
     stills = list(_stills(scene, runner, progress))
-    whole = max((max(one.width, one.height) for one in _all_maps(thing)), default=1)
+    whole = max((max(one.width, one.height) for one in _all_maps(obj)), default=1)
     most = min(whole, texels)
     while True:
         progress("packing the maps", 0.9)
-        shown = _shrunk(thing, most)
+        shown = _shrunk(obj, most)
         maps = _maps(shown, runner)
         if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
             break
@@ -111,7 +111,7 @@ def page_of(
         "records": layouts(programs.library.names),
         **manifest(replace(scene, objects=(shown,)), sources, scaled),
     }
-    return View(_html(thing.material.name, data, maps, stills), scaled)
+    return View(_html(obj.material.name, data, maps, stills), scaled)
 
 
 def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
@@ -120,23 +120,23 @@ def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
     return sum(map(len, texts)) + _REST
 
 
-def shown_size(thing: Object) -> tuple[int, int]:
+def shown_size(obj: Object) -> tuple[int, int]:
     """Width and height of an object's largest map."""
-    largest = max(_all_maps(thing), key=lambda one: one.width * one.height)
+    largest = max(_all_maps(obj), key=lambda one: one.width * one.height)
     return largest.width, largest.height
 
 
-def _all_maps(thing: Object) -> Iterator[Map]:
-    for material in (thing.material, thing.layer and thing.layer.material):
+def _all_maps(obj: Object) -> Iterator[Map]:
+    for material in (obj.material, obj.layer and obj.layer.material):
         yield from (one for _, one in (material.maps() if material else ()))
 
 
-def _shrunk(thing: Object, most: int) -> Object:
+def _shrunk(obj: Object, most: int) -> Object:
     """The object with maps of at most so many texels a side, its layer's too."""
-    over = thing.layer
+    over = obj.layer
     return replace(
-        thing,
-        material=_scaled(thing.material, most),
+        obj,
+        material=_scaled(obj.material, most),
         layer=over and replace(over, material=_scaled(over.material, most)),
     )
 
@@ -161,14 +161,14 @@ def _stored_as(one: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
     return Map(np.rint(codes * 255.0).astype(np.uint8), one.srgb, one.source)
 
 
-def _maps(thing: Object, engine: Engine) -> dict[str, Any]:
+def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
     """The finest level of each map that programs read."""
-    material = thing.material
+    material = obj.material
     found: dict[str, Any] = {}
     field = textures.height_field(material, "wrap")
     if field is not None:
         found["field"] = packed(as_fractions(field.levels[0]))
-    for name, source, made_of, scale in surface_maps(thing):
+    for name, source, made_of, scale in surface_maps(obj):
         # a page makes the normals of heights itself
         own = name != "normal" or material.normal is not None
         map = source.texture(made_of, "wrap", scale, engine) if own else None
@@ -195,12 +195,12 @@ def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
 
 def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[str, str]]:
     """Techniques and their pictures as text, for browsers without WebGPU."""
-    thing = scene.objects[0]
-    names = [n for n in _STILLS if n == "flat" or thing.material.height is not None]
+    obj = scene.objects[0]
+    names = [n for n in _STILLS if n == "flat" or obj.material.height is not None]
     for number, name in enumerate(names):
         progress("drawing the still pictures", number / len(names))
         settings: Any = Nothing() if name == "flat" else {}
-        shown = replace(thing, technique=name, settings=settings, heights="sharp")
+        shown = replace(obj, technique=name, settings=settings, heights="sharp")
         frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, engine=engine)
         png = encode_png(frame.color[:, :, :3])
         yield name, base64.b64encode(png).decode()

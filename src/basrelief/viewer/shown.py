@@ -15,7 +15,7 @@ from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
 _SHARED = (
-    *MENUS, "scale", "level", "bias", "smoothing", "tiling", "shift", "shading", "shadowing", "air"
+    *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading", "shadowing", "fog"
 )  # fmt: skip
 """The settings that an object or a scene has by the same names."""
 
@@ -25,26 +25,26 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
 
     Raises InputError for values out of range.
     """
-    thing = scene.objects[0]
-    technique = techniques_of(thing)[state["technique"]]
-    over = thing.layer and replace(thing.layer, tiling=tiling_of(state["layer_tiling"]))
+    obj = scene.objects[0]
+    technique = techniques_of(obj)[state["technique"]]
+    over = obj.layer and replace(obj.layer, tiling=tiling_of(state["layer_tiling"]))
     own = {name: tiling_of(each) for name, each in state["tilings"].items()}
     of_object, of_scene = (
-        {name: state[name] for name in _SHARED if hasattr(owner, name)} for owner in (thing, scene)
+        {name: state[name] for name in _SHARED if hasattr(owner, name)} for owner in (obj, scene)
     )
     if state["heights"] not in technique.takes_heights:
         of_object["heights"] = "sharp"
     shown = replace(
-        thing,
+        obj,
         **of_object,
         technique=technique,
         settings=state["settings"][state["technique"]],
-        finish=state["finish"][state["surface"]],
+        surface_parameters=state["surface_parameters"][state["surface"]],
         fade=tuple(state["fade"]) if state["fades"] else None,
         tilings=own if state["apart"] else {},
         layer=over if state["layer"] else None,
         # a transform is that of the shape that it was made for
-        transform=thing.transform if state["shape"] == thing.shape else None,
+        transform=obj.transform if state["shape"] == obj.shape else None,
     )
     # black is what a page shows where there is nothing behind
     behind = tuple(state["background"])

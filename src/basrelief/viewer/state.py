@@ -43,7 +43,7 @@ SHOWS = ("color", "reads", "missed", "depth")
 LIMITS: dict[str, Any] = {
     "numbers": {
         "scale": (0.0, 10.0),
-        "level": (0.0, 1.0),
+        "reference_height": (0.0, 1.0),
         "bias": (0.0, 100.0),
         "divider": (0.0, 1.0),
         "shift": (-FAR, FAR),
@@ -94,10 +94,10 @@ def _named(material: Material | None, otherwise: str) -> str:
 
 def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
     """What the page knows beside programs and maps."""
-    thing = scene.objects[0]
-    material = thing.material
-    over = None if thing.layer is None else thing.layer.material
-    techniques = techniques_of(thing)
+    obj = scene.objects[0]
+    material = obj.material
+    over = None if obj.layer is None else obj.layer.material
+    techniques = techniques_of(obj)
     return {
         "name": material.name,
         "version": __version__,
@@ -110,25 +110,25 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "bakes": bake_numbers(),
         "menus": {"technique": tuple(techniques), **MENUS},
         "techniques": {name: _technique(made) for name, made in techniques.items()},
-        "shapes": {shape: _shape(thing, shape) for shape in SHAPES},
+        "shapes": {shape: _shape(obj, shape) for shape in SHAPES},
         "settings": {
-            "finish": {name: settings_of(record) for name, record in SURFACES.items()},
+            "surface_parameters": {name: settings_of(record) for name, record in SURFACES.items()},
             "shading": settings_of(Shading),
             "shadowing": settings_of(Shadowing),
             "smoothing": settings_of(Smoothing),
-            "air": settings_of(Fog),
+            "fog": settings_of(Fog),
         },
-        "constants": _constants(thing),
+        "constants": _constants(obj),
         "filled": FILLED,
         "samples": sample_places(SAMPLES),
-        "state": state_of(scene, thing, techniques),
+        "state": state_of(scene, obj, techniques),
         "defaults": _defaults_of(material),
         "colors": {
             "heat": [[round(float(x), 5) for x in c] for c in heat(np.linspace(0.0, 1.0, COUNT))],
             "short": [float(x) for x in SHORT],
             "passed": [float(x) for x in PASSED],
         },
-        "presets": _presets(material, thing, techniques),
+        "presets": _presets(material, obj, techniques),
         "shows": SHOWS,
         "lightKinds": {kind: numbers_of(kind) for kind in LIGHTS},
         "limits": LIMITS,
@@ -150,9 +150,9 @@ def _slots() -> dict[str, Any]:
     return found
 
 
-def techniques_of(thing: Object) -> dict[str, Technique[..., Any]]:
+def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
     """The library's techniques by name, and the one that an object brings of its own."""
-    own = thing.drawn_with
+    own = obj.drawn_with
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
     name = own.name
@@ -166,11 +166,11 @@ def _technique(made: Technique[..., Any]) -> dict[str, Any]:
     return {
         "doc": " ".join(doc[0].split()),
         "called": _called(made),
-        "level": made.level,
+        "reference_height": made.reference_height,
         "projection": made.projection,
         "mostReads": made.most_reads,
         "bake": made.bake and made.bake.name,
-        "boxes": made.boxes,
+        "columns": made.columns,
         "heights": made.takes_heights,
         "settings": settings_of(made.settings),
     }
@@ -185,11 +185,11 @@ def _called(made: Technique[..., Any]) -> str:
     return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{made.name}"
 
 
-def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
+def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
     """Where a shape stands, how many tiles it has, and how far it reaches."""
     # a scene's own transform is that of its own shape
-    placed = thing.transform if shape == thing.shape else None
-    stands = Object(thing.material, shape=shape, technique="flat", transform=placed)
+    placed = obj.transform if shape == obj.shape else None
+    stands = Object(obj.material, shape=shape, technique="flat", transform=placed)
     placement = plain(stands.placement())
     facts = SHAPES[shape]
     return {
@@ -203,51 +203,51 @@ def _shape(thing: Object, shape: ShapeKind) -> dict[str, Any]:
     }
 
 
-def _constants(thing: Object) -> dict[str, Any]:
+def _constants(obj: Object) -> dict[str, Any]:
     """What the page's controls leave as it is."""
-    over = thing.layer and thing.layer.material
+    over = obj.layer and obj.layer.material
     return {
-        "proportion": thing.material.proportion,
+        "proportion": obj.material.proportion,
         "layer": over is not None,
         "layerProportion": over.proportion if over else 1.0,
-        "glow": textures.glow(thing.material),
+        "glow": textures.glow(obj.material),
     }
 
 
 def state_of(
-    scene: Scene, thing: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
+    scene: Scene, obj: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
 ) -> dict[str, Any]:
     """Everything that a person can change, as it is in a scene."""
-    techniques = techniques or techniques_of(thing)
-    name = next(name for name, each in techniques.items() if each is thing.drawn_with)
-    main = thing.main_tiling
+    techniques = techniques or techniques_of(obj)
+    name = next(name for name, each in techniques.items() if each is obj.drawn_with)
+    main = obj.main_tiling
     made = {
         "technique": name,
-        **{each: getattr(thing if hasattr(thing, each) else scene, each) for each in MENUS},
-        "projection": thing.relief_projection,
-        "scale": thing.relief_scale,
-        "level": thing.relief_level,
-        "bias": float(thing.bias),
-        "fades": thing.fade is not None,
-        "fade": list(map(float, thing.fade or (2.0, 4.0))),
-        "tiling": list(map(float, thing.tiles)),
-        "shift": list(map(float, thing.shift)),
-        "apart": bool(thing.tilings),
-        "tilings": {each: plain_tiling(thing.tilings.get(each, main)) for each in OWN_TILINGS},
-        "layer": thing.layer is not None,
-        "layer_tiling": plain_tiling(thing.layer.tiling if thing.layer else Tiling((10.0, 10.0))),
+        **{each: getattr(obj if hasattr(obj, each) else scene, each) for each in MENUS},
+        "projection": obj.relief_projection,
+        "scale": obj.relief_scale,
+        "reference_height": obj.relief_reference_height,
+        "bias": float(obj.bias),
+        "fades": obj.fade is not None,
+        "fade": list(map(float, obj.fade or (2.0, 4.0))),
+        "tiling": list(map(float, obj.tiles)),
+        "shift": list(map(float, obj.shift)),
+        "apart": bool(obj.tilings),
+        "tilings": {each: plain_tiling(obj.tilings.get(each, main)) for each in OWN_TILINGS},
+        "layer": obj.layer is not None,
+        "layer_tiling": plain_tiling(obj.layer.tiling if obj.layer else Tiling((10.0, 10.0))),
         "settings": {name: _defaults(each) for name, each in techniques.items()},
-        "finish": {name: plain(record()) for name, record in SURFACES.items()},
-        "smoothing": plain(thing.smoothing),
+        "surface_parameters": {name: plain(record()) for name, record in SURFACES.items()},
+        "smoothing": plain(obj.smoothing),
         "shading": plain(scene.shading),
         "shadowing": plain(scene.shadowing),
-        "air": plain(scene.air),
+        "fog": plain(scene.fog),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
         "lights": [plain_light(each) for each in scene.lights],
         "camera": plain_camera(scene.camera),
     }
-    made["settings"][name] = plain(thing.settings)
-    made["finish"][thing.surface] = plain(thing.finish)
+    made["settings"][name] = plain(obj.settings)
+    made["surface_parameters"][obj.surface] = plain(obj.surface_parameters)
     return made
 
 
@@ -331,17 +331,17 @@ def _presets(
         except BasreliefError as error:
             found[name] = {"about": about, "why": str(error)}
             continue
-        thing = scene.objects[0]
-        if _layer_of(thing) not in (None, _layer_of(shown)):
-            why = f"it lays {_layer_of(thing)} over; make a page with --preset {name}"
+        obj = scene.objects[0]
+        if _layer_of(obj) not in (None, _layer_of(shown)):
+            why = f"it lays {_layer_of(obj)} over; make a page with --preset {name}"
             found[name] = {"about": about, "why": why}
             continue
-        found[name] = {"about": about, "state": state_of(scene, thing, techniques)}
+        found[name] = {"about": about, "state": state_of(scene, obj, techniques)}
     return found
 
 
-def _layer_of(thing: Object) -> str | None:
-    return None if thing.layer is None else thing.layer.material.name
+def _layer_of(obj: Object) -> str | None:
+    return None if obj.layer is None else obj.layer.material.name
 
 
 def check_shown(scene: Scene) -> None:

@@ -17,13 +17,13 @@ def panels(texels: int) -> Iterator[Panel]:
         ("clamped to 0.05", 0.05),
         ("clamped to 0.01", 0.01),
     ):
-        thing = Object(
+        obj = Object(
             sample("bricks", texels),
             technique="offset",
             settings={"max_offset": most},
             scale=0.08,
         )
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

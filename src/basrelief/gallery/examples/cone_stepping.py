@@ -22,10 +22,10 @@ def panels(texels: int) -> Iterator[Panel]:
         ("exact", "exact", {}),
     )
     for caption, technique, settings in choices:
-        thing = Object(
+        obj = Object(
             sample("gravel", min(texels, 256)), technique=technique, settings=settings, scale=0.12
         )
-        yield Panel(caption, Scene((thing,), camera=CAMERA), "256 texels a side at most")
+        yield Panel(caption, Scene((obj,), camera=CAMERA), "256 texels a side at most")
 
 
 PAGE = Page(

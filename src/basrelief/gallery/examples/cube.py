@@ -16,13 +16,13 @@ def panels(texels: int) -> Iterator[Panel]:
         ("normal mapping", "flat", {}),
         ("parallax occlusion", "parallax_occlusion", {"min_steps": 4, "max_steps": 20}),
     ):
-        thing = Object(
+        obj = Object(
             sample("bricks", texels), shape="box", technique=technique, settings=settings, scale=0.1
         )
         yield Panel(
             caption,
             Scene(
-                (thing,),
+                (obj,),
                 camera=CAMERA,
                 # the article's light has no colour of its own, and does not fall off
                 lights=(point((0.8, 1.5, 2.0), intensity=2.2, falloff=0.0),),

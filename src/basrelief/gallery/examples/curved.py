@@ -22,14 +22,14 @@ def panels(texels: int) -> Iterator[Panel]:
         ("cylinder", "relief", 0.15),
     )
     for shape, technique, strength in shown:
-        thing = Object(
+        obj = Object(
             sample("tiles" if shape == "cylinder" else "cobbles", texels),
             shape=shape,
             technique=technique,
             scale=strength,
             projection="biased" if technique == "offset" else "full",
         )
-        yield Panel(f"{shape}, {technique}, {strength:g}", Scene((thing,), camera=CAMERA))
+        yield Panel(f"{shape}, {technique}, {strength:g}", Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -27,7 +27,9 @@ def panels(texels: int) -> Iterator[Panel]:
     """The grid on the undisplaced surface, then as a layer, with an offset and with a march."""
     cobbles, grid = sample("cobbles", texels), sample("grid", texels // 2)
     for technique in ("offset", "relief"):
-        stones = Object(cobbles, technique=technique, scale=0.1, projection="biased", level=1.0)
+        stones = Object(
+            cobbles, technique=technique, scale=0.1, projection="biased", reference_height=1.0
+        )
         bare = Object(glass(grid), tiling=TEN, alpha="blend")
         above = replace(bare, transform=placed((0.0, 1e-3, 0.0)) @ bare.to_world)
         yield Panel(

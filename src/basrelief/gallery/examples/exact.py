@@ -62,8 +62,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("exact", "exact", {}),
     )
     for caption, technique, settings in choices:
-        thing = Object(posts(), technique=technique, settings=settings, scale=0.2, **GROUND_PLAN)
-        yield Panel(caption, Scene((thing,), camera=CAMERA, lights=(LIGHT,)), "64 texels a side")
+        obj = Object(posts(), technique=technique, settings=settings, scale=0.2, **GROUND_PLAN)
+        yield Panel(caption, Scene((obj,), camera=CAMERA, lights=(LIGHT,)), "64 texels a side")
 
 
 PAGE = Page(

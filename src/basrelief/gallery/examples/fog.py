@@ -27,7 +27,7 @@ def panels(texels: int) -> Iterator[Panel]:
         ("exponential", {"fog_density": 0.3}),
         ("exponential_squared", {"fog_density": 0.2}),
     ):
-        options: dict[str, Any] = {"fog": kind, "air": air, "background": AIR}
+        options: dict[str, Any] = {"fog_mode": kind, "fog": air, "background": AIR}
         numbers = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in air.items())
         yield Panel(
             f"{kind.replace('_', ' ')} fog" if air else "clear air",

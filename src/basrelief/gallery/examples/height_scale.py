@@ -13,15 +13,13 @@ CAMERA = Orbit(azimuth=25.0, elevation=38.0, distance=0.85, field_of_view=38.0)
 def panels(texels: int) -> Iterator[Panel]:
     """Height scale 0.1 and 0.4, both with 4 to 20 samples; then 0.4 with enough of them."""
     for scale, most in ((0.1, 20), (0.4, 20), (0.4, 100)):
-        thing = Object(
+        obj = Object(
             sample("cobbles", texels),
             technique="parallax_occlusion",
             settings={"min_steps": 4, "max_steps": most},
             scale=scale,
         )
-        yield Panel(
-            f"height scale {scale:g}, at most {most} samples", Scene((thing,), camera=CAMERA)
-        )
+        yield Panel(f"height scale {scale:g}, at most {most} samples", Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -15,8 +15,8 @@ def panels(texels: int) -> Iterator[Panel]:
     """Cracks and dust merged, the dust stronger from picture to picture."""
     cracks, dust = sample("cracks", texels), sample("dust", texels)
     for opening in (0.0, 0.3, 0.6, 1.0):
-        thing = Object(hole(cracks, dust, opening), technique="relief", settings={"max_steps": 64})
-        yield Panel(f"opened by {opening:g}", Scene((thing,), camera=CAMERA, shadows="soft"))
+        obj = Object(hole(cracks, dust, opening), technique="relief", settings={"max_steps": 64})
+        yield Panel(f"opened by {opening:g}", Scene((obj,), camera=CAMERA, shadows="soft"))
 
 
 PAGE = Page(

@@ -43,10 +43,10 @@ def land(texels: int, height: float = 1.0, **options: Any) -> Object:
 def panels(texels: int) -> Iterator[Panel]:
     """The same window at two times, twice the height, and rays that meet nothing."""
 
-    def seen(thing: Object, camera: LookAt = WINDOW) -> Scene:
+    def seen(obj: Object, camera: LookAt = WINDOW) -> Scene:
         sun = (directional(-55.0, 32.0, intensity=1.7),)
         lambert = {"ambient": 0.2, "specular": 0.0}
-        return Scene((thing,), camera=camera, lights=sun, shading_model="phong", shading=lambert)
+        return Scene((obj,), camera=camera, lights=sun, shading_model="phong", shading=lambert)
 
     for seconds in (0, 4):
         moved = land(texels).scrolled(SPEED * seconds / UNITS)

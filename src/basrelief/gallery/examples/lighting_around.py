@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from basrelief import Finish, Map, Material, Object, Orbit, Scene, directional
+from basrelief import Map, Material, Object, Orbit, Scene, SurfaceParameters, directional
 from basrelief.gallery.page import Page, Panel, sample
 
 CAMERA = Orbit(azimuth=-25.0, elevation=34.0, distance=1.0, field_of_view=38.0)
-STRONG = Finish(normal_strength=2.0)
+STRONG = SurfaceParameters(normal_strength=2.0)
 LIGHTS = (directional(150.0, 35.0, intensity=2.0), directional(-60.0, 40.0, intensity=1.0))
 
 
@@ -27,17 +27,17 @@ def panels(texels: int) -> Iterator[Panel]:
     """Colour and heights; then normals, occlusion, roughness and metal; then emission."""
     circuit = sample("circuit", texels)
     bare = replace(circuit, occlusion=None, roughness=None, metallic=None)
-    flat_lit = Finish(normal_strength=0.0)
+    flat_lit = SurfaceParameters(normal_strength=0.0)
     steps = (
         ("colour, displaced", bare, flat_lit),
-        ("with normals", bare, Finish()),
+        ("with normals", bare, SurfaceParameters()),
         ("with strong normals and occlusion", replace(bare, occlusion=circuit.occlusion), STRONG),
-        ("with roughness and metal", circuit, Finish()),
-        ("with emission", glowing(circuit), Finish()),
+        ("with roughness and metal", circuit, SurfaceParameters()),
+        ("with emission", glowing(circuit), SurfaceParameters()),
     )
-    for caption, material, finish in steps:
-        thing = Object(material, finish=finish)
-        yield Panel(caption, Scene((thing,), camera=CAMERA, lights=LIGHTS))
+    for caption, material, surface_parameters in steps:
+        obj = Object(material, surface_parameters=surface_parameters)
+        yield Panel(caption, Scene((obj,), camera=CAMERA, lights=LIGHTS))
 
 
 PAGE = Page(

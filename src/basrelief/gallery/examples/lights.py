@@ -16,11 +16,11 @@ RED = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, falloff=
 
 def panels(texels: int) -> Iterator[Panel]:
     """The sun, a lamp with either falloff, and more and more of them at once."""
-    thing = Object(sample("cobbles", texels), technique="relief", scale=0.08)
+    obj = Object(sample("cobbles", texels), technique="relief", scale=0.08)
 
     def lit(*lights: Light) -> Scene:
         return Scene(
-            (thing,),
+            (obj,),
             camera=CAMERA,
             lights=lights,
             shading_model="phong",

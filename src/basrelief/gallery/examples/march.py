@@ -21,10 +21,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("10 steps and interpolation", "parallax_occlusion", ten),
         ("10 steps and a search of 3", "relief", {**ten, "search_steps": 3}),
     ):
-        thing = Object(
-            sample("cobbles", texels), technique=technique, settings=settings, scale=0.15
-        )
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        obj = Object(sample("cobbles", texels), technique=technique, settings=settings, scale=0.15)
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

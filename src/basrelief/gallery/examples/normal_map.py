@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from basrelief import Finish, Object, Orbit, Scene
+from basrelief import Object, Orbit, Scene, SurfaceParameters
 from basrelief.gallery.page import Page, Panel, sample
 
 FROM_ABOVE = Orbit(azimuth=20.0, elevation=52.0, distance=1.0, field_of_view=40.0)
@@ -13,9 +13,9 @@ SHALLOW = Orbit(azimuth=20.0, elevation=13.0, distance=0.85, field_of_view=36.0)
 
 def quad(texels: int, strength: float, camera: Orbit) -> Scene:
     """A flat quad whose normals lean so many times as far as the map says."""
-    finish = Finish(normal_strength=strength)
-    thing = Object(sample("bricks", texels), technique="flat", finish=finish)
-    return Scene((thing,), camera=camera)
+    surface_parameters = SurfaceParameters(normal_strength=strength)
+    obj = Object(sample("bricks", texels), technique="flat", surface_parameters=surface_parameters)
+    return Scene((obj,), camera=camera)
 
 
 def panels(texels: int) -> Iterator[Panel]:

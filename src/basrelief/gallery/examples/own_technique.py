@@ -29,10 +29,10 @@ class Guessing:
     guesses: int = setting(default=4, doc="how often to read and try again", low=1, high=16)
 
 
-@technique(level=0.5, most_reads=4)
+@technique(reference_height=0.5, most_reads=4)
 def guess(field: HeightField, ray: Ray, settings: Guessing) -> Hit:
     """Take the height found here for the height where the ray ends, and look there again."""
-    height = height_under(field, ray, t_at(ray, ray.level))
+    height = height_under(field, ray, t_at(ray, ray.reference_height))
     for _ in range(1, settings.guesses):
         height = 0.5 * (height + height_under(field, ray, t_at(ray, height)))
     return hit_at(ray, t_at(ray, height), True, settings.guesses)
@@ -46,8 +46,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("the library's relief", "relief"),
     )
     for caption, chosen in choices:
-        thing = Object(sample("cobbles", texels), technique=chosen, scale=0.08, level=0.5)
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        obj = Object(sample("cobbles", texels), technique=chosen, scale=0.08, reference_height=0.5)
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

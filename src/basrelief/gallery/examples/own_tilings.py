@@ -23,14 +23,14 @@ def panels(texels: int) -> Iterator[Panel]:
         ("heights 4 × 2, colour 1 × 1", {"base_color": Tiling()}, (4.0, 2.0)),
     )
     for caption, tilings, tiling in choices:
-        thing = Object(
+        obj = Object(
             sample("bricks", texels),
             technique="relief",
             scale=0.06,
             tilings=tilings,
             tiling=tiling,
         )
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -57,8 +57,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("relief: the bilinear surface through the same heights", "relief", "none"),
     )
     for caption, technique, shadows in choices:
-        thing = Object(art(), technique=technique, scale=0.25, edge="clamp")
-        yield Panel(caption, Scene((thing,), camera=CAMERA, shadows=shadows))
+        obj = Object(art(), technique=technique, scale=0.25, edge="clamp")
+        yield Panel(caption, Scene((obj,), camera=CAMERA, shadows=shadows))
 
 
 PAGE = Page(

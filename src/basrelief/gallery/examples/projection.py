@@ -23,8 +23,8 @@ def panels(texels: int) -> Iterator[Panel]:
     bricks = sample("bricks", texels)
     for technique, settings in (("offset", {}), ("parallax_occlusion", {"max_steps": 64})):
         for caption, way in WAYS.items():
-            thing = Object(bricks, technique=technique, settings=settings, scale=0.06, **way)
-            yield Panel(f"{technique}, {caption}", Scene((thing,), camera=CAMERA))
+            obj = Object(bricks, technique=technique, settings=settings, scale=0.06, **way)
+            yield Panel(f"{technique}, {caption}", Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -12,11 +12,19 @@ CAMERA = Orbit(azimuth=25.0, elevation=28.0, distance=1.6, field_of_view=38.0)
 
 def panels(texels: int) -> Iterator[Panel]:
     """The same relief at three levels, cut off where it leaves the tile."""
-    for caption, level in (("pushed in", 1.0), ("centred", 0.5), ("raised", 0.0)):
-        thing = Object(
-            sample("cobbles", texels), technique="relief", scale=0.2, level=level, edge="clip"
+    for caption, reference_height in (("pushed in", 1.0), ("centred", 0.5), ("raised", 0.0)):
+        obj = Object(
+            sample("cobbles", texels),
+            technique="relief",
+            scale=0.2,
+            reference_height=reference_height,
+            edge="clip",
         )
-        yield Panel(f"{caption}: level {level:g}", Scene((thing,), camera=CAMERA), "edge clip")
+        yield Panel(
+            f"{caption}: reference height {reference_height:g}",
+            Scene((obj,), camera=CAMERA),
+            "edge clip",
+        )
 
 
 PAGE = Page(

@@ -21,8 +21,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("contact: up to seven finer layers", "contact", eight),
     )
     for caption, technique, settings in choices:
-        thing = Object(sample("bricks", texels), technique=technique, settings=settings, scale=0.12)
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        obj = Object(sample("bricks", texels), technique=technique, settings=settings, scale=0.12)
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -13,13 +13,13 @@ CAMERA = Orbit(azimuth=25.0, elevation=24.0, distance=0.95, field_of_view=38.0)
 def panels(texels: int) -> Iterator[Panel]:
     """4 to 20 samples by the angle, and 4 to 6."""
     for most in (20, 6):
-        thing = Object(
+        obj = Object(
             sample("cobbles", texels),
             technique="parallax_occlusion",
             settings={"min_steps": 4, "max_steps": most},
             scale=0.1,
         )
-        yield Panel(f"at most {most} samples", Scene((thing,), camera=CAMERA))
+        yield Panel(f"at most {most} samples", Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from basrelief import LookAt, Object, Scene, placed, turned
+from basrelief import LookAt, Object, Scene, placed, rotated
 from basrelief.gallery.page import Page, Panel, sample
 
 EYE = (0.8, 0.9, 1.85)
@@ -12,13 +12,13 @@ EYE = (0.8, 0.9, 1.85)
 
 def box(texels: int, scale: tuple[float, float, float], eye: tuple[float, float, float]) -> Scene:
     """A box of bricks of some size, seen from some place."""
-    thing = Object(
+    obj = Object(
         sample("bricks", texels),
         shape="box",
         scale=0.08,
-        transform=placed(scale=scale) @ turned("y", 10.0),
+        transform=placed(scale=scale) @ rotated("y", 10.0),
     )
-    return Scene((thing,), camera=LookAt(position=eye, field_of_view=40.0))
+    return Scene((obj,), camera=LookAt(position=eye, field_of_view=40.0))
 
 
 def panels(texels: int) -> Iterator[Panel]:

@@ -16,9 +16,9 @@ def panels(texels: int) -> Iterator[Panel]:
     """The same stones in a low light."""
     kinds: tuple[Literal["none", "hard", "soft"], ...] = ("none", "hard", "soft")
     for shadows in kinds:
-        thing = Object(sample("cobbles", texels), technique="relief", scale=0.12)
+        obj = Object(sample("cobbles", texels), technique="relief", scale=0.12)
         scene = Scene(
-            (thing,),
+            (obj,),
             camera=CAMERA,
             lights=LIGHTS,
             shadows=shadows,

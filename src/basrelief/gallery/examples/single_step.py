@@ -17,7 +17,7 @@ def panels(texels: int) -> Iterator[Panel]:
         ("a single step, height 0.01", "offset", 0.01, 0.01),
         ("a single step, height 0.04", "offset", 0.04, 0.04),
     ):
-        thing = Object(
+        obj = Object(
             sample("cobbles", texels),
             technique=technique,
             scale=scale,
@@ -26,7 +26,7 @@ def panels(texels: int) -> Iterator[Panel]:
         yield Panel(
             caption,
             Scene(
-                (thing,),
+                (obj,),
                 camera=CAMERA,
                 lights=(point((-0.5, 0.6, 0.3), intensity=1.5, falloff=1.0),),
                 shading_model="phong",

@@ -33,9 +33,9 @@ def panels(texels: int) -> Iterator[Panel]:
     """Six shadings from two sides."""
     for side, camera in VIEWS.items():
         for caption, (of_object, of_scene) in SHADINGS.items():
-            thing = Object(sample("gravel", texels), scale=0.1, **of_object)
+            obj = Object(sample("gravel", texels), scale=0.1, **of_object)
             yield Panel(
-                f"{caption}, {side}", Scene((thing,), camera=camera, lights=LIGHTS, **of_scene)
+                f"{caption}, {side}", Scene((obj,), camera=camera, lights=LIGHTS, **of_scene)
             )
 
 

@@ -20,7 +20,7 @@ def panels(texels: int) -> Iterator[Panel]:
         ("two levels lower, faded", "smooth", {"mip_bias": 2.0, "mip_fade": 4.0}),
     )
     for caption, heights, smoothing in choices:
-        thing = Object(
+        obj = Object(
             sample("gravel", texels),
             technique="parallax_occlusion",
             settings={"min_steps": 6, "max_steps": 16},
@@ -29,7 +29,7 @@ def panels(texels: int) -> Iterator[Panel]:
             heights=heights,
             smoothing=smoothing,
         )
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

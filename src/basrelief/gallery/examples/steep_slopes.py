@@ -23,14 +23,14 @@ def panels(texels: int) -> Iterator[Panel]:
     )
     ways: tuple[Literal["planar", "triplanar"], ...] = ("planar", "triplanar")
     for mapping in ways:
-        thing = Object(
+        obj = Object(
             hills,
             settings={"max_steps": 64},
             scale=0.9,
             mapping=mapping,
             tilings={"base_color": Tiling((2.0, 2.0))},
         )
-        yield Panel(f"{mapping} colour", Scene((thing,), camera=CAMERA))
+        yield Panel(f"{mapping} colour", Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

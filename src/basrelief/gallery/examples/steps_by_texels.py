@@ -17,13 +17,13 @@ def panels(texels: int) -> Iterator[Panel]:
         ("one for every second texel", {"steps_per_texel": 0.5}),
         ("one for every texel", {"steps_per_texel": 1.0}),
     ):
-        thing = Object(
+        obj = Object(
             sample("grass", min(texels, 256)),
             technique="parallax_occlusion",
             settings=settings,
             scale=0.15,
         )
-        yield Panel(caption, Scene((thing,), camera=CAMERA), "256 texels a side at most")
+        yield Panel(caption, Scene((obj,), camera=CAMERA), "256 texels a side at most")
 
 
 PAGE = Page(

@@ -18,8 +18,8 @@ def panels(texels: int) -> Iterator[Panel]:
         ("the most of the article's slider", 0.1),
         ("far beyond it", 0.3),
     ):
-        thing = Object(sample("cobbles", texels), technique="offset_limited", scale=strength)
-        yield Panel(caption, Scene((thing,), camera=CAMERA))
+        obj = Object(sample("cobbles", texels), technique="offset_limited", scale=strength)
+        yield Panel(caption, Scene((obj,), camera=CAMERA))
 
 
 PAGE = Page(

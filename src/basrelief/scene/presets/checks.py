@@ -31,17 +31,17 @@ OF_MAPS: dict[str, str] = {
 }
 OF_OBJECT: dict[str, str] = {
     **dict.fromkeys(("technique", *menus_of(Object), "lengths"), TEXT),
-    **dict.fromkeys(("scale", "level", "bias"), NUMBER),
+    **dict.fromkeys(("scale", "reference_height", "bias"), NUMBER),
     **dict.fromkeys(("fade", "tiling", "shift"), PAIR),
-    **dict.fromkeys(("settings", "smoothing", "finish"), NUMBERS),
+    **dict.fromkeys(("settings", "smoothing", "surface_parameters"), NUMBERS),
     **dict.fromkeys(("tilings", "layer"), TABLE),
 }
 OF_TILING = {"tiles": PAIR, "shift": PAIR}
 OF_LAYER = {"material": TEXT, **OF_TILING}
 OF_SCENE: dict[str, str] = {
     **dict.fromkeys(menus_of(Scene), TEXT),
-    **dict.fromkeys(("shading", "shadowing", "air"), NUMBERS),
-    "shadow_map": WHOLE,
+    **dict.fromkeys(("shading", "shadowing", "fog"), NUMBERS),
+    "shadow_map_size": WHOLE,
     "background": TRIPLE,
     "camera": TABLE,
     "lights": "tables, each [[scene.lights]]",

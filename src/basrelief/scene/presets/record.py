@@ -21,7 +21,7 @@ from basrelief.scene.presets import checks
 from basrelief.techniques import flat, relief
 
 _TABLES = ("maps", "object", "scene", "motion")
-_RECORDS = ("settings", "smoothing", "finish", "shading", "shadowing", "air")
+_RECORDS = ("settings", "smoothing", "surface_parameters", "shading", "shadowing", "fog")
 """The options that are records of numbers: of two of them the second changes the first."""
 _LENGTHS = ("max_offset", "step_length")
 """The settings that are lengths in tile widths."""
@@ -168,8 +168,11 @@ class Preset:
         technique = technique_named(technique)
         surface = given.get("surface", ours.get("surface", "standard"))
         # what another technique or surface than the preset's own does not have is left out
-        for name, record in (("settings", technique.settings), ("finish", SURFACES.get(surface))):
-            other = {"settings": "technique", "finish": "surface"}[name]
+        for name, record in (
+            ("settings", technique.settings),
+            ("surface_parameters", SURFACES.get(surface)),
+        ):
+            other = {"settings": "technique", "surface_parameters": "surface"}[name]
             if name in ours and other in given and record is not None:
                 known = record.__dataclass_fields__
                 ours[name] = {key: each for key, each in ours[name].items() if key in known}

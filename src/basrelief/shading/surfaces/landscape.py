@@ -39,7 +39,7 @@ class Landscape:
 @shader
 def landscape_surface(
     spot: Spot,
-    finish: Landscape,
+    surface_parameters: Landscape,
     places: MapPlaces,
     maps: SurfaceMaps,
     variant: Variant,
@@ -52,14 +52,14 @@ def landscape_surface(
         high = layer_color_of(maps.layer_color, retiled(spot, places.layer), variant)
     color = mix(low, high, spot.height)
     at_normal = spot_on_map(spot, places.normal, variant)
-    leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
+    leaning = normal_of(maps.normal, at_normal, surface_parameters.normal_strength, variant)
     level = turned(leaning, places.normal, variant)
-    if spot.height < finish.water_level:
+    if spot.height < surface_parameters.water_level:
         # a ray that has sunk so low has met the water, whether or not it came to the ground
-        color = finish.water_color * spot.height
+        color = surface_parameters.water_color * spot.height
         level = Vec3(0.0, 0.0, 1.0)
     elif not spot.found:
-        color = finish.sky_color
+        color = surface_parameters.sky_color
         level = Vec3(0.0, 0.0, 1.0)
     return Surface(
         base_color=color,

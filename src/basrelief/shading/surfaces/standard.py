@@ -27,7 +27,7 @@ FLATTEST = 1e-3
 
 
 @struct
-class Finish:
+class SurfaceParameters:
     """Numbers that multiply the maps, or stand for those that are missing."""
 
     base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
@@ -62,7 +62,7 @@ def base_color_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
         return Vec4(0.6, 0.6, 0.6, 1.0)
     if variant.displaced and variant.mapping == "triplanar":
         return triplanar(map, spot)
-    if variant.boxed:
+    if variant.columns:
         return pixelated(map, spot.uv, spot.footprint)
     return trilinear(map, spot.uv, spot.footprint)
 
@@ -116,17 +116,17 @@ def emission_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
 
 
 @shader
-def opacity_of(opacity: float, finish: Finish, variant: Variant) -> float:
+def opacity_of(opacity: float, surface_parameters: SurfaceParameters, variant: Variant) -> float:
     """How much of what lies behind is hidden, given what the map says."""
     if variant.alpha == "mask":
-        return masked(opacity, finish)
+        return masked(opacity, surface_parameters)
     return 1.0 if variant.alpha == "opaque" else opacity
 
 
 @shader
-def masked(opacity: float, finish: Finish) -> float:
+def masked(opacity: float, surface_parameters: SurfaceParameters) -> float:
     """All or nothing: a cut-out (glTF 2.0, alphaMode MASK)."""
-    return 1.0 if opacity >= finish.cutoff else 0.0
+    return 1.0 if opacity >= surface_parameters.cutoff else 0.0
 
 
 # --- a second layer ------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ def with_details(
     surface: Surface,
     mask: float,
     spot: Spot,
-    finish: Finish,
+    surface_parameters: SurfaceParameters,
     places: MapPlaces,
     maps: SurfaceMaps,
     variant: Variant,
@@ -166,9 +166,9 @@ def with_details(
     """
     over = retiled(spot, places.layer)
     tint = layer_color_of(maps.layer_color, over, variant) / MIDDLE_GREY
-    tint = mix(Vec3(1.0), tint, mask * finish.layer_color)
+    tint = mix(Vec3(1.0), tint, mask * surface_parameters.layer_color)
     finer = mirrored_with(layer_normal_of(maps.layer_normal, over, variant), places.layer)
-    leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * finish.layer_normal)
+    leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * surface_parameters.layer_normal)
     # of unit length again: what leans less is also flatter, and where nothing leans it is level
     over_it = normalize(Vec3(leaning, finer.z))
     below = surface.normal
@@ -189,7 +189,7 @@ def with_details(
 @shader
 def standard_surface(
     spot: Spot,
-    finish: Finish,
+    surface_parameters: SurfaceParameters,
     places: MapPlaces,
     maps: SurfaceMaps,
     variant: Variant,
@@ -199,16 +199,16 @@ def standard_surface(
     packed = response_of(maps.response, spot_on_map(spot, places.response, variant), variant)
     glow = emission_of(maps.emission, spot_on_map(spot, places.emission, variant), variant)
     at_normal = spot_on_map(spot, places.normal, variant)
-    leaning = normal_of(maps.normal, at_normal, finish.normal_strength, variant)
+    leaning = normal_of(maps.normal, at_normal, surface_parameters.normal_strength, variant)
     surface = Surface(
-        base_color=color.xyz * finish.base_color,
-        opacity=opacity_of(color.w, finish, variant),
+        base_color=color.xyz * surface_parameters.base_color,
+        opacity=opacity_of(color.w, surface_parameters, variant),
         normal=turned(leaning, places.normal, variant),
-        occlusion=mix(1.0, packed.x, finish.occlusion),
-        roughness=packed.y * finish.roughness,
-        metallic=packed.z * finish.metallic,
-        emission=glow * finish.emission,
+        occlusion=mix(1.0, packed.x, surface_parameters.occlusion),
+        roughness=packed.y * surface_parameters.roughness,
+        metallic=packed.z * surface_parameters.metallic,
+        emission=glow * surface_parameters.emission,
     )
     if variant.layer:
-        return with_details(surface, packed.w, spot, finish, places, maps, variant)
+        return with_details(surface, packed.w, spot, surface_parameters, places, maps, variant)
     return surface

@@ -92,7 +92,7 @@ class SurfaceSettings(TypeSlot):
 @slot
 def surface_at(
     spot: Spot,
-    finish: SurfaceSettings,
+    surface_parameters: SurfaceSettings,
     places: MapPlaces,
     maps: SurfaceMaps,
     variant: Variant,

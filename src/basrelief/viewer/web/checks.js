@@ -91,7 +91,7 @@ export function held(state, start, data) {
   // what begins does not end before
   const [near, far] = state.fade;
   if (near >= far) state.fade[1] = near + 0.01;
-  state.air.fog_end = Math.max(state.air.fog_start, state.air.fog_end);
+  state.fog.fog_end = Math.max(state.fog.fog_start, state.fog.fog_end);
   return state;
 }
 
@@ -126,8 +126,8 @@ function holdSettings(state, { techniques, settings }) {
   for (const [name, { settings: own }] of Object.entries(techniques)) {
     holdRecord(state.settings[name], own);
   }
-  for (const [name, own] of Object.entries(settings.finish)) holdRecord(state.finish[name], own);
-  for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "air"])) {
+  for (const [name, own] of Object.entries(settings.surface_parameters)) holdRecord(state.surface_parameters[name], own);
+  for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "fog"])) {
     holdRecord(state[name], settings[name]);
   }
 }

@@ -52,13 +52,13 @@ export type Chosen = {
   shadows: "none" | "hard" | "soft";
   shading_model: "ggx" | "phong";
   occlusion_kind: "ambient" | "directional";
-  fog: "none" | "linear" | "exponential" | "exponential_squared";
+  fog_mode: "none" | "linear" | "exponential" | "exponential_squared";
 };
 
 /** The state of a scene: `state_of`. */
 export type SceneState = Chosen & {
   scale: number;
-  level: number;
+  reference_height: number;
   bias: number;
   fades: boolean;
   fade: Pair;
@@ -69,11 +69,11 @@ export type SceneState = Chosen & {
   layer: boolean;
   layer_tiling: Tiling;
   settings: { [technique: string]: Values };
-  finish: { [surface: string]: Values };
+  surface_parameters: { [surface: string]: Values };
   smoothing: Values;
   shading: Values;
   shadowing: Values;
-  air: Values & { fog_start: number; fog_end: number };
+  fog: Values & { fog_start: number; fog_end: number };
   background: Vec3;
   lights: Light[];
   camera: Orbit;
@@ -94,11 +94,11 @@ export type Setting = {
 export type Technique = {
   doc: string;
   called: string;
-  level: number;
+  reference_height: number;
   projection: Projection;
   mostReads: number;
   bake: string | null;
-  boxes: boolean;
+  columns: boolean;
   heights: Heights[];
   settings: Setting[];
 };
@@ -227,11 +227,11 @@ export type Data = {
   techniques: { [technique: string]: Technique };
   shapes: { [shape: string]: ShapeData };
   settings: {
-    finish: { [surface: string]: Setting[] };
+    surface_parameters: { [surface: string]: Setting[] };
     shading: Setting[];
     shadowing: Setting[];
     smoothing: Setting[];
-    air: Setting[];
+    fog: Setting[];
   };
   constants: { proportion: number; layer: boolean; layerProportion: number; glow: number };
   filled: number;

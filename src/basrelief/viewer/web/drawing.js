@@ -320,7 +320,7 @@ export class Drawing {
   choices(state) {
     const { pictures, data } = this;
     const technique = pictures.field ? state.technique : "flat";
-    const { boxes, heights } = data.techniques[technique];
+    const { columns, heights } = data.techniques[technique];
     /** @type {(tiling: Tiling) => boolean} */
     const repeats = ({ tiles, shift }) => shift.some(Boolean) || tiles.some((n) => n <= 0 || n > 1);
     const tilings = [{ tiles: state.tiling, shift: state.shift }];
@@ -340,14 +340,14 @@ export class Drawing {
       technique,
       displaced: technique !== "flat",
       shadows: technique === "flat" ? "none" : state.shadows,
-      boxed: boxes,
+      columns,
       "map.edge": wraps ? "wrap" : "clamp",
-      "map.filter": boxes ? "boxes" : filter,
+      "map.filter": columns ? "columns" : filter,
       own_tilings: state.apart,
       layer,
       ...Object.fromEntries(there),
-      // the tops of boxes are level, whatever the heights beside them
-      normal_map: has("normal") || (has("field") && state.scale > 0 && !boxes),
+      // the tops of columns are level, whatever the heights beside them
+      normal_map: has("normal") || (has("field") && state.scale > 0 && !columns),
       shadows_on: "relief",
       shadow_maps: false,
       depth_only: false,
@@ -366,22 +366,22 @@ export class Drawing {
     const { origin, to_object } = data.shapes[state.shape];
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
     const { proportion, places } = this.lying(state);
-    const finish = { ...state.finish[state.surface] };
+    const surface_parameters = { ...state.surface_parameters[state.surface] };
     // the emission map that the page was made with may be brighter than its own numbers
     const glow = this.pictures.emission?.dropped ? 1 : data.constants.glow;
-    const { emission } = finish;
-    if (Array.isArray(emission)) finish.emission = emission.map((x) => x * glow);
+    const { emission } = surface_parameters;
+    if (Array.isArray(emission)) surface_parameters.emission = emission.map((x) => x * glow);
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
-      depth: { scale: state.scale, level: state.level, bias: state.bias, fade_near, fade_far },
+      relief: { scale: state.scale, reference_height: state.reference_height, bias: state.bias, fade_near, fade_far },
       smoothing: state.smoothing,
       settings: state.settings[technique],
-      finish,
+      surface_parameters,
       places,
       shading: state.shading,
       shadowing: state.shadowing,
-      fog: state.air,
+      fog: state.fog,
       lights: state.lights
         .filter((light) => light.intensity > 0)
         .map((light) => lightRecord(light, Object.keys(data.lightKinds))),
@@ -431,9 +431,9 @@ export class Drawing {
     const found = { left: state };
     const other = state.compare;
     if (other) {
-      const { level, projection } = this.data.techniques[other];
-      const own = state.level === this.data.techniques[state.technique].level;
-      found.right = { ...state, technique: other, level: own ? level : state.level, projection };
+      const { reference_height, projection } = this.data.techniques[other];
+      const own = state.reference_height === this.data.techniques[state.technique].reference_height;
+      found.right = { ...state, technique: other, reference_height: own ? reference_height : state.reference_height, projection };
     }
     // the truth fills the same space, along straight rays; techniques that lie otherwise have their own
     if (state.show === "missed") {
@@ -447,8 +447,8 @@ export class Drawing {
         shadows: "none",
       };
       found.truth = truth;
-      if (right && right.level !== state.level) {
-        found.right_truth = { ...truth, level: right.level };
+      if (right && right.reference_height !== state.reference_height) {
+        found.right_truth = { ...truth, reference_height: right.reference_height };
       }
     }
     return found;

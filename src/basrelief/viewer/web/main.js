@@ -495,8 +495,8 @@ export class View {
 
   /** @param {string} technique */
   useTechnique(technique) {
-    const { level, projection } = this.data.techniques[technique];
-    Object.assign(this.state, { technique, level, projection });
+    const { reference_height, projection } = this.data.techniques[technique];
+    Object.assign(this.state, { technique, reference_height, projection });
   }
 
   /**

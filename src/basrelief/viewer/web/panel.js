@@ -18,17 +18,17 @@ const SHIFT = { low: -1, high: 1, step: 0.01, soft: true };
  * @type {{ [setting: string]: (view: View) => boolean }}
  */
 const ACTS = {
-  "finish.cutoff": ({ state }) => state.alpha === "mask",
-  "finish.layer_color": ({ state }) => state.layer,
-  "finish.layer_normal": ({ state }) => state.layer,
-  "finish.emission": ({ pictures }) => Boolean(pictures.emission),
+  "surface_parameters.cutoff": ({ state }) => state.alpha === "mask",
+  "surface_parameters.layer_color": ({ state }) => state.layer,
+  "surface_parameters.layer_normal": ({ state }) => state.layer,
+  "surface_parameters.emission": ({ pictures }) => Boolean(pictures.emission),
   "shading.diffuse": ({ state }) => state.shading_model === "phong",
   "shading.specular": ({ state }) => state.shading_model === "phong",
   "shading.shininess": ({ state }) => state.shading_model === "phong",
   "shading.directional_occlusion": ({ state }) => state.occlusion_kind === "directional",
-  "air.fog_density": ({ state }) => state.fog !== "linear",
-  "air.fog_start": ({ state }) => state.fog === "linear",
-  "air.fog_end": ({ state }) => state.fog === "linear",
+  "fog.fog_density": ({ state }) => state.fog_mode !== "linear",
+  "fog.fog_start": ({ state }) => state.fog_mode === "linear",
+  "fog.fog_end": ({ state }) => state.fog_mode === "linear",
 };
 
 /**
@@ -68,7 +68,7 @@ export function build(view, panel) {
   const within = active?.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
-    ...[technique, relief, light, camera, surface, air, maps, picture, share].map((make) =>
+    ...[technique, relief, light, camera, surface, fog, maps, picture, share].map((make) =>
       make(view),
     ),
   );
@@ -180,8 +180,8 @@ function relief(view) {
       soft: true,
       doc: "the whole height range as a fraction of a tile's width",
     }),
-    number(view, ["level"], {
-      label: "level",
+    number(view, ["reference_height"], {
+      label: "reference height",
       low: 0,
       high: 1,
       step: 0.01,
@@ -308,13 +308,13 @@ function camera(view) {
 }
 
 /** @param {View} view */
-function air(view) {
+function fog(view) {
   const { data, state } = view;
   return section(
     "Fog",
     false,
-    named(view, "fog", "Fog"),
-    state.fog !== "none" && rows(view, ["air"], data.settings.air),
+    named(view, "fog_mode", "Fog"),
+    state.fog_mode !== "none" && rows(view, ["fog"], data.settings.fog),
     color(view, ["background"], "background"),
   );
 }
@@ -326,7 +326,7 @@ function surface(view) {
     "Surface",
     false,
     named(view, "surface", "Surface"),
-    rows(view, ["finish", state.surface], data.settings.finish[state.surface]),
+    rows(view, ["surface_parameters", state.surface], data.settings.surface_parameters[state.surface]),
     named(view, "mapping", "Colour laid on"),
     named(view, "alpha", "Opacity"),
     check(view, ["apart"], "Maps with tilings of their own"),

@@ -76,17 +76,17 @@ function told(state, data) {
     );
   const numbers = {
     settings: changed(state.settings[state.technique], made.settings),
-    finish: changed(state.finish[state.surface], settings.finish[state.surface]),
+    finish: changed(state.surface_parameters[state.surface], settings.surface_parameters[state.surface]),
     shading: changed(state.shading, settings.shading),
     shadowing: state.shadows === "none" ? {} : changed(state.shadowing, settings.shadowing),
     smoothing: state.heights === "sharp" ? {} : changed(state.smoothing, settings.smoothing),
-    air: state.fog === "none" ? {} : changed(state.air, settings.air),
+    fog: state.fog_mode === "none" ? {} : changed(state.fog, settings.fog),
   };
   /** @type {Fields} */
   const plain = { technique: made.called };
   /** @type {Fields} */
   const now = state;
-  const usual = { ...defaults.plain, level: made.level, projection: made.projection };
+  const usual = { ...defaults.plain, reference_height: made.reference_height, projection: made.projection };
   for (const [name, value] of Object.entries(usual)) {
     if (now[name] !== value) plain[name] = now[name];
   }

@@ -21,7 +21,7 @@
 const TOGETHER = 20; // milliseconds: settings that follow one another from Python are one change
 // the page's name for a setting where the model has another
 /** @type {{ [name: string]: string | undefined }} */
-const MODEL_NAMES = { settings: "settings_of", finish: "finish_of" };
+const MODEL_NAMES = { settings: "settings_of", surface_parameters: "all_surface_parameters" };
 
 /** @type {(name: string) => string} */
 const nameOf = (name) => MODEL_NAMES[name] ?? name;

@@ -19,7 +19,7 @@ Edge = Literal["wrap", "clamp"]
 
 
 @dataclass(frozen=True, eq=False)
-class BoxHits:
+class ColumnHits:
     """Where rays meet boxes first: `t` (n,) from 0 to 1, texture coordinates (n, 2), and `side`
     (n, 2), −1 or 1 along the axis of texture coordinates that the met side faces, 0 and 0 on top.
     """
@@ -29,9 +29,9 @@ class BoxHits:
     side: NDArray[np.int64]
 
 
-def first_box_hits(
+def first_column_hits(
     heights: ArrayLike, uv: ArrayLike, travel: ArrayLike, edge: Edge = "wrap"
-) -> BoxHits:
+) -> ColumnHits:
     """The first place at which each ray is not above the box of the texel that it is over.
 
     `heights` (h, w) within 0 to 1; `uv` (n, 2) where the rays are at height 1; `travel` (n, 2) how
@@ -44,7 +44,7 @@ def first_box_hits(
     start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
     met = [_first(field, s, w, edge) for s, w in zip(start, way, strict=True)]
     t = np.array([each[0] for each in met])
-    return BoxHits(t, start + way * t[:, None], np.array([each[1] for each in met]))
+    return ColumnHits(t, start + way * t[:, None], np.array([each[1] for each in met]))
 
 
 def _first(field: Floats, uv: Floats, travel: Floats, edge: Edge) -> tuple[float, tuple[int, int]]:
