@@ -112,7 +112,9 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "surface_parameters": (
         "--set roughness=0.2 --set base_color=0.9,0.1/0.2 --set normal_strength=0",
-        {"surface_parameters": SurfaceParameters(basrelief.lang.Vec3(0.9, 0.1, 0.2), roughness=0.2, normal_strength=0.0)},
+        {"surface_parameters": SurfaceParameters(
+            basrelief.lang.Vec3(0.9, 0.1, 0.2), roughness=0.2, normal_strength=0.0
+        )},
     ),
     "shading": (
         "--set ambient=0.7", {"shading": basrelief.Shading(ambient=basrelief.lang.Vec3(0.7))},
@@ -180,7 +182,10 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "landscape": (
         "--surface landscape --set water_level=0.6 --set sky-color=0/1/0",
-        {"surface": "landscape", "surface_parameters": {"water_level": 0.6, "sky_color": (0.0, 1.0, 0.0)}},
+        {
+            "surface": "landscape",
+            "surface_parameters": {"water_level": 0.6, "sky_color": (0.0, 1.0, 0.0)},
+        },
     ),
     "fog": ("--fog-mode exponential --set fog_density=0.9", {
         "fog_mode": "exponential", "fog": {"fog_density": 0.9},

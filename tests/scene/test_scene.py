@@ -79,9 +79,13 @@ REFUSED = {
     "a level below 0": ({"level": -0.1}, "level is -0.1"),
     "a bias below 0": ({"bias": -0.42}, "bias is -0.42"),
     "a bias that is none": ({"bias": NAN}, "bias is nan"),
-    "a negative strength": ({"surface_parameters": SurfaceParameters(normal_strength=-1.0)}, "normal_strength is -1"),
+    "a negative strength": (
+        {"surface_parameters": SurfaceParameters(normal_strength=-1.0)}, "normal_strength is -1",
+    ),
     "no roughness": ({"surface_parameters": SurfaceParameters(roughness=NAN)}, "roughness is nan"),
-    "darker than black": ({"surface_parameters": SurfaceParameters(base_color=(0, -1, 0))}, "base_color is -1"),
+    "darker than black": (
+        {"surface_parameters": SurfaceParameters(base_color=(0, -1, 0))}, "base_color is -1",
+    ),
     "no tiles": ({"tiling": (0.0, 1.0)}, "tiling (0.0, 1.0): give finite numbers other than 0"),
     "endless tiles": ({"tiling": (1.0, INF)}, "tiling (1.0, inf)"),
     "an endless shift": ({"shift": (INF, 0.0)}, "give finite numbers"),

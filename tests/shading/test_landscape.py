@@ -125,7 +125,8 @@ def land(height: float, water_level: float = 0.0, **options) -> Object:
         "scale": 0.5,
         **options,
     }
-    return Object(plain(GRASS, height), surface="landscape", surface_parameters=surface_parameters, transform=np.eye(4),
+    return Object(plain(GRASS, height), surface="landscape",
+                  surface_parameters=surface_parameters, transform=np.eye(4),
                   **options)  # fmt: skip
 
 

@@ -701,7 +701,7 @@ def test_limiting_divides_by_nothing() -> None:
 
     @shader
     def entry(at: IVec2, relief: ReliefParameters, variant: Variant) -> Ray:
-        travel = move_of(Vec3(float(at.x), 0.0, 1.0), depth.bias, variant)
+        travel = move_of(Vec3(float(at.x), 0.0, 1.0), relief.bias, variant)
         return Ray(travel, travel, 1.0, 1.0, 1.0)
 
     def body(kind) -> str:
@@ -748,7 +748,7 @@ def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full
     small = Footprint(Vec2(0.0), Vec2(0.0))
     with bound({displace: technique}):
         return displaced(
-            EMPTY, UNBAKED, meeting(view), small, place, depth, Smoothing(), settings, Shadowing(),
+            EMPTY, UNBAKED, meeting(view), small, place, relief, Smoothing(), settings, Shadowing(),
             variant,
         )  # fmt: skip
 

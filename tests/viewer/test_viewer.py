@@ -701,8 +701,8 @@ def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> No
 
 def _changed(fresh: Seen) -> None:
     fresh.state(
-        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06, reference_height=0.75,
-        tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
+        technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06,
+        reference_height=0.75, tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
         shading_model="phong",
     )  # fmt: skip
     fresh.page.evaluate(

@@ -39,10 +39,10 @@ class Sample:
 class TracedRay:
     """The ray of one pixel, what a technique read along it, and where it should have ended.
 
-    `uv` is where the ray meets the polygon, at height `reference_height`; while it falls from height 1 to 0 it
-    moves by `travel`, in texture coordinates. `hit` is the technique's own; `true_uv` and
-    `true_height` those of the first hit in float64, on the bilinear surface, or on boxes where the
-    technique takes texels for boxes. `heights` are the map, (height, width) float64.
+    `uv` is where the ray meets the polygon, at height `reference_height`; while it falls from
+    height 1 to 0 it moves by `travel`, in texture coordinates. `hit` is the technique's own;
+    `true_uv` and `true_height` are those of the first hit in float64, on the bilinear surface, or
+    on columns where the technique draws columns. `heights` is the map, (height, width) float64.
     """
 
     material: str

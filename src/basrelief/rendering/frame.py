@@ -40,10 +40,11 @@ class Image:
 class Frame:
     """What was drawn, pixel by pixel; arrays are (height, width, …), row 0 at the top.
 
-    `color` (…, 4) float32 linear with coverage, over the background; `distance` float32, the distance
-    from the camera along the ray in world units, infinite where nothing is; `uv` (…, 2) float32,
-    the displaced texture coordinates; `hit` bool; `reads` int32, how many heights were read. All
-    but the colour are those of the first sample, in the middle of the pixel. `engine` says on what.
+    `color` (…, 4) float32 is linear with coverage, over the background; `distance` float32 is that
+    from the camera along the ray in world units, infinite where nothing is hit; `uv` (…, 2) float32
+    are the displaced texture coordinates; `hit` bool; `reads` int32 is the number of heights read.
+    All but the colour are those of the first sample, in the middle of the pixel. `engine` says on
+    what.
     """
 
     color: NDArray[np.float32]

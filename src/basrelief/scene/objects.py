@@ -94,9 +94,9 @@ class Object:
 
     `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
     heights, and asking for one where there are none is an error. `settings` is its record, or a
-    mapping of the fields to change. `scale` defaults to the material's, `reference_height` and `projection`
-    to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a layer too,
-    whose tiles then do not repeat), or "clip" (nothing).
+    mapping of the fields to change. `scale` defaults to the material's, `reference_height` and
+    `projection` to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a
+    layer too, whose tiles then do not repeat), or "clip" (nothing).
     `heights` are read "sharp", from the finest level, "smooth", as `smoothing` says, or "mip", from
     the one level whose texels are as large as the pixel sees them. `fade` is
     the distance from the camera, in world units, up to which the relief is whole, and that at which
@@ -107,8 +107,8 @@ class Object:
     ("triplanar"). `alpha` says what opacity means: "blend", "mask" (a cut-out) or "opaque";
     `casts` whether the object casts shadows on others, "opaque" as if nothing were cut out of it.
 
-    `surface` is "standard" or "landscape", `surface_parameters` its record or a mapping of the fields to
-    change; `layer` lies over it. Raises InputError for values out of range.
+    `surface` is "standard" or "landscape", `surface_parameters` its record or a mapping of the
+    fields to change; `layer` lies over it. Raises InputError for values out of range.
     """
 
     material: Material

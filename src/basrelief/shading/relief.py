@@ -32,11 +32,11 @@ from basrelief.techniques.technique import Settings, displace
 
 @struct
 class ReliefParameters:
-    """How deep the relief is: `scale` is the whole range as a fraction of a tile's width.
+    """Depth of the relief: `scale` is the whole range as a fraction of a tile's width.
 
-    `reference_height` is the height that lies on the polygon; `bias` is what the projection `biased` adds.
-    Where the relief fades with distance, it is whole up to `fade_near` and gone from `fade_far`
-    on, in world units.
+    `reference_height` is the height that lies on the polygon; `bias` is what the projection
+    `biased` adds. Where the relief fades with distance, it is whole up to `fade_near` and gone from
+    `fade_far` on, in world units.
     """
 
     scale: float

@@ -17,10 +17,10 @@ class Ray:
     line by a quarter of `bend`. Over a flat surface one straight segment is the whole ray, from
     height 1 to height 0.
 
-    `cosine` is V · N, 1 head-on and 0 along the surface. `reference_height` is the height of the polygon;
-    `scale` the range of heights in tile widths; `share` the segment's part of the whole way, by
-    which steps are shared out. `lod` and `fade` say how smooth the heights are read
-    (`techniques.height`), where they are read smooth.
+    `cosine` is V · N, 1 head-on and 0 along the surface. `reference_height` is that of the
+    polygon; `scale` the range of heights in tile widths; `share` the segment's part of the whole
+    ray, by which steps are divided among segments. `lod` and `fade` say how smooth the heights
+    are read (`techniques.height`), where they are read smooth.
     """
 
     uv: Vec2

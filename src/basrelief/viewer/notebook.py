@@ -238,15 +238,16 @@ class Viewer(anywidget.AnyWidget):
 
     Every setting of the page is an attribute, checked when it is set, that `observe` and marimo
     follow: `technique`, `shape`, `projection`, `heights`, `edge`, `mapping`, `alpha`, `surface`,
-    `shadows`, `shading_model`, `occlusion_kind`, `fog` (names); `scale`, `reference_height`, `bias`, `divider`
-    (numbers); `tiling`, `shift`, and `fade` where `fades` is True (two numbers); `settings` (of the
-    technique), `surface_parameters` (of the surface), `smoothing`, `shading`, `shadowing`, `fog` (set by a
-    mapping of what differs from the defaults, read as a whole); where `apart` is True `tilings` of
-    single maps, and where there is a `layer` its `layer_tiling` (set by `Tiling`s, read as
-    mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights` (set by lights, read
+    `shadows`, `shading_model`, `occlusion_kind`, `fog_mode` (names); `scale`, `reference_height`,
+    `bias`, `divider` (numbers); `tiling`, `shift`, and `fade` where `fades` is True (two numbers);
+    `settings` (of the technique), `surface_parameters`, `smoothing`, `shading`, `shadowing`, `fog`
+    (set by a mapping of what differs from the defaults, read as a whole); where `apart` is True
+    `tilings` of single maps, and where there is a `layer` its `layer_tiling` (set by
+    `Tiling`s, read as mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights` (set by lights, read
     as mappings); `compare` (a technique beside it, or ""), `show` ("color", "reads", "missed",
-    "depth"). `settings_of` and `all_surface_parameters` hold those of all techniques and surfaces by name. As in
-    the page, another technique brings its own level and projection, another shape its own tiling.
+    "depth"). `settings_of` and `all_surface_parameters` hold those of all techniques and surfaces
+    by name. As in the page, another technique brings its own reference height and projection,
+    another shape its own tiling.
 
     Raises InputError for a value that is none of these, and for a scene that the page's programs
     do not draw.
@@ -376,8 +377,8 @@ class Viewer(anywidget.AnyWidget):
     def _follow(self) -> None:
         """Let settings follow one another; what the page says itself it has made follow."""
         for name in (
-            "technique", "shape", "settings", "settings_of", "surface", "surface_parameters", "all_surface_parameters",
-            "tilings",
+            "technique", "shape", "settings", "settings_of", "surface", "surface_parameters",
+            "all_surface_parameters", "tilings",
         ):  # fmt: skip
             self.observe(getattr(self, f"_follow_{name}"), name)
 

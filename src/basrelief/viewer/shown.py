@@ -15,7 +15,8 @@ from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
 
 _SHARED = (
-    *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading", "shadowing", "fog"
+    *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading",
+    "shadowing", "fog",
 )  # fmt: skip
 """The settings that an object or a scene has by the same names."""
 

@@ -126,7 +126,8 @@ function holdSettings(state, { techniques, settings }) {
   for (const [name, { settings: own }] of Object.entries(techniques)) {
     holdRecord(state.settings[name], own);
   }
-  for (const [name, own] of Object.entries(settings.surface_parameters)) holdRecord(state.surface_parameters[name], own);
+  for (const [name, own] of Object.entries(settings.surface_parameters))
+    holdRecord(state.surface_parameters[name], own);
   for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "fog"])) {
     holdRecord(state[name], settings[name]);
   }

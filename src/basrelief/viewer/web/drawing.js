@@ -374,7 +374,13 @@ export class Drawing {
     return {
       view: { camera: orbit(this.camera(state, size), size), sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
-      relief: { scale: state.scale, reference_height: state.reference_height, bias: state.bias, fade_near, fade_far },
+      relief: {
+        scale: state.scale,
+        reference_height: state.reference_height,
+        bias: state.bias,
+        fade_near,
+        fade_far,
+      },
       smoothing: state.smoothing,
       settings: state.settings[technique],
       surface_parameters,
@@ -433,7 +439,12 @@ export class Drawing {
     if (other) {
       const { reference_height, projection } = this.data.techniques[other];
       const own = state.reference_height === this.data.techniques[state.technique].reference_height;
-      found.right = { ...state, technique: other, reference_height: own ? reference_height : state.reference_height, projection };
+      found.right = {
+        ...state,
+        technique: other,
+        reference_height: own ? reference_height : state.reference_height,
+        projection,
+      };
     }
     // the truth fills the same space, along straight rays; techniques that lie otherwise have their own
     if (state.show === "missed") {

@@ -326,7 +326,11 @@ function surface(view) {
     "Surface",
     false,
     named(view, "surface", "Surface"),
-    rows(view, ["surface_parameters", state.surface], data.settings.surface_parameters[state.surface]),
+    rows(
+      view,
+      ["surface_parameters", state.surface],
+      data.settings.surface_parameters[state.surface],
+    ),
     named(view, "mapping", "Colour laid on"),
     named(view, "alpha", "Opacity"),
     check(view, ["apart"], "Maps with tilings of their own"),

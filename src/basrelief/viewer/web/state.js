@@ -76,7 +76,10 @@ function told(state, data) {
     );
   const numbers = {
     settings: changed(state.settings[state.technique], made.settings),
-    finish: changed(state.surface_parameters[state.surface], settings.surface_parameters[state.surface]),
+    finish: changed(
+      state.surface_parameters[state.surface],
+      settings.surface_parameters[state.surface],
+    ),
     shading: changed(state.shading, settings.shading),
     shadowing: state.shadows === "none" ? {} : changed(state.shadowing, settings.shadowing),
     smoothing: state.heights === "sharp" ? {} : changed(state.smoothing, settings.smoothing),
@@ -86,7 +89,11 @@ function told(state, data) {
   const plain = { technique: made.called };
   /** @type {Fields} */
   const now = state;
-  const usual = { ...defaults.plain, reference_height: made.reference_height, projection: made.projection };
+  const usual = {
+    ...defaults.plain,
+    reference_height: made.reference_height,
+    projection: made.projection,
+  };
   for (const [name, value] of Object.entries(usual)) {
     if (now[name] !== value) plain[name] = now[name];
   }
