@@ -189,7 +189,9 @@ def test_a_scene_of_nothing_said_is_the_default() -> None:
     assert made.objects[0].technique is relief
     for name in ("camera", "lights", "shading", "shading_model", "background"):
         assert getattr(made, name) == getattr(wanted, name)
-    for name in ("settings", "scale", "level", "projection", "bias", "edge", "tiling", "shift"):
+    for name in (
+        "settings", "scale", "reference_height", "projection", "bias", "edge", "tiling", "shift",
+    ):  # fmt: skip
         assert getattr(made.objects[0], name) == getattr(wanted.objects[0], name)
 
 
@@ -236,7 +238,7 @@ def test_places_and_sizes() -> None:
         ({"edge": "mirror"}, "edge is one of wrap, clamp, clip, not 'mirror'"),
         ({"shading_model": "cel"}, "shading_model is one of ggx, phong, not 'cel'"),
         ({"scale": math.nan}, "scale is nan: give a number from 0 to 10"),
-        ({"level": 2.0}, "level is 2: give a number from 0 to 1"),
+        ({"reference_height": 2.0}, "reference_height is 2: give a number from 0 to 1"),
         ({"tiling": "0"}, "tiling (0.0, 0.0): give finite numbers other than 0"),
         ({"tiling": "wide"}, "--tiling wide: write a number"),
         ({"shift": "inf"}, "--shift inf: write a finite number"),
@@ -252,7 +254,7 @@ def test_places_and_sizes() -> None:
         ({"settings": ["fog_density=-1"]}, "fog_density is -1: give a number from 0 to 1000"),
         (
             {"fog_mode": "thick"},
-            "fog is one of none, linear, exponential, exponential_squared, not 'th",
+            "fog_mode is one of none, linear, exponential, exponential_squared, not 'th",
         ),
         ({"occlusion_kind": "all"}, "occlusion_kind is one of ambient, directional, not 'all'"),
         ({"map_tiling": ["2x3"]}, "--map-tiling 2x3: write NAME=VALUE"),
@@ -287,7 +289,7 @@ def test_further_objects() -> None:
     assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
     assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
     assert ball.to_world == pytest.approx(rotated("z", 90.0))
-    (_, lifted) = scene(add=["sphere,material=sample:tiles,level=0.5,bias=0.2,scale=0.1"]).objects
+    (_, lifted) = scene(add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]).objects
     assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
 
 
@@ -383,7 +385,7 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
             ),
             "shape": st.sampled_from(["plane", "box", "torus"]),
             "scale": st.floats(),
-            "level": st.floats(),
+            "reference_height": st.floats(),
         },
     )
 )

@@ -186,7 +186,8 @@ WRONG = {
     "inside the box": ("--shape box --camera position=0.2/0.4/0", "the camera is inside the box"),
     "inside the cylinder": ("--shape cylinder --camera distance=0.4", "is inside the cylinder"),
     "inside the relief": (
-        "--level 0 --scale 0.5 --camera position=0.1/0.2/0", "the camera is inside the plane",
+        "--reference-height 0 --scale 0.5 --camera position=0.1/0.2/0",
+        "the camera is inside the plane",
     ),
     "behind the plane": ("--camera elevation=-20", "the camera is behind the plane, which has no"),
     "no such light": ("--light lamp", "--light lamp: begin with directional, point, spot"),

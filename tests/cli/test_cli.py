@@ -125,7 +125,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "shape": ("--shape cylinder", {"shape": "cylinder"}),
     "scale": ("--scale 0.21", {"scale": 0.21}),
-    "level": ("--level 0.3", {"level": 0.3}),
+    "level": ("--reference-height 0.3", {"reference_height": 0.3}),
     "projection": ("--projection limited", {"projection": "limited"}),
     "bias": ("--projection biased --set bias=0.1", {"projection": "biased", "bias": 0.1}),
     "clamp": ("--edge clamp --scale 0.3", {"edge": "clamp", "scale": 0.3}),
@@ -497,7 +497,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         for setting in made.settings.__dataclass_fields__:
             assert f"\n    {setting}=" in parts[name]
     assert "Policarpo" in parts["relief"]
-    assert "Defaults: --level 0.5 --projection limited" in parts["offset_limited"]
+    assert "Defaults: --reference-height 0.5 --projection limited" in parts["offset_limited"]
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
     assert "bias (0.42)" in parts["with every technique"]
     for heading, shown in (

@@ -49,7 +49,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     assert state["technique"] == "steep"
     assert state["settings"]["steep"]["steps"] == 9
     assert (state["shape"], state["heights"], state["edge"]) == ("cylinder", "smooth", "clamp")
-    assert (state["fog"], state["fog"]["fog_end"]) == ("linear", 7.0)
+    assert (state["fog_mode"], state["fog"]["fog_end"]) == ("linear", 7.0)
     assert (state["surface"], state["shadows"]) == ("landscape", "soft")
     assert state["tilings"]["normal"]["tiles"] == [2.0, 3.0]
     (light,) = state["lights"]

@@ -210,10 +210,10 @@ MENUS: dict[str, dict[str, Option]] = {
         "biased": Option(object={"projection": "biased", "bias": 0.31}),
         "limited": Option(object={"projection": "limited"}),
     },
-    "level": {
-        "level-0": Option(object={"level": 0.0}),
-        "level-half": Option(object={"level": 0.5}),
-        "level-1": Option(object={"level": 1.0}),
+    "reference_height": {
+        "level-0": Option(object={"reference_height": 0.0}),
+        "level-half": Option(object={"reference_height": 0.5}),
+        "level-1": Option(object={"reference_height": 1.0}),
     },
     "heights": {
         "smooth": Option(object={"heights": "smooth"}),

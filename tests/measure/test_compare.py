@@ -163,7 +163,9 @@ def test_the_json_has_its_keys_and_the_numbers(found, tmp_path) -> None:
         assert said["uv_error"]["percentile_99"] == each.errors.uv.percentile_99
         assert (said["flip"], said["seconds"]) == (each.flip, each.seconds)
     assert {each["name"] for each in read["techniques"]} == set(found.objects)
-    assert set(read["techniques"][0]) == {"name", "technique", "settings", "level", "projection"}
+    assert set(read["techniques"][0]) == {
+        "name", "technique", "settings", "reference_height", "projection",
+    }  # fmt: skip
     assert read["advice"]["technique"] in found.objects
 
 

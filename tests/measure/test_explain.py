@@ -40,7 +40,9 @@ def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> 
 
 
 @pytest.mark.parametrize("name", [name for name in TECHNIQUES if name != "flat"])
-@pytest.mark.parametrize("options", [{}, {"level": 0.5, "edge": "clamp", "tiling": (2.0, 1.5)}])
+@pytest.mark.parametrize(
+    "options", [{}, {"reference_height": 0.5, "edge": "clamp", "tiling": (2.0, 1.5)}]
+)
 def test_it_ends_where_the_cpu_does_and_notes_each_read(name: str, options: dict) -> None:
     scene = Scene((obj(name, **options),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, engine="cpu")

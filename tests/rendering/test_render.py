@@ -127,7 +127,7 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(BRICKS, samples=1025), "1025 samples a pixel"),
         (
             lambda: drawn(BRICKS, tecnique="relief"),
-            "no option 'tecnique'; there are air, alpha, background, bias",
+            "no option 'tecnique'; there are alpha, background, bias",
         ),
         (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already said by the"),
         (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already said by the"),

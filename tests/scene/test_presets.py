@@ -317,7 +317,7 @@ def test_an_object_or_a_scene_takes_no_preset() -> None:
     for what in (obj, Scene((obj,))):
         message = refusal(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
         assert "preset: already said by the" in message
-    assert "no option 'colour'; there are air, alpha, " in refusal(
+    assert "no option 'colour'; there are alpha, " in refusal(
         lambda: drawn("gamedev", colour=1)
     )
 
@@ -382,7 +382,7 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
         ("[object.settings]\nmax_steps = 2.5", "max_steps is a whole number, not 2.5"),
         (
             "[object.surface_parameters]\nbase_color = [1, 2]",
-            "object.finish.base_color is (1, 2): give a num",
+            "object.surface_parameters.base_color is (1, 2): give a num",
         ),
         ("[object.tilings.height]\ntiles = [1, 2]", "a tiling of its own is one of base_color"),
         ("[object.tilings.normal]\ntile = [1, 2]", "object.tilings.normal has no key 'tile'"),
@@ -390,7 +390,7 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
         ("[maps]\nheight_channel = 'x'", "height_channel is one of auto, r, g, b, a"),
         ("[maps]\nstretch_height = 1", "maps.stretch_height is 1: give true or false"),
         ("[scene]\nshadows = 3", "scene.shadows is 3: give a text"),
-        ("[scene]\nfog = 'thick'", "fog is one of none, linear"),
+        ("[scene]\nfog_mode = 'thick'", "fog_mode is one of none, linear"),
         ("[scene]\nbackground = 'red'", "scene.background is 'red': give three numbers"),
         ("[scene.camera]\nazimut = 3", "scene.camera has no key 'azimut'; it has azimuth"),
         ("[scene.camera]\ndistance = -1", "a camera at distance -1"),
@@ -502,7 +502,7 @@ PRESET_VALUES = st.fixed_dictionaries(
             {"technique": st.just("relief")},
             optional={
                 "scale": NUMBERS,
-                "level": NUMBERS,
+                "reference_height": NUMBERS,
                 "projection": st.sampled_from(["full", "biased", "limited"]),
                 "fade": st.tuples(st.floats(0, 1), st.floats(2, 3)),
                 "settings": st.fixed_dictionaries(

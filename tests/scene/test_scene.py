@@ -75,8 +75,10 @@ REFUSED = {
     "a scale beyond 10": ({"scale": 11}, "scale is 11: give a number from 0 to 10"),
     "a scale that is none": ({"scale": NAN}, "scale is nan"),
     "an endless scale": ({"scale": INF}, "scale is inf"),
-    "a level beyond 1": ({"level": 1.5}, "level is 1.5: give a number from 0 to 1"),
-    "a level below 0": ({"level": -0.1}, "level is -0.1"),
+    "a reference height beyond 1": (
+        {"reference_height": 1.5}, "reference_height is 1.5: give a number from 0 to 1",
+    ),
+    "a reference height below 0": ({"reference_height": -0.1}, "reference_height is -0.1"),
     "a bias below 0": ({"bias": -0.42}, "bias is -0.42"),
     "a bias that is none": ({"bias": NAN}, "bias is nan"),
     "a negative strength": (
@@ -444,7 +446,7 @@ OPTIONS = st.fixed_dictionaries(
             max_size=3,
         ),
         "scale": SMALL_NUMBERS,
-        "level": SMALL_NUMBERS,
+        "reference_height": SMALL_NUMBERS,
         "bias": SMALL_NUMBERS,
         "tiling": st.tuples(SMALL_NUMBERS, SMALL_NUMBERS),
         "shift": st.tuples(SMALL_NUMBERS, SMALL_NUMBERS),
@@ -477,7 +479,7 @@ def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -
         return
     assert np.isfinite(frame.color).all()
     assert np.isfinite(frame.uv).all()
-    assert not np.isnan(frame.depth).any()
+    assert not np.isnan(frame.distance).any()
     assert (frame.reads >= 0).all()
 
 

@@ -26,7 +26,7 @@ SUNKEN = {
     "technique": "parallax_occlusion",
     "settings": {"min_steps": 8, "max_steps": 8},
     "scale": 0.3,
-    "level": 1.0,
+    "reference_height": 1.0,
 }
 
 

@@ -26,16 +26,16 @@ FULL = {"shadows": "hard", "fog_mode": "exponential", "occlusion_kind": "directi
 """A scene in which every part of the light has code."""
 LIT = {
     "lights", "shading", "fog", "views", "distances", "arriving", "reflectance", "ggx",
-    "ambient_light", "shading_point", "self_shadowed", "past_others", "seen_from", "receiver",
-    "open_from_above", "fogged", "exponential",
+    "ambient_light", "shading_point", "self_shadow_visibility", "shadow_map_visibility", "seen_from", "receiver",
+    "directional_visibility", "fogged", "exponential",
 }  # fmt: skip
 """What a program with light has: its resources and records, and the functions of the pixel."""
 OBJECTS: dict[str, dict[str, Any]] = {
-    "a plane": {"level": 0.6, "transform": LYING},
+    "a plane": {"reference_height": 0.6, "transform": LYING},
     "a clipped plane": {"edge": "clip", "technique": "relief"},
-    "a raised box": {"shape": "box", "level": 0.3, "transform": rotated("y", 20.0)},
+    "a raised box": {"shape": "box", "reference_height": 0.3, "transform": rotated("y", 20.0)},
     "a sphere": {"shape": "sphere", "technique": "exact", "tiling": (4.0, -2.0)},
-    "a cylinder": {"shape": "cylinder", "technique": "cone", "level": 0.5},
+    "a cylinder": {"shape": "cylinder", "technique": "cone", "reference_height": 0.5},
     "columns": {"technique": "texel", "shape": "box", "scale": 0.2},
     "nothing displaced": {"technique": "flat", "shape": "cylinder"},
     "a mask": {"alpha": "mask", "transform": placed(scale=(1.2, 0.8, 1.0)) @ LYING},
@@ -68,7 +68,7 @@ def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
     """And a picture has it all, so that the names above are the right ones."""
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
     lit = words(program_of(made, Scene((made, other), **FULL)))
-    assert lit >= LIT - ({"self_shadowed"} if name == "nothing displaced" else set())
+    assert lit >= LIT - ({"self_shadow_visibility"} if name == "nothing displaced" else set())
     of_shadow = {"shadowing", "Shadowing", "shadow", "shadow_steps"}
     assert words(depth_program_of(made)) & (LIT | of_shadow) == set()
 

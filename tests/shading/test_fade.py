@@ -12,7 +12,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
-from basrelief.shading.relief import ReliefParameters, faded
+from basrelief.shading.relief import ReliefParameters, faded_relief
 from basrelief.shading.variant import Variant
 from helpers.agreement import assert_engines_agree
 from helpers.made_up import drawn, map_of, on_plane, plain
@@ -27,10 +27,10 @@ NEAR, FAR = 2.4, 4.0
 def test_the_shader_halves_the_depth_in_the_middle() -> None:
     deep, fades = ReliefParameters(0.4, 0.7, 0.42, NEAR, FAR), Variant(fades=True)
     for distance, left in ((0.0, 1.0), (2.4, 1.0), (3.2, 0.5), (4.0, 0.0), (90.0, 0.0)):
-        found = faded(deep, np.float32(distance), fades)
+        found = faded_relief(deep, np.float32(distance), fades)
         assert float(found.scale) == pytest.approx(0.4 * left, abs=1e-6)
         assert (found.reference_height, found.bias) == (deep.reference_height, deep.bias)
-    assert faded(deep, np.float32(4.0), fades).scale == 0.0
+    assert faded_relief(deep, np.float32(4.0), fades).scale == 0.0
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0])
@@ -119,7 +119,7 @@ def test_without_fading_there_is_no_code_for_it() -> None:
         print_wgsl(program_of(Object(material, fade=fade)).module, "wrap")
         for fade in (None, (1.0, 2.0))
     ]
-    assert ["depth.fade_near" in text for text in texts] == [False, True]
+    assert ["relief.fade_near" in text for text in texts] == [False, True]
 
 
 @pytest.mark.gpu

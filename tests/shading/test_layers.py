@@ -37,8 +37,10 @@ def reliefs(material: Material, height: float = HEIGHT, **options) -> Object:
         "made up", **{**dict(material.maps()), "height": map_of(np.full((1, 1), height))}
     )
     steps = {"min_steps": 8, "max_steps": 8}
-    options = {"technique": "parallax_occlusion", "settings": steps, "level": 1.0, **options}
-    return Object(material, scale=SCALE, transform=np.eye(4), **options)
+    options = {"technique": "parallax_occlusion", "settings": steps, **options}
+    return Object(
+        material, **{"scale": SCALE, "reference_height": 1.0, "transform": np.eye(4), **options}
+    )
 
 
 def places(obj: Object) -> np.ndarray:

@@ -103,7 +103,7 @@ def test_without_a_direction_there_is_no_code_for_it() -> None:
         print_wgsl(program_of(obj, Scene((obj,), occlusion_kind=kind)).module, "wrap")
         for kind in ("ambient", "directional")
     ]
-    assert ["open_from_above" in text for text in texts] == [False, True]
+    assert ["directional_visibility" in text for text in texts] == [False, True]
 
 
 @pytest.mark.gpu

@@ -183,7 +183,7 @@ class Face:
     right: Array
     down: Array
     rise: Array
-    level: float
+    reference_height: float
     tiles: Array
     shift: Array
     form: Form
@@ -362,7 +362,7 @@ def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling
         "technique": technique,
         "settings": FINE[technique],
         "scale": 0.22,
-        "level": 1.0 if form is RAMP else 0.4,
+        "reference_height": 1.0 if form is RAMP else 0.4,
         "tiling": tiling,
         "shift": TILINGS[tiling],
         "transform": TRANSFORMS[transform],

@@ -741,7 +741,7 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 # --- what is in a program -------------------------------------------------------------------------
 
 PARALLAX = {
-    "corners", "depth_seen", "height_range", "lod_seen", "relief_ray", "span_of", "trace",
+    "corners", "faded_relief", "height_range", "lod_seen", "relief_ray", "span_of", "trace",
     "shell_depth", "move_of", "sharp", "height_under", "surface_height", "march", "chord", "at",
     "height_at", "hit_at", "t_at", "steps_by_angle", "step_count_by_angle", "step_count",
     "shifted", "full", "biased", "limited", "line_over", "share_of_cone",
@@ -773,7 +773,7 @@ def test_without_heights_there_is_no_parallax_code(shape) -> None:
     assert not functions(obj) & PARALLAX
     text = print_wgsl(program_of(obj).module, "wrap")
     assert "texture_2d<f32>" not in text
-    assert "Depth" not in text
+    assert "ReliefParameters" not in text
 
 
 def test_drawn_flat_there_is_no_parallax_code_either() -> None:

@@ -252,7 +252,7 @@ def test_a_program_without_shadows_has_none_in_it():
     obj = Object(sample("bricks", 16))
     without = print_wgsl(program_of(obj).module, "wrap")
     within = print_wgsl(program_of(obj, Scene((obj,), shadows="soft")).module, "wrap")
-    for word in ("self_shadowed", "Reaching", "shadow_steps"):
+    for word in ("self_shadow_visibility", "Reaching", "shadow_steps"):
         assert word not in without
         assert word in within
 

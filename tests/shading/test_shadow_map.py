@@ -482,10 +482,10 @@ def test_without_other_objects_or_shadows_there_is_no_code_for_them() -> None:
         return print_wgsl(program.module, program.edge)
 
     for without in (text(obj, shadows="hard"), text(obj, other)):
-        for word in ("past_others", "CastView", "seen_from", "distances"):
+        for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
             assert word not in without
     within = text(obj, other, shadows="hard")
-    for word in ("past_others", "CastView", "seen_from", "distances"):
+    for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
         assert word in within
 
 

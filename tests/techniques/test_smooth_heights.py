@@ -67,8 +67,10 @@ STEPS = {"min_steps": 16, "max_steps": 16}
 
 
 def relief(material: Material, **options) -> Object:
-    options = {"technique": "parallax_occlusion", "settings": STEPS, "level": 1.0, **options}
-    return Object(material, scale=0.2, transform=np.eye(4), **options)
+    options = {"technique": "parallax_occlusion", "settings": STEPS, **options}
+    return Object(
+        material, **{"scale": 0.2, "reference_height": 1.0, "transform": np.eye(4), **options}
+    )
 
 
 def test_a_plane_of_one_height_stays_as_it_is() -> None:

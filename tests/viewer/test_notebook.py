@@ -86,10 +86,10 @@ def viewer(made: Viewer) -> Iterator[Viewer]:
 
 
 SHARED = (
-    "technique", "shape", "projection", "shadows", "shading_model", "scale", "level", "bias",
-    "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
+    "technique", "shape", "projection", "shadows", "shading_model", "scale", "reference_height",
+    "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
     "mapping", "alpha", "surface", "layer", "layer_tiling", "shading", "shadowing",
-    "occlusion_kind", "fog", "fog", "background", "lights", "camera", "compare", "divider", "show",
+    "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider", "show",
 )  # fmt: skip
 
 
@@ -210,7 +210,9 @@ def test_a_technique_and_a_shape_bring_what_is_theirs(viewer: Viewer) -> None:
     viewer.shape = "sphere"
     assert (viewer.tiling, viewer.camera) == ((4.0, 2.0), Orbit(24.0, 32.0))
     # the page says all of it at once
-    viewer.set_state({"technique": "offset", "level": 0.75, "shape": "box", "tiling": [3, 2]})
+    viewer.set_state(
+        {"technique": "offset", "reference_height": 0.75, "shape": "box", "tiling": [3, 2]}
+    )
     assert (viewer.reference_height, viewer.tiling) == (0.75, (3.0, 2.0))
 
 
@@ -272,11 +274,11 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("technique", "releif", r"technique is one of flat, offset, .*, not 'releif'"),
         ("shape", "cube", r"shape is one of plane, box, sphere, cylinder, not 'cube'"),
         ("scale", -1.0, r"scale is -1: give a number from 0 to 10"),
-        ("level", "half", r"level is 'half': give a number"),
+        ("reference_height", "half", r"reference_height is 'half': give a number"),
         ("scale", None, r"scale is None: give a number"),
         ("height", -5, r"height is -5: give a number from 100 to 10000"),
         ("height", "tall", r"height is 'tall': give a whole number"),
-        ("scene", 5, r"a viewer has no setting 'scene'; it has air, .* finish, .* settings"),
+        ("scene", 5, r"a viewer has no setting 'scene'; it has all_surface_parameters, .* fog, .* settings"),
         ("observe", 3, r"a viewer has no setting 'observe'"),
         ("camera", LookAt((0.0, 0.0, 0.0)), r"position and target are the same point"),
         ("lights", [{"intensity": -4}], r"intensity is -4: give a number from 0"),
@@ -312,7 +314,7 @@ def test_changes_are_observed(viewer: Viewer) -> None:
             {"water_level": 0.3},
             r"the standard surface has no setting 'water_level'",
         ),
-        ("nosuch", 3, r"a viewer has no setting 'nosuch'; it has air, alpha,"),
+        ("nosuch", 3, r"a viewer has no setting 'nosuch'; it has all_surface_parameters, alpha,"),
         ("preset", "gamedev", r"a viewer has no setting 'preset'"),
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),
     ],

@@ -253,8 +253,8 @@ def test_colours_of_missed_hits_are_those_of_render_show(
     fresh: Seen, material: Material, technique: Any, projection: Any, edge: Any
 ) -> None:
     """Passed by the overshoot along the true ray, and tiles go round only where they repeat."""
-    choices = {"technique": technique, "level": 1.0, "projection": projection, "edge": edge}
-    fresh.state(**choices, show="missed")
+    choices = {"technique": technique, "projection": projection, "edge": edge}
+    fresh.state(**choices, reference_height=1.0, show="missed")
     fresh.draw()
     words = evaluate(
         fresh.page,
@@ -744,7 +744,7 @@ def _scene_of_command(material: Material, words: list[str]) -> Scene:
         if name in several:
             options.setdefault(several[name], []).append(value)
         else:
-            number = name in ("scale", "level")
+            number = name in ("scale", "reference_height")
             options[name] = float(value) if number else value
     return arguments.scene(material, **options)
 
@@ -807,7 +807,8 @@ def test_a_link_that_is_nonsense_is_told(browser: Any, page_file: Path) -> None:
 
 ODD: list[Any] = [
     {"scale": None},
-    {"scale": 1e9, "level": -3, "settings": {"relief": {"max_steps": 1e7, "min_steps": 2.6}}},
+    {"scale": 1e9, "reference_height": -3},
+    {"settings": {"relief": {"max_steps": 1e7, "min_steps": 2.6}}},
     {"lights": [{}]},
     {"lights": [1, None, {"kind": "spot", "angle": 400, "color": [1]}]},
     {"lights": [{"kind": "point(),));__import__('os').system('id')#", "intensity": 0}]},
@@ -908,7 +909,7 @@ def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) ->
     # what is turned is that preset no more
     assert fresh.page.get_by_label("Preset").input_value() == name
     assert fresh.text("#about-preset") != ""
-    fresh.page.get_by_label("level", exact=True).fill("0.3")
+    fresh.page.get_by_label("reference height", exact=True).fill("0.3")
     assert fresh.page.get_by_label("Preset").input_value() == ""
     assert fresh.text("#about-preset") == ""
 

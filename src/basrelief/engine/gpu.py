@@ -189,7 +189,7 @@ class GpuEngine:
         job.dispatch(0, rows, writes, times)
         encoder = self.gpu.create_command_encoder()
         encoder.resolve_query_set(stamps, 0, 2, place, 0)
-        self.gpu.queue.submit([encoder.surface_parameters()])
+        self.gpu.queue.submit([encoder.finish()])
         first, last = np.frombuffer(self.gpu.queue.read_buffer(place), np.uint64)
         return float(last - first) * 1e-9 / times
 
@@ -358,7 +358,7 @@ class Job:
         for _ in range(times):
             compute.dispatch_workgroups(-(-width // GROUP[0]), -(-(last - first) // GROUP[1]))
         compute.end()
-        gpu.queue.submit([encoder.surface_parameters()])
+        gpu.queue.submit([encoder.finish()])
 
     def read(self, rows: int) -> NDArray[np.int32]:
         """The planes of the last dispatch, (planes, rows, width), as 32-bit words."""

@@ -26,7 +26,7 @@ from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.intersection import Meeting, footprint_at, meet
-from basrelief.shading.relief import faded, height_range, lod_seen, relief_ray
+from basrelief.shading.relief import faded_relief, height_range, lod_seen, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
@@ -94,7 +94,7 @@ def _explained(
     values = values_of(obj, scene, size, choose_engine("cpu"))
     field, technique = values["field"], obj.drawn_with
     variant = variant_of(obj, scene)
-    seen = faded(values["relief"], met.distance, variant)
+    seen = faded_relief(values["relief"], met.distance, variant)
     if seen.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()

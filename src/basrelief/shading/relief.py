@@ -70,7 +70,7 @@ class Intersection:
 
 
 @shader
-def faded(relief: ReliefParameters, distance: float, variant: Variant) -> ReliefParameters:
+def faded_relief(relief: ReliefParameters, distance: float, variant: Variant) -> ReliefParameters:
     """How deep the relief is drawn at a distance from the camera: where it fades, shallower with
     distance, to plain normal mapping, where nothing is read any more."""
     if not variant.fades:
@@ -151,7 +151,7 @@ def displaced(
     """Where the view ray ends: on the relief, as the technique says, or on the polygon itself."""
     if not variant.displaced:
         return Intersection(True, met.distance, met.uv, 1.0, 0)
-    seen = faded(relief, met.distance, variant)
+    seen = faded_relief(relief, met.distance, variant)
     # where it is flat the technique reads nothing
     if seen.scale <= 0.0:
         return Intersection(True, met.distance, met.uv, flat_height(field, met.uv, variant), 0)

@@ -10,7 +10,7 @@ from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View, meet
-from basrelief.shading.relief import ReliefParameters, faded, height_range, relief_ray, span_of
+from basrelief.shading.relief import ReliefParameters, faded_relief, height_range, relief_ray, span_of
 from basrelief.shading.variant import Variant
 
 
@@ -44,7 +44,7 @@ def view_ray(
     met = meet(ray, placement, variant)
     if not met.found:
         return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
-    seen = faded(relief, met.distance, variant)
+    seen = faded_relief(relief, met.distance, variant)
     deep = height_range(seen, placement, variant)
     straight = relief_ray(met, seen, deep, 0.0, 0.0, variant)
     span = span_of(met, seen.reference_height, deep)

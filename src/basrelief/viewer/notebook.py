@@ -243,11 +243,11 @@ class Viewer(anywidget.AnyWidget):
     `settings` (of the technique), `surface_parameters`, `smoothing`, `shading`, `shadowing`, `fog`
     (set by a mapping of what differs from the defaults, read as a whole); where `apart` is True
     `tilings` of single maps, and where there is a `layer` its `layer_tiling` (set by
-    `Tiling`s, read as mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights` (set by lights, read
-    as mappings); `compare` (a technique beside it, or ""), `show` ("color", "reads", "missed",
-    "depth"). `settings_of` and `all_surface_parameters` hold those of all techniques and surfaces
-    by name. As in the page, another technique brings its own reference height and projection,
-    another shape its own tiling.
+    `Tiling`s, read as mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights`
+    (set by lights, read as mappings); `compare` (a second technique, or ""), `show` ("color",
+    "reads", "missed", "depth"). `settings_of` and `all_surface_parameters` hold those of all
+    techniques and surfaces by name. As in the page, another technique brings its own reference
+    height and projection, another shape its own tiling.
 
     Raises InputError for a value that is none of these, and for a scene that the page's programs
     do not draw.
