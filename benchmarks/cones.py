@@ -24,7 +24,7 @@ def main() -> None:
     options = parser.parse_args()
     engine = choose_engine("gpu" if options.gpu else "cpu")
     texels = 96 if options.quick else 4096 if options.large else 1024
-    print(f"{engine.device}, maps of {texels}²")
+    print(f"{engine.adapter}, maps of {texels}²")
     figures = {}
     for name, heights in maps(texels).items():
         for make in (baking.cone_map, baking.relaxed_cone_map):

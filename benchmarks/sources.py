@@ -82,11 +82,11 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
     walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
-    return engine.device, walls, busy
+    return engine.adapter, walls, busy
 
 
 def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
-    """The device, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
+    """The adapter, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
     from gpu_kernel import RUNS, milliseconds
 
     from basrelief.engine.gpu import GpuEngine
@@ -98,12 +98,12 @@ def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
         values = values_of(thing, scene, size, engine)
         with engine.prepare(program_of(thing, scene), values, size) as job:
             found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
-    return engine.device, found, {}
+    return engine.adapter, found, {}
 
 
-def show(device: str, seconds: dict[str, float]) -> dict[str, float]:
+def show(adapter: str, seconds: dict[str, float]) -> dict[str, float]:
     """Print one line a case, and halliwell's ratio beside his; returns the figures."""
-    print(device)
+    print(adapter)
     for name, each in seconds.items():
         print(f"  {name:32} {each * 1000:9.3f} ms, {1.0 / each:8.0f} frames a second")
     without, within = (seconds[n] for n in seconds if n.startswith("halliwell"))
@@ -126,11 +126,11 @@ def main() -> None:
     engines = {"cpu": on_cpu, "gpu": on_gpu}
     for name in options.engines or engines:
         try:
-            device, seconds, busy = engines[name](cases, options.quick)
+            adapter, seconds, busy = engines[name](cases, options.quick)
         except EngineError as error:
             print(f"{name}: {error}")
             continue
-        figures = show(device, seconds)
+        figures = show(adapter, seconds)
         for each, spent in busy.items():
             print(f"  {each:32} {spent * 1000:9.3f} ms of processor time")
             figures[f"{each}, processor ms"] = spent * 1000

@@ -349,7 +349,7 @@ def test_formats_for_the_eye(
         *("--light", "directional,azimuth=120,elevation=25,color=0.8/0.9/1,intensity=0.6"),
     )
     printed = done("render", bumps, *DRAW, *said, "-o", file, *extra)
-    assert printed == f"{file}  (cpu: {choose_engine('cpu').device})\n"
+    assert printed == f"{file}  (cpu: {choose_engine('cpu').adapter})\n"
     assert os.listdir() == [file]
     back = read_picture(file).pixels
     assert back.dtype == dtype
@@ -422,7 +422,7 @@ def test_without_heights_it_is_drawn_flat_with_a_note(tmp_path: Path, here: Path
 @pytest.mark.gpu
 def test_engine_gpu(bumps: Path, here: Path) -> None:
     printed = done("render", bumps, *DRAW, "--engine", "gpu", "-o", "gpu.png")
-    assert printed == f"gpu.png  (gpu: {choose_engine('gpu').device})\n"
+    assert printed == f"gpu.png  (gpu: {choose_engine('gpu').adapter})\n"
     done("render", bumps, *DRAW, "-o", "cpu.png")
     apart = read_picture("gpu.png").pixels.astype(int) - read_picture("cpu.png").pixels
     assert (np.abs(apart) <= 2).mean() > 0.99

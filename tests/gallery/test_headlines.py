@@ -52,7 +52,7 @@ def test_halliwell_is_measured_with_and_without_self_shadow_at_1600_by_900(sourc
 
 def test_the_figures_are_printed_beside_the_articles(sources, capsys) -> None:
     seconds = dict(zip(sources.CASES, (0.002, 0.01, 0.0144), strict=True))
-    sources.show("a device", seconds)
+    sources.show("an adapter", seconds)
     printed = capsys.readouterr().out
     assert "1.44 times as long (halliwell: 650 to 450, 1.44)" in printed
     assert "more than 60 frames a second there, 500 here" in printed

@@ -17,7 +17,7 @@ class RecordingEngine:
     It is an instance of its own: what goes to `choose_engine("cpu")` instead is not in its list.
     """
 
-    device = "a recording engine"
+    adapter = "a recording engine"
 
     def __init__(self, name: str = "recording", rounding: str = "recording") -> None:
         self.name, self.rounding = name, rounding

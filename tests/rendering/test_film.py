@@ -443,7 +443,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize("file", ["a.mp4", "a.gif", "a.webp"])
 def test_a_film_by_command(file: str, bumps: Path, here: Path) -> None:
     printed = done("render", bumps, *DRAW, "--frames", "5", "--fps", "20", "-o", file)
-    assert printed == f"{file}  (cpu: {choose_engine('cpu').device})\n"
+    assert printed == f"{file}  (cpu: {choose_engine('cpu').adapter})\n"
     assert os.listdir() == [file]
     shown = read_film(Path(file))
     assert (len(shown.pictures), shown.pictures[0].shape) == (5, (20, 32, 4))

@@ -21,13 +21,13 @@ Words = NDArray[np.int32]
 
 
 class Engine(Protocol):
-    """Runs programs. `name` is "cpu" or "gpu"; `device` says on what.
+    """Runs programs. `name` is "cpu" or "gpu"; `adapter` describes the processor or graphics card.
 
     `rounding` names how numbers round: engines with the same compute the same planes, bit for bit.
     """
 
     name: str
-    device: str
+    adapter: str
     rounding: str
 
     def compile(self, program: Program) -> None:

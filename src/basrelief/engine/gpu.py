@@ -103,7 +103,7 @@ class GpuEngine:
         self.adapter_info: dict[str, Any] = dict(adapter.info)
         self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
         self.limits = limits
-        self.device = f"{adapter.info['device']} ({adapter.info['backend_type']})"
+        self.adapter = f"{adapter.info['device']} ({adapter.info['backend_type']})"
         self.rounding = _rounding(adapter.info)
         # Mesa's software driver looks for uniforms that branches depend on, to compile them in, and
         # in 22.3 writes past the end of its list of them; storage it leaves alone

@@ -150,7 +150,7 @@ def compare(
         material=material.name,
         texels=(height.width, height.height),
         scale=first["exact"].objects[0].relief_scale,
-        engine=f"{runner.name}: {runner.device}",
+        engine=f"{runner.name}: {runner.adapter}",
         size=size,
         samples=samples,
         timing=timing,

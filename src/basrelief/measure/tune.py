@@ -222,7 +222,7 @@ def tune(
         scale=thing.relief_scale,
         settings=settings_of(thing),
         options=options,
-        engine=f"{runner.name}: {runner.device}",
+        engine=f"{runner.name}: {runner.adapter}",
     )
 
 

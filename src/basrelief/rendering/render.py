@@ -193,5 +193,5 @@ class _Drawing:
             np.zeros((height, width, 2), np.float32),
             np.zeros((height, width), np.bool_),
             np.zeros((height, width), np.int32),
-            f"{self.engine.name}: {self.engine.device}",
+            f"{self.engine.name}: {self.engine.adapter}",
         )
