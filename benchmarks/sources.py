@@ -16,7 +16,7 @@ from figures import option_parser, store
 from scenes import alternate
 
 import basrelief
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 from basrelief.rendering.programs import program_of, values_of
 
 PLANE = basrelief.turned("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
@@ -116,18 +116,18 @@ def show(adapter: str, seconds: dict[str, float]) -> dict[str, float]:
 
 def main() -> None:
     parser = option_parser(__doc__)
-    parser.add_argument("engines", nargs="*", metavar="cpu|gpu")
+    parser.add_argument("devices", nargs="*", metavar="cpu|gpu")
     options = parser.parse_args()
     texels, smaller = (64, 10) if options.quick else (512, 1)
     cases = {
         name: (scene_of(texels), (width // smaller, height // smaller))
         for name, (scene_of, (width, height)) in CASES.items()
     }
-    engines = {"cpu": on_cpu, "gpu": on_gpu}
-    for name in options.engines or engines:
+    measured = {"cpu": on_cpu, "gpu": on_gpu}
+    for name in options.devices or measured:
         try:
-            adapter, seconds, busy = engines[name](cases, options.quick)
-        except EngineError as error:
+            adapter, seconds, busy = measured[name](cases, options.quick)
+        except DeviceError as error:
             print(f"{name}: {error}")
             continue
         figures = show(adapter, seconds)

@@ -12,10 +12,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from basrelief._version import __version__
-from basrelief.errors import BasreliefError, EngineError, InputError
+from basrelief.errors import BasreliefError, DeviceError, InputError
 
 if TYPE_CHECKING:
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
     from basrelief.material import Map, Material, load, sample
     from basrelief.measure.compare import Comparison, compare
     from basrelief.measure.debug import debug_picture
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from basrelief.techniques import TECHNIQUES
 
 _HOMES = {
-    "basrelief.engine": ("choose_engine",),
+    "basrelief.engine": ("choose_device",),
     "basrelief.material": ("Map", "Material", "load", "sample"),
     "basrelief.measure.compare": ("Comparison", "compare"),
     "basrelief.measure.debug": ("debug_picture",),
@@ -72,10 +72,10 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "EngineError", "Errors", "Explanation",
+    "PRESETS", "TECHNIQUES", "BasreliefError", "Comparison", "DeviceError", "Errors", "Explanation",
     "Finish", "Frame", "Image", "InputError", "Layer", "Light", "Lighting", "LookAt", "Map",
     "Material", "Object", "Opening", "Orbit", "Orbiting", "Preset", "Scene", "Scrolling",
-    "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_engine", "compare",
+    "Shading", "Tiling", "Truth", "Tuned", "__version__", "choose_device", "compare",
     "debug_picture", "directional", "explain", "frames", "load", "placed", "point", "preset",
     "render", "sample", "spot", "truth", "tune",
     "turned", "write_film",

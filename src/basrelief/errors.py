@@ -14,5 +14,5 @@ class InputError(BasreliefError):
     """A file, folder, map or value that cannot be used."""
 
 
-class EngineError(BasreliefError):
-    """An engine that cannot run here, such as a GPU where there is none."""
+class DeviceError(BasreliefError):
+    """A device that cannot be used, such as a GPU where there is none."""

@@ -14,7 +14,7 @@ from basrelief.lang.program import Program
 class RecordingEngine:
     """A CPU engine under another name that lists the entries it runs, and the texels of each run.
 
-    It is an instance of its own: what goes to `choose_engine("cpu")` instead is not in its list.
+    It is an instance of its own: what goes to `choose_device("cpu")` instead is not in its list.
     """
 
     adapter = "a recording engine"

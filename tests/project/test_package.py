@@ -50,7 +50,7 @@ for module in pkgutil.walk_packages(basrelief.__path__, "basrelief."):
 for name in basrelief.__all__:
     assert not isinstance(getattr(basrelief, name), types.ModuleType), name
 material = basrelief.load("sample:bricks")
-basrelief.render(material, size=(2, 2), samples=1, engine="cpu")
+basrelief.render(material, size=(2, 2), samples=1, device="cpu")
 """
     subprocess.run([sys.executable, "-c", code], check=True)
 

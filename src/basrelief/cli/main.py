@@ -100,7 +100,7 @@ PathArgument = Annotated[
 _of_picture = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
 ScaleOption = Annotated[float | None, typer.Option(help="Depth as a fraction of a tile's width.")]
-EngineOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
+DeviceOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
 
 
 def _said(options: dict[str, Any]) -> dict[str, Any]:
@@ -252,7 +252,7 @@ def render(
     show: Annotated[
         str, _of_picture(help="color, or what it hides: reads, missed, overshoot, depth-error.")
     ] = "color",
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Draw a material, as a picture or a film."""
@@ -271,10 +271,10 @@ def render(
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
-            _show(show, scene, pixels, samples, engine, frames, target, bits, quality)
+            _show(show, scene, pixels, samples, device, frames, target, bits, quality)
             return
         drawn = film.frames(
-            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
+            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, device=device,
             progress=progress,
         )  # fmt: skip
         made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
@@ -286,7 +286,7 @@ def render(
         print(note, file=sys.stderr)
     # the first and the last of many
     files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
-    print(f"{files}  ({made.engine})")
+    print(f"{files}  ({made.device})")
 
 
 def _show(
@@ -294,14 +294,14 @@ def _show(
     scene: Any,
     size: tuple[int, int],
     samples: int,
-    engine: str,
+    device: str,
     frames: int,
     target: Path,
     bits: int | None,
     quality: int,
 ) -> None:
     """Draw a debug picture, and say what its colours mean."""
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
     from basrelief.errors import InputError
     from basrelief.measure.debug import check_shown, debug_picture
     from basrelief.measure.truth import truth
@@ -316,12 +316,12 @@ def _show(
             f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "
             "use --show reads or another technique"
         )
-    runner = choose_engine(engine)
-    true = None if what == "reads" else truth(scene, size, engine=runner)
-    frame = render(scene, size=size, samples=samples, engine=runner)
+    engine = choose_device(device)
+    true = None if what == "reads" else truth(scene, size, device=engine)
+    frame = render(scene, size=size, samples=samples, device=engine)
     made = debug_picture(what, frame, true)
     made.image.save(target, bits=bits, quality=quality)
-    print(f"{target}  ({frame.engine})\n{made.meaning}")
+    print(f"{target}  ({frame.device})\n{made.meaning}")
 
 
 @app.command()
@@ -355,7 +355,7 @@ def compare(
     projection: Annotated[
         str | None, typer.Option(help="full, biased or limited (each technique's own).")
     ] = None,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
     """Measure every technique on a material: a page that says what to ship, and why."""
@@ -372,11 +372,11 @@ def compare(
         material = _loaded(path, **maps)
 
         found = compared(
-            material, technique, angles=seen, size=pixels, samples=samples, engine=engine,
+            material, technique, angles=seen, size=pixels, samples=samples, device=device,
             settings=said, progress=progress.at, **relief,
         )  # fmt: skip
         page = found.save(output or Path(f"{material.name}-compare"))
-    print(f"{found.summary()}\n{page}  ({found.engine})")
+    print(f"{found.summary()}\n{page}  ({found.device})")
 
 
 @app.command()
@@ -399,7 +399,7 @@ def tune(
     ] = None,
     size: Annotated[str, typer.Option(help="Width × height of what is measured.")] = "320x180",
     scale: ScaleOption = None,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
     """Find the cheapest technique and settings that keep an error under a bound."""
@@ -417,10 +417,10 @@ def tune(
 
         found = tuned(
             material, missed=bound, flip=flip, angles=seen, techniques=technique, size=pixels,
-            engine=engine, settings=said, progress=progress.at, source=path, **relief,
+            device=device, settings=said, progress=progress.at, source=path, **relief,
         )  # fmt: skip
         written = found.preset.save(output or Path(f"{material.name}-tuned.toml"))
-    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.engine})")
+    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.device})")
 
 
 @app.command()
@@ -441,7 +441,7 @@ def bake(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace files that are there.")
     ] = False,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
@@ -459,7 +459,7 @@ def bake(
             raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
-        from basrelief.engine import choose_engine
+        from basrelief.engine import choose_device
         from basrelief.scene.objects import DEFAULT_SCALE
 
         arguments.check_lengths(given["depth"], given["tile"], scale)
@@ -467,8 +467,8 @@ def bake(
         material = _loaded(path, **maps)
         progress.task = f"baking {material.name}"
         used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
-        runner = choose_engine(engine)
-        chosen = Baking(material, runner, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        engine = choose_device(device)
+        chosen = Baking(material, engine, edge, used, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         made = bake_to(folder, names, chosen, overwrite=overwrite)
     for file, note in made:
@@ -516,14 +516,14 @@ def demo(
     output: Annotated[Path, typer.Option(*_OUTPUT, help="Where the pictures go.")] = Path(
         "basrelief-demo"
     ),
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
 ) -> None:
     """Draw the samples with every technique and on every shape."""
     made: list[Path] = []
     with _Progress("drawing the samples") as progress:
         from basrelief.cli.demo import COUNT, pictures
 
-        for picture in pictures(output, engine):
+        for picture in pictures(output, device):
             made.append(picture)
             progress(len(made) / COUNT)
     print("\n".join(map(str, made)))
@@ -540,7 +540,7 @@ def view(
         Path | None, typer.Option(*_OUTPUT, help="The page; without it one is made and opened.")
     ] = None,
     texels: Annotated[int, typer.Option(help="Texels a side of the page's maps at most.")] = 1024,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Make one page in which every map and number is live, and open it in a browser."""
@@ -560,7 +560,7 @@ def view(
         name = scene.objects[0].material.name
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
         made = write_view(
-            scene, target, texels=texels, sources=sources, engine=engine, progress=progress.at
+            scene, target, texels=texels, sources=sources, device=device, progress=progress.at
         )
     if made.scaled_to is not None:
         width, height = made.scaled_to
@@ -573,7 +573,7 @@ def view(
 @app.command()
 def gallery(
     output: Annotated[Path, typer.Argument(help="The folder for pages and pictures.")],
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
     only: Annotated[
@@ -587,7 +587,7 @@ def gallery(
     """Draw every comparison of the five articles as pages with pictures, settings and costs."""
     with _Progress("drawing the gallery") as progress:
         from basrelief.cli import arguments
-        from basrelief.engine import choose_engine
+        from basrelief.engine import choose_device
         from basrelief.gallery.folder import chosen, write
 
         def heard(what: str, share: float) -> None:
@@ -595,7 +595,7 @@ def gallery(
             progress(share)
 
         pages, pixels = chosen(only or [], source), arguments.size(size)
-        index = write(output, pages, choose_engine(engine), pixels, samples, heard)
+        index = write(output, pages, choose_device(device), pixels, samples, heard)
     print(index)
 
 

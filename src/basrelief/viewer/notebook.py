@@ -300,7 +300,7 @@ class Viewer(anywidget.AnyWidget):
         height: int = 560,
         compare: str = "",
         show: str = "color",
-        engine: str | Engine = "auto",
+        device: str | Engine = "auto",
         progress: Progress | None = None,
         **settings: Any,
     ) -> None:
@@ -318,7 +318,7 @@ class Viewer(anywidget.AnyWidget):
         self._all_finishes = state.pop("finish")
         self._all_tilings = state["tilings"]
         sources = Sources(str(what) if isinstance(what, str | Path) else None)
-        made = page_of(scene, texels, sources, engine, progress or (lambda what, share: None))
+        made = page_of(scene, texels, sources, device, progress or (lambda what, share: None))
         super().__init__(
             _page=made.html.encode(),
             height=height,
