@@ -84,7 +84,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
-        raise AttributeError(f"module 'basrelief' has no attribute {name!r}")
+        from basrelief.errors import new_name
+
+        hint = new_name(name, __all__)
+        raise AttributeError(hint or f"module 'basrelief' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)
     globals()[name] = value
     return value

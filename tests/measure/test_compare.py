@@ -108,7 +108,7 @@ def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None
     assert relief == {"min_steps": 8, "max_steps": 12, "search_steps": 1}
     for wrong, words in (
         (["steep", "steep"], "twice"),
-        (["steep,depth=3"], "no setting 'depth'; there are steps"),
+        (["steep,depth=3"], "no setting 'depth'; it has steps"),
         (["steep,steps"], "write a technique and its settings"),
         (["leap"], "no technique is called 'leap'"),
     ):

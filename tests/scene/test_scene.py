@@ -103,7 +103,7 @@ REFUSED = {
         {"settings": {"step": 3}}, "relief has no setting 'step'; it has min_steps, max_steps",
     ),
     "a setting of a technique without": (
-        {"technique": "flat", "settings": {"steps": 3}}, "no setting 'steps'; it has nothing",
+        {"technique": "flat", "settings": {"steps": 3}}, "no setting 'steps'; it has none",
     ),
     "another technique's record": ({"settings": March()}, "relief takes settings of type Relief"),
     "a record out of range": (

@@ -14,7 +14,7 @@ import typer
 
 from basrelief._version import __version__
 from basrelief.cli import options
-from basrelief.errors import BasreliefError, InputError
+from basrelief.errors import BasreliefError, InputError, new_name
 
 if TYPE_CHECKING:
     from basrelief.material import Material
@@ -67,7 +67,15 @@ def _usage_error(error: Exception) -> NoReturn:
     told = getattr(error, "format_message", None)
     if told is None:
         raise error
-    _fail(f"{told().rstrip('.')} (basrelief COMMAND --help tells more)")
+    text = _renamed_option(error) or told().rstrip(".")
+    _fail(f"{text} (basrelief COMMAND --help tells more)")
+
+
+def _renamed_option(error: Any) -> str:
+    """The hint to the new name of an unknown option; "" where the command has no such option."""
+    option, context = getattr(error, "option_name", ""), getattr(error, "ctx", None)
+    known = [] if context is None else [name for p in context.command.params for name in p.opts]
+    return new_name(option, known)
 
 
 def _leave_closed_pipe() -> NoReturn:

@@ -18,7 +18,7 @@ import numpy as np
 
 from basrelief._version import __version__
 from basrelief.engine import Engine, engine_of
-from basrelief.errors import InputError
+from basrelief.errors import InputError, new_name, suggestion
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import errors, flip, has_flip, uv_error
@@ -229,9 +229,11 @@ def candidates(
             )
     if not any(each.technique is exact and each.name == "exact" for each in found):
         found.append(Candidate("exact", exact, {}, "exact"))
+    known = {name for each in found for name in each.technique.settings.__dataclass_fields__}
     for name in settings:
-        if not any(name in each.technique.settings.__dataclass_fields__ for each in found):
-            raise InputError(f"{name}: none of these techniques has such a setting")
+        if name not in known:
+            hint = new_name(name, known) or "none of these techniques has such a setting"
+            raise InputError(f"{name}: {hint}")
     names = [each.name for each in found]
     for name in names:
         if names.count(name) > 1:
@@ -249,8 +251,8 @@ def _candidate(
     known = technique.settings.__dataclass_fields__
     for name in own:
         if name not in known:
-            there = ", ".join(known) or "none"
-            raise InputError(f"{technique.name} has no setting {name!r}; there are {there}")
+            hint = suggestion(name, known, "it has")
+            raise InputError(f"{technique.name} has no setting {name!r}; {hint}")
     name = " ".join([technique.name, *(f"{key}={value:g}" for key, value in own.items())])
     usual = {key: value for key, value in settings.items() if key in known}
     return Candidate(

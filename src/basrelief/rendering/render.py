@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.engine import Engine, engine_of
-from basrelief.errors import InputError
+from basrelief.errors import InputError, new_name
 from basrelief.lang import Vec2
 from basrelief.material import Material, load
 from basrelief.rendering.frame import Frame, lay_over
@@ -100,7 +100,8 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
         raise InputError(f"cannot draw a {type(what).__name__}: give a folder, material or scene")
     left = [*options, *of_scene, *([] if preset is None else ["preset"])]
     if left:
-        raise InputError(f"{', '.join(left)}: already said by the {type(what).__name__}")
+        hint = new_name(left[0], ("device",))
+        raise InputError(hint or f"{', '.join(left)}: already said by the {type(what).__name__}")
     return what
 
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.engine import Engine
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
@@ -338,7 +338,8 @@ class Viewer(anywidget.AnyWidget):
         method = name == "observe" or callable(vars(Viewer).get(name))
         if not name.startswith("_") and (method or not hasattr(type(self), name)):
             names = sorted(n for n, trait in self.traits().items() if isinstance(trait, _Setting))
-            raise InputError(f"a viewer has no setting {name!r}; it has {', '.join(names)}")
+            hint = suggestion(name, names, "it has")
+            raise InputError(f"a viewer has no setting {name!r}; {hint}")
         super().__setattr__(name, value)
 
     def scene(self) -> Scene:
