@@ -6,7 +6,7 @@ default's proportion. Other whole-number settings (`search_steps`, …) are trie
 and at twice their default; all else stays as it is. The effort is doubled until the error is under
 the bound at every angle, then the gap to the last failure is halved until it closes. Errors need
 not fall with effort: whatever is returned was itself measured at every angle, and nothing is
-concluded from its neighbours. Of what passes, the fastest by measured time on this engine is taken.
+concluded from its neighbours. Of what passes, the fastest by measured time on this device is taken.
 """
 
 from __future__ import annotations
