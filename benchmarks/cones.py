@@ -14,7 +14,7 @@ from figures import option_parser, store
 from scenes import seconds_of
 
 from basrelief import baking
-from basrelief.engine.select import choose_engine
+from basrelief.engine.select import choose_device
 
 
 def main() -> None:
@@ -22,9 +22,9 @@ def main() -> None:
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--gpu", action="store_true")
     options = parser.parse_args()
-    engine = choose_engine("gpu" if options.gpu else "cpu")
+    engine = choose_device("gpu" if options.gpu else "cpu")
     texels = 96 if options.quick else 4096 if options.large else 1024
-    print(f"{engine.device}, maps of {texels}²")
+    print(f"{engine.adapter}, maps of {texels}²")
     figures = {}
     for name, heights in maps(texels).items():
         for make in (baking.cone_map, baking.relaxed_cone_map):

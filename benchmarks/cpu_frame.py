@@ -31,7 +31,7 @@ def main() -> None:
         print(f"compiled cold in {cold.wall:.2f} s (at most 1.5), {cold.processor:.2f} s processor")
         cached = seconds_of(lambda: CpuEngine().compile(work(scene, size, cpu)[0]))
         print(f"loaded from the cache in {cached.wall:.3f} s (at most 0.1)")
-    print(f"{cpu.device} against {gpu.device}")
+    print(f"{cpu.adapter} against {gpu.adapter}")
     figures = {
         "compiled cold, wall s": cold.wall,
         "compiled cold, processor s": cold.processor,

@@ -160,7 +160,7 @@ def against_steps(
     engine: Any, size: tuple[int, int], texels: int, steps: int, runs: int
 ) -> dict[str, float]:
     """The nine cases, the march by its own arithmetic and, on a GPU, by the filter's."""
-    print(f"{engine.device}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
+    print(f"{engine.adapter}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
     figures: dict[str, float] = {}
     ratios: dict[str, list[float]] = {}
     for name, heights in maps(texels).items():
@@ -193,7 +193,7 @@ def against_steps(
 
 def grow(engine: Any, size: tuple[int, int], sides: tuple[int, ...], runs: int) -> dict[str, float]:
     """How much longer a picture takes by larger maps of the same scale."""
-    print(f"{engine.device}, {size[0]} × {size[1]}, exact alone")
+    print(f"{engine.adapter}, {size[0]} × {size[1]}, exact alone")
     first = 0.0
     figures = {}
     for texels in sides:

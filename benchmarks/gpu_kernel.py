@@ -86,7 +86,7 @@ def main() -> None:
     options = option_parser(__doc__).parse_args()
     size, texels, runs = ((96, 54), 64, 1) if options.quick else (SIZE, 1024, RUNS)
     engine = GpuEngine()
-    print(f"{engine.device}, {size[0]} × {size[1]}, {STEPS} steps, {texels}² map, ms a dispatch")
+    print(f"{engine.adapter}, {size[0]} × {size[1]}, {STEPS} steps, {texels}² map, ms a dispatch")
     figures = {}
     for sample in ("bricks", "gravel", "terrain"):
         program, given = Program(kernel), values(sample, size, texels)

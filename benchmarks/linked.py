@@ -80,7 +80,7 @@ def main() -> None:
     if options.quick:
         techniques, size, texels, runs = ("relief",), (96, 54), 64, 1
     engine = GpuEngine()
-    print(f"{engine.device}, {size[0]} × {size[1]}, soft shadows, {texels}² maps, ms a dispatch")
+    print(f"{engine.adapter}, {size[0]} × {size[1]}, soft shadows, {texels}² maps, ms a dispatch")
     began = time.perf_counter()
     made = printed()
     print(f"the library: {len(made.library.pieces)} pieces, {time.perf_counter() - began:.2f} s")

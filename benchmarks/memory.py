@@ -39,17 +39,17 @@ def material(side: int) -> basrelief.Material:
 
 def main() -> None:
     parser = option_parser(__doc__)
-    parser.add_argument("engine", nargs="?", default="cpu")
+    parser.add_argument("device", nargs="?", default="cpu")
     options = parser.parse_args()
     side, size = (64, (96, 54)) if options.quick else (SIDE, SIZE)
     start = time.perf_counter()
     made = material(side)
     print(f"maps made: {peak():.2f} GB")
-    frame = basrelief.render(made, size=size, samples=2, engine=options.engine, technique="relief")
+    frame = basrelief.render(made, size=size, samples=2, device=options.device, technique="relief")
     held = peak()
-    print(f"{frame.engine}: at most {held:.2f} GB held (under {MOST})")
+    print(f"{frame.device}: at most {held:.2f} GB held (under {MOST})")
     print(f"in {time.perf_counter() - start:.0f} s, maps and all")
-    store(options.json, {f"{options.engine}, most held, GB": held})
+    store(options.json, {f"{options.device}, most held, GB": held})
 
 
 if __name__ == "__main__":

@@ -201,7 +201,7 @@ def main() -> None:
         from basrelief.engine.cpu import CpuEngine
 
         engine = CpuEngine()
-    print(f"{engine.device}, rays ending more than {LATE} texel late")
+    print(f"{engine.adapter}, rays ending more than {LATE} texel late")
     figures = {}
     for kind, (part, bend) in KINDS.items():
         rays, late, plainly = counted(engine, kind, part, bend, size, side)

@@ -16,7 +16,7 @@ from figures import option_parser, store
 from scenes import alternate
 
 import basrelief
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 from basrelief.rendering.programs import program_of, values_of
 
 PLANE = basrelief.rotated("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
@@ -82,11 +82,11 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
     walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
-    return engine.device, walls, busy
+    return engine.adapter, walls, busy
 
 
 def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
-    """The device, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
+    """The adapter, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
     from gpu_kernel import RUNS, milliseconds
 
     from basrelief.engine.gpu import GpuEngine
@@ -98,12 +98,12 @@ def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
         values = values_of(obj, scene, size, engine)
         with engine.prepare(program_of(obj, scene), values, size) as job:
             found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
-    return engine.device, found, {}
+    return engine.adapter, found, {}
 
 
-def show(device: str, seconds: dict[str, float]) -> dict[str, float]:
+def show(adapter: str, seconds: dict[str, float]) -> dict[str, float]:
     """Print one line a case, and halliwell's ratio beside his; returns the figures."""
-    print(device)
+    print(adapter)
     for name, each in seconds.items():
         print(f"  {name:32} {each * 1000:9.3f} ms, {1.0 / each:8.0f} frames a second")
     without, within = (seconds[n] for n in seconds if n.startswith("halliwell"))
@@ -116,21 +116,21 @@ def show(device: str, seconds: dict[str, float]) -> dict[str, float]:
 
 def main() -> None:
     parser = option_parser(__doc__)
-    parser.add_argument("engines", nargs="*", metavar="cpu|gpu")
+    parser.add_argument("devices", nargs="*", metavar="cpu|gpu")
     options = parser.parse_args()
     texels, smaller = (64, 10) if options.quick else (512, 1)
     cases = {
         name: (scene_of(texels), (width // smaller, height // smaller))
         for name, (scene_of, (width, height)) in CASES.items()
     }
-    engines = {"cpu": on_cpu, "gpu": on_gpu}
-    for name in options.engines or engines:
+    measured = {"cpu": on_cpu, "gpu": on_gpu}
+    for name in options.devices or measured:
         try:
-            device, seconds, busy = engines[name](cases, options.quick)
-        except EngineError as error:
+            adapter, seconds, busy = measured[name](cases, options.quick)
+        except DeviceError as error:
             print(f"{name}: {error}")
             continue
-        figures = show(device, seconds)
+        figures = show(adapter, seconds)
         for each, spent in busy.items():
             print(f"  {each:32} {spent * 1000:9.3f} ms of processor time")
             figures[f"{each}, processor ms"] = spent * 1000

@@ -1,6 +1,6 @@
 """Time and error of every technique, as a table in Markdown.
 
-    python benchmarks/techniques.py [--engine cpu|gpu]
+    python benchmarks/techniques.py [--device cpu|gpu]
 
 Two samples of 512 × 512 texels, bricks (walls) and gravel (round), seen from 60, 75 and 85 degrees:
 `basrelief.compare` with each technique's own settings. Times are shares of that of parallax
@@ -20,7 +20,7 @@ SCALE = 0.08
 
 def main() -> None:
     parser = option_parser(__doc__)
-    parser.add_argument("--engine", default="cpu")
+    parser.add_argument("--device", default="cpu")
     options = parser.parse_args()
     texels, how = 512, {}
     if options.quick:
@@ -31,12 +31,12 @@ def main() -> None:
         found = basrelief.compare(
             basrelief.sample(name, texels),
             angles=ANGLES,
-            engine=options.engine,
+            device=options.device,
             scale=SCALE,
             **how,
         )
         usual = mean([each.seconds for each in found.of("parallax_occlusion")])
-        print(f"\n{name}, scale {SCALE}, {found.engine}\n")
+        print(f"\n{name}, scale {SCALE}, {found.device}\n")
         print("| technique | time | reads | missed at 60°, 75°, 85° |", end="")
         print(" uv error at 75°, texels: half, 99 %, worst | FLIP at 75° |")
         print("|---|---|---|---|---|---|")
@@ -53,7 +53,7 @@ def main() -> None:
                 (time, f"| `{technique}` | {time:.2f} | {reads:.1f} | {missed} | "
                  f"{uv.median:.3g}, {uv.percentile_99:.3g}, {uv.worst:.3g} | {flip} |")
             )  # fmt: skip
-            case = f"{options.engine}, {name}, {technique}"
+            case = f"{options.device}, {name}, {technique}"
             figures |= {
                 f"{case}, time ÷ parallax_occlusion": time,
                 f"{case}, reads": reads,

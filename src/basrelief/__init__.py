@@ -12,10 +12,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from basrelief._version import __version__
-from basrelief.errors import BasreliefError, EngineError, InputError
+from basrelief.errors import BasreliefError, DeviceError, InputError
 
 if TYPE_CHECKING:
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
     from basrelief.material import Map, Material, load, sample
     from basrelief.measure.compare import Comparison, compare
     from basrelief.measure.debug import debug_picture
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from basrelief.techniques import TECHNIQUES
 
 _HOMES = {
-    "basrelief.engine": ("choose_engine",),
+    "basrelief.engine": ("choose_device",),
     "basrelief.material": ("Map", "Material", "load", "sample"),
     "basrelief.measure.compare": ("Comparison", "compare"),
     "basrelief.measure.debug": ("debug_picture",),
@@ -76,7 +76,7 @@ __all__ = [
     "TECHNIQUES",
     "BasreliefError",
     "Comparison",
-    "EngineError",
+    "DeviceError",
     "Errors",
     "Explanation",
     "Frame",
@@ -101,7 +101,7 @@ __all__ = [
     "Truth",
     "Tuned",
     "__version__",
-    "choose_engine",
+    "choose_device",
     "compare",
     "debug_picture",
     "directional",
@@ -123,7 +123,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
-        raise AttributeError(f"module 'basrelief' has no attribute {name!r}")
+        from basrelief.errors import new_name
+
+        hint = new_name(name, __all__)
+        raise AttributeError(hint or f"module 'basrelief' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)
     globals()[name] = value
     return value

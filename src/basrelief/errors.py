@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 
 class BasreliefError(Exception):
     """Any error of this library that its user can fix; its text is one line.
@@ -14,5 +16,28 @@ class InputError(BasreliefError):
     """A file, folder, map or value that cannot be used."""
 
 
-class EngineError(BasreliefError):
-    """An engine that cannot run here, such as a GPU where there is none."""
+class DeviceError(BasreliefError):
+    """A device that cannot be used, such as a GPU where there is none."""
+
+
+# --- unknown names -------------------------------------------------------------------------------
+
+RENAMED = {
+    "--engine": "--device",
+    "engine": "device",
+    "choose_engine": "choose_device",
+    "EngineError": "DeviceError",
+}
+"""The new name of each renamed option (with its dashes), keyword, setting, preset key and Python
+name. The old name is refused with a hint to the new one. CHANGELOG.md has the same table."""
+
+
+def new_name(name: str, known: Collection[str]) -> str:
+    """The hint "OLD is now NEW" for a renamed name; "" unless the new name is a known one."""
+    new = RENAMED.get(name)
+    return f"{name} is now {new}" if new in known else ""
+
+
+def suggestion(name: str, known: Collection[str], lead: str = "there are") -> str:
+    """What to write in place of an unknown name: its new name, or else the list of known names."""
+    return new_name(name, known) or f"{lead} {', '.join(known) or 'none'}"

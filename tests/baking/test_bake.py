@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import sample
 
@@ -66,11 +66,11 @@ def sine(tangent):
 
 
 def assert_horizon(
-    heights: np.ndarray, edge: str, count: int, k: int, reach: float, engine=None
+    heights: np.ndarray, edge: str, count: int, k: int, reach: float, device="cpu"
 ) -> None:
     scale = 0.4
     rise = scale * heights.shape[1]
-    stored = baking.horizon_map(heights, edge, scale, count, engine)[:, :, k] / MOST
+    stored = baking.horizon_map(heights, edge, scale, count, device)[:, :, k] / MOST
     wanted = sights(heights, edge, k, count, reach)
     least = sine(np.maximum(wanted - 1e-6, 0) * rise)
     assert (stored >= least).all(), f"too low by {(least - stored).max()}"
@@ -95,7 +95,7 @@ def test_horizons_are_never_too_low(shape, edge, k, seed) -> None:
 @example((9, 1), "wrap", 2, 1)
 def test_horizons_of_a_gpu_are_never_too_low(shape, edge, k, seed) -> None:
     reach = min(math.lcm(*shape) * 1.5, 8 * max(shape)) + 1
-    assert_horizon(rough(shape, seed), edge, 8, k, reach, choose_engine("gpu"))
+    assert_horizon(rough(shape, seed), edge, 8, k, reach, choose_device("gpu"))
 
 
 @settings(max_examples=10)
@@ -245,7 +245,7 @@ def test_the_scans_own_heights_come_from_its_normals(rock058: Path) -> None:
 @pytest.mark.parametrize("edge", EDGES)
 def test_engines_bake_alike(edge: str) -> None:
     heights = sample("gravel", (40, 72)).height.linear()[:, :, 0]
-    gpu = choose_engine("gpu")
+    gpu = choose_device("gpu")
     apart = baking.normal_map(heights, edge, 0.1) - baking.normal_map(heights, edge, 0.1, gpu)
     assert np.abs(apart).max() < 1e-6
     ours = baking.horizon_map(heights, edge, 0.1).astype(int)

@@ -11,7 +11,7 @@ import pytest
 from basrelief import baking
 from basrelief.baking import cache
 from basrelief.engine import cache as folder_of_programs
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.engine.cpu import CpuEngine
 from basrelief.material import Material
 from basrelief.rendering import textures
@@ -19,7 +19,7 @@ from basrelief.techniques import BOUNDS
 from helpers.engines import RecordingEngine
 from helpers.made_up import map_of
 
-CPU = choose_engine("cpu")
+CPU = choose_device("cpu")
 HEIGHTS = np.random.default_rng(2).random((128, 160)).astype(np.float32)
 
 
@@ -85,7 +85,7 @@ def test_what_another_device_made_is_not_taken(folder: Path) -> None:
 
 @pytest.mark.gpu
 def test_a_gpu_is_told_apart_by_its_driver_too() -> None:
-    gpu = choose_engine("gpu")
+    gpu = choose_device("gpu")
     info = gpu.adapter_info  # type: ignore[attr-defined]
     assert all(info[part] in gpu.rounding for part in ("device", "description", "backend_type"))
     assert gpu.rounding != CPU.rounding

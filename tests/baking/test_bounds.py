@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from basrelief import baking
 from basrelief.baking.levels import levels_of
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.techniques.exact_records import (
     BLOCK,
     FAR,
@@ -60,10 +60,10 @@ def parts(made: np.ndarray, shape: tuple[int, int]):
     return found
 
 
-def assert_near_is_safe(rows, columns, edge, levels, seed, engine=None) -> None:
+def assert_near_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None:
     """No height ahead of a block lies above its plane or its window."""
     heights = heights_of(rows, columns, levels, seed)
-    near, _ = parts(baking.bounds(heights, edge, engine), heights.shape)
+    near, _ = parts(baking.bounds(heights, edge, device), heights.shape)
     for back, records in near.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         room, *codes, window = records[block].astype(np.float32) / np.float32(65535)
@@ -79,10 +79,10 @@ def assert_near_is_safe(rows, columns, edge, levels, seed, engine=None) -> None:
         assert (plane - below).min() < 0.003
 
 
-def assert_far_is_safe(rows, columns, edge, levels, seed, engine=None) -> None:
+def assert_far_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None:
     """No height ahead of a block lies above its windows."""
     heights = heights_of(rows, columns, levels, seed) * np.float32(0.7)
-    _, far = parts(baking.bounds(heights, edge, engine), heights.shape)
+    _, far = parts(baking.bounds(heights, edge, device), heights.shape)
     for back, records in far.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
@@ -120,21 +120,20 @@ def test_far_records_are_on_the_safe_side(rows, columns, edge, levels, seed) -> 
 @example(1, 23, "wrap", 65535, 3)
 @example(19, 1, "clamp", 65535, 3)
 def test_records_are_on_the_safe_side_on_a_gpu(rows, columns, edge, levels, seed) -> None:
-    gpu = choose_engine("gpu")
+    gpu = choose_device("gpu")
     assert_near_is_safe(rows, columns, edge, levels, seed, gpu)
     assert_far_is_safe(rows, columns, edge, levels, seed, gpu)
 
 
-@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
 @pytest.mark.parametrize("shape", [(37, 53), (1, 40), (16, 9)])
-def test_the_table_of_all_levels_is_that_of_each(shape, engine) -> None:
+def test_the_table_of_all_levels_is_that_of_each(shape, device) -> None:
     """One below the other, so that what holds of a map holds of its lower levels."""
-    runner = choose_engine(engine)
     heights = heights_of(*shape, 65535, 4)
-    whole = baking.bounds(heights, "wrap", runner, all_levels=True)
+    whole = baking.bounds(heights, "wrap", device, all_levels=True)
     row = 0
     for level in levels_of(heights):
-        wanted = baking.bounds(level, "wrap", runner)
+        wanted = baking.bounds(level, "wrap", device)
         part = whole[row : row + len(wanted)]
         np.testing.assert_array_equal(part[:, : wanted.shape[1]], wanted)
         assert not part[:, wanted.shape[1] :].any()
@@ -167,5 +166,5 @@ def test_a_map_with_nothing_in_it_leaves_all_room() -> None:
 def test_engines_bake_alike(edge) -> None:
     """To one step of 65535: what rounds the other way on the other engine is safe on both."""
     heights = heights_of(37, 53, 65535, 1)
-    cpu, gpu = (baking.bounds(heights, edge, choose_engine(name)) for name in ("cpu", "gpu"))
+    cpu, gpu = (baking.bounds(heights, edge, choose_device(name)) for name in ("cpu", "gpu"))
     np.testing.assert_allclose(cpu.astype(int), gpu.astype(int), atol=1)

@@ -12,7 +12,7 @@ from basrelief.baking.files import OPTIONS, Baking
 from basrelief.baking.horizon import ambient_occlusion, horizon_map
 from basrelief.baking.normal import normal_map
 from basrelief.baking.tables import TABLES, function_of, table
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import Material
 from basrelief.scene import Object
@@ -21,7 +21,7 @@ from helpers.engines import RecordingEngine
 from helpers.made_up import map_of
 
 HEIGHTS = np.random.default_rng(5).random((37, 53)).astype(np.float32)
-CPU = choose_engine("cpu")
+CPU = choose_device("cpu")
 
 
 def test_every_declared_bake_has_a_function() -> None:

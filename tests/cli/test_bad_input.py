@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 from basrelief.cli import demo
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.engine.cache import cache_folder
 from basrelief.images import read_picture, write_data, write_picture
 from basrelief.material import sample
 from helpers.command_line import done, environment, refused, run_apart, write_heights, write_map
 
-DRAW = ("--size", "12x9", "--samples", "1", "--engine", "cpu")
+DRAW = ("--size", "12x9", "--samples", "1", "--device", "cpu")
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +173,7 @@ WRONG = {
     "no finite number": ("--scale nan", "scale is nan: give a number from 0 to 10"),
     "an unknown sample": ("--technique bumpy", "no technique is called 'bumpy'; use one of flat"),
     "an unknown shape": ("--shape torus", "shape is one of plane, box, sphere, cylinder"),
-    "an unknown engine": ("--engine abacus", "no engine is called 'abacus'; use one of auto"),
+    "an unknown device": ("--device abacus", "no device is called 'abacus'; use one of auto"),
     "a wrong size": ("--size big", "--size big: write width x height, for example 1280x720"),
     "no width": ("--size 0x9", "a picture of 0 × 9: give 1 to 32768 pixels a side"),
     "too large": ("--size 99999x9", "a picture of 99999 × 9: give 1 to 32768 pixels a side"),
@@ -220,7 +220,7 @@ def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     def drawn(*_: Any) -> None:
         raise AssertionError("it drew a picture that has no place")
 
-    monkeypatch.setattr(choose_engine("cpu"), "run", drawn, raising=False)
+    monkeypatch.setattr(choose_device("cpu"), "run", drawn, raising=False)
 
 
 @pytest.mark.parametrize(
@@ -278,23 +278,23 @@ def small_demo(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("small_demo")
 @pytest.mark.parametrize("place", ["old.png", "old.png/pictures"])
 def test_a_demo_without_a_place(place: str, out: Path) -> None:
-    line = refused("demo", "--engine", "cpu", "-o", place)
+    line = refused("demo", "--device", "cpu", "-o", place)
     assert line.startswith(f"{place}: cannot be made (")
     assert os.listdir() == ["old.png"]
 
 
-# --- engines --------------------------------------------------------------------------------------
+# --- devices --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
-def engines_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No engine that an earlier test has found is used."""
-    choose: Callable[[str], Any] = choose_engine.__wrapped__
-    monkeypatch.setattr(sys.modules["basrelief.rendering.render"], "choose_engine", choose)
-    monkeypatch.setattr("basrelief.cli.demo.choose_engine", choose)
+def no_device_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engines that an earlier test has made are not used."""
+    choose: Callable[[str], Any] = choose_device.__wrapped__
+    monkeypatch.setattr("basrelief.engine.select.choose_device", choose)
+    monkeypatch.setattr("basrelief.cli.demo.choose_device", choose)
 
 
-@pytest.mark.usefixtures("engines_afresh", "small_demo")
+@pytest.mark.usefixtures("no_device_is_cached", "small_demo")
 @pytest.mark.parametrize("error", [RuntimeError("no adapter\nat all"), OSError("no driver")])
 def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def request(**_: Any) -> None:
@@ -305,16 +305,16 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "wgpu", without)
     monkeypatch.setattr("basrelief.engine.gpu._leave_out_opengl", lambda: None)
     reason = str(error).split("\n")[0]
-    line = refused_to_draw(bumps, "--engine", "gpu")
-    assert line == (f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver")
-    assert refused("demo", "--engine", "gpu") == line
+    line = refused_to_draw(bumps, "--device", "gpu")
+    assert line == (f"no usable GPU found ({reason}); use --device cpu, or install a Vulkan driver")
+    assert refused("demo", "--device", "gpu") == line
 
 
-@pytest.mark.usefixtures("engines_afresh")
+@pytest.mark.usefixtures("no_device_is_cached")
 def test_no_wgpu(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wgpu", None)
-    line = refused_to_draw(bumps, "--engine", "gpu")
-    assert line == "the GPU engine needs wgpu; pip install 'basrelief[gpu]'"
+    line = refused_to_draw(bumps, "--device", "gpu")
+    assert line == "the device gpu needs wgpu; pip install 'basrelief[gpu]'"
 
 
 def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:

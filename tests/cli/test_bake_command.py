@@ -71,12 +71,12 @@ def test_green_and_bits(bumps: Path) -> None:
 
 
 def test_a_baked_normal_map_draws_as_the_computed_one(bumps: Path) -> None:
-    plain = basrelief.render(bumps, scale=0.1, size=(32, 20), engine="cpu").color
+    plain = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
     for green in ("gl", "dx"):
         done("bake", bumps, "--normal", "--scale", "0.1", "--green", green, "-o", bumps)
         (file,) = bumps.glob(f"*_normal_{green}.png")
         assert basrelief.load(bumps).normal is not None
-        drawn = basrelief.render(bumps, scale=0.1, size=(32, 20), engine="cpu").color
+        drawn = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
         np.testing.assert_allclose(drawn, plain, atol=2e-3)
         file.unlink()
 

@@ -16,7 +16,7 @@ import pytest
 
 import basrelief
 from basrelief.cli import main
-from basrelief.engine import choose_engine, cpu, gpu
+from basrelief.engine import choose_device, cpu, gpu
 from basrelief.images import read_picture, srgb_encode, write_data
 from basrelief.material import describe, report
 from basrelief.scene import Layer, Tiling, placed, rotated
@@ -38,7 +38,7 @@ from helpers.command_line import (
 SIZE = (28, 20)
 NAMED = 128
 """Texels a side of samples that tests load by name."""
-DRAW = ("--size", "28x20", "--samples", "1", "--engine", "cpu")
+DRAW = ("--size", "28x20", "--samples", "1", "--device", "cpu")
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def drawn(path: Path, loading: dict[str, Any] | None = None, **options: Any) -> 
     """The picture that the library draws: linear, (height, width, 4)."""
     options = {"size": SIZE, "samples": 1, **options}
     material = basrelief.load(path, **(loading or {}))
-    return basrelief.render(material, engine=choose_engine("cpu"), **options).color
+    return basrelief.render(material, device=choose_device("cpu"), **options).color
 
 
 def drawn_by_command(*arguments: str | Path) -> np.ndarray:
@@ -259,7 +259,7 @@ def test_further_objects(bumps: Path, here: Path) -> None:
         ),
     )  # fmt: skip
     scene = basrelief.Scene(objects, shadows="hard", shadows_on="polygon")
-    wanted = basrelief.render(scene, size=SIZE, samples=1, engine="cpu").color
+    wanted = basrelief.render(scene, size=SIZE, samples=1, device="cpu").color
     assert same(found, wanted)
 
 
@@ -354,7 +354,7 @@ def test_formats_for_the_eye(
         *("--light", "directional,azimuth=120,elevation=25,color=0.8/0.9/1,intensity=0.6"),
     )
     printed = done("render", bumps, *DRAW, *said, "-o", file, *extra)
-    assert printed == f"{file}  (cpu: {choose_engine('cpu').device})\n"
+    assert printed == f"{file}  (cpu: {choose_device('cpu').adapter})\n"
     assert os.listdir() == [file]
     back = read_picture(file).pixels
     assert back.dtype == dtype
@@ -421,20 +421,20 @@ def test_without_heights_it_is_drawn_flat_with_a_note(tmp_path: Path, here: Path
     assert run("render", folder, *DRAW, "--technique", "flat").err == ""
 
 
-# --- engines --------------------------------------------------------------------------------------
+# --- devices --------------------------------------------------------------------------------------
 
 
 @pytest.mark.gpu
-def test_engine_gpu(bumps: Path, here: Path) -> None:
-    printed = done("render", bumps, *DRAW, "--engine", "gpu", "-o", "gpu.png")
-    assert printed == f"gpu.png  (gpu: {choose_engine('gpu').device})\n"
+def test_device_gpu(bumps: Path, here: Path) -> None:
+    printed = done("render", bumps, *DRAW, "--device", "gpu", "-o", "gpu.png")
+    assert printed == f"gpu.png  (gpu: {choose_device('gpu').adapter})\n"
     done("render", bumps, *DRAW, "-o", "cpu.png")
     apart = read_picture("gpu.png").pixels.astype(int) - read_picture("cpu.png").pixels
     assert (np.abs(apart) <= 2).mean() > 0.99
 
 
 @pytest.mark.parametrize("kind", ["CPU", "DiscreteGPU"])
-def test_engine_auto_takes_a_real_gpu_alone(
+def test_device_auto_takes_a_real_gpu_alone(
     kind: str, bumps: Path, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Adapter:
@@ -447,8 +447,7 @@ def test_engine_auto_takes_a_real_gpu_alone(
     monkeypatch.setattr(gpu, "_request_adapter", Adapter)
     monkeypatch.setattr(gpu, "real_gpu", gpu.real_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
-    monkeypatch.setattr(sys.modules["basrelief.engine.select"], "choose_engine", fresh_choice)
-    monkeypatch.setattr(sys.modules["basrelief.rendering.render"], "choose_engine", fresh_choice)
+    monkeypatch.setattr("basrelief.engine.select.choose_device", fresh_choice)
     name = "cpu" if kind == "CPU" else "gpu"
     assert f"({name}: " in done("render", bumps, "--size", "8x8")
 
@@ -467,8 +466,8 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
 
 
 def fresh_choice(name: str) -> Any:
-    """As `choose_engine`, remembering nothing."""
-    return choose_engine.__wrapped__(name)
+    """As `choose_device`, remembering nothing."""
+    return choose_device.__wrapped__(name)
 
 
 # --- info, techniques, help -----------------------------------------------------------------------
@@ -605,7 +604,7 @@ def test_interrupted_while_drawing(
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(choose_engine("cpu"), "run", interrupted, raising=False)
+    monkeypatch.setattr(choose_device("cpu"), "run", interrupted, raising=False)
     Path("a.png").write_text("old")
     outcome = run("render", bumps, *DRAW, "-o", "a.png")
     assert outcome == (130, "", "basrelief: interrupted; no unfinished file is left\n")
@@ -631,7 +630,7 @@ def test_ctrl_c_at_a_terminal(bumps: Path, here: Path) -> None:
     """A large picture, stopped when its progress bar has come up."""
     Path("a.png").write_text("old")
     ours, its = pty.openpty()
-    arguments = ("render", bumps, "--size", "4000x4000", "--samples", "200", "--engine", "cpu")
+    arguments = ("render", bumps, "--size", "4000x4000", "--samples", "200", "--device", "cpu")
     with subprocess.Popen(
         [*COMMAND, *map(str, arguments), "-o", "a.png"],
         stdout=subprocess.PIPE,
@@ -669,7 +668,7 @@ def test_too_little_memory(bumps: Path, here: Path, monkeypatch: pytest.MonkeyPa
     def too_much(*_: Any) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(choose_engine("cpu"), "run", too_much, raising=False)
+    monkeypatch.setattr(choose_device("cpu"), "run", too_much, raising=False)
     assert "does not fit in memory; take a smaller --size" in refused("render", bumps, *DRAW)
     assert os.listdir() == []
 
@@ -680,7 +679,7 @@ def test_errors_of_our_own_keep_their_traceback(
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("a bug")
 
-    monkeypatch.setattr(choose_engine("cpu"), "run", broken, raising=False)
+    monkeypatch.setattr(choose_device("cpu"), "run", broken, raising=False)
     with pytest.raises(ZeroDivisionError, match="a bug"):
         run("render", bumps, *DRAW)
 

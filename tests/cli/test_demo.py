@@ -45,7 +45,7 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo, "_SIZE", (24, 18))
     monkeypatch.setattr(demo, "sample", heights_alone)
     names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
-    printed = done("demo", "--engine", "cpu", "-o", "some/where")
+    printed = done("demo", "--device", "cpu", "-o", "some/where")
     assert printed.splitlines()[:3] == [f"some/where/{name}" for name in names]
     assert "The pictures are in some/where. Next: basrelief render" in printed
     assert sorted(os.listdir("some/where")) == names
@@ -53,7 +53,7 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(each.shape == (18, 24, 3) for each in pictures)
     assert not (pictures[0] == pictures[1]).all()
     # a second time, over the first, into the folder of the default
-    assert "basrelief-demo/bricks-flat.png" in done("demo", "--engine", "cpu")
+    assert "basrelief-demo/bricks-flat.png" in done("demo", "--device", "cpu")
     assert sorted(os.listdir("basrelief-demo")) == names
 
 

@@ -40,7 +40,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
         "steps=9", "--shape", "cylinder", "--heights", "smooth", "--edge", "clamp", "--fog-mode",
         "linear", "--set", "fog_end=7", "--surface", "landscape", "--map-tiling", "normal=2x3",
         "--shadows", "soft", "--light", "spot,position=1/2/1,angle=50,intensity=3", "--camera",
-        "azimuth=10,elevation=20", "--engine", "cpu",
+        "azimuth=10,elevation=20", "--device", "cpu",
     )  # fmt: skip
     assert done.code == 0, done.err
     assert done.out.strip() == str(page)
@@ -64,7 +64,7 @@ def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
         "view", tmp_path, "-o", page, "--height-polarity", "depth", "--stretch-height",
-        "--layer", "sample:gravel", "--engine", "cpu",
+        "--layer", "sample:gravel", "--device", "cpu",
     )  # fmt: skip
     assert done.code == 0, done.err
     data = told(page)
@@ -96,7 +96,7 @@ def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
         "view", "sample:noise", "-o", page, "--preset", "habrador", "--texels", "64", "--light",
-        "none", "--engine", "cpu",
+        "none", "--device", "cpu",
     )  # fmt: skip
     assert done.code == 0, done.err
     data = told(page)
@@ -116,7 +116,7 @@ def test_without_a_file_the_page_is_opened(
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", lambda url: opened.append(url) or opens)
     monkeypatch.setattr(
-        "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--engine", "cpu"]
+        "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--device", "cpu"]
     )
     with pytest.raises(SystemExit) as ended:
         main.main()

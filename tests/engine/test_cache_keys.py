@@ -13,7 +13,7 @@ from types import ModuleType
 import pytest
 
 from basrelief.engine.cache import source_digest
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 from helpers.repository import REPOSITORY
 
 PACKAGE = REPOSITORY / "src" / "basrelief"
@@ -31,7 +31,7 @@ def asked(key):
 def key_of(technique):
     "The first key that drawing with a technique asks for."
     try:
-        basrelief.render(material, technique=technique, size=(4, 4), samples=1, engine="cpu")
+        basrelief.render(material, technique=technique, size=(4, 4), samples=1, device="cpu")
     except Asked as key:
         return key
 
@@ -157,13 +157,13 @@ def test_a_package_in_a_zip_archive_has_its_source(tmp_path: Path) -> None:
 
 def test_no_source_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package = write_package(tmp_path, "without_source", {"data.txt": "1"})
-    with pytest.raises(EngineError, match="without_source has no source files"):
+    with pytest.raises(DeviceError, match="without_source has no source files"):
         source_digest(package)
     both = write_package(tmp_path, "with_source", {"__init__.py": ""})
-    with pytest.raises(EngineError, match="without_source has no source files"):
+    with pytest.raises(DeviceError, match="without_source has no source files"):
         source_digest(both, package)
     lost = ModuleType("with_source.lost")
     lost.__package__ = "with_source"
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(EngineError, match=r"with_source\.lost has no source files"):
+    with pytest.raises(DeviceError, match=r"with_source\.lost has no source files"):
         source_digest(lost)

@@ -44,7 +44,7 @@ def material(name: str, texels: int = TEXELS) -> Material:
 
 
 def drawn(scene: Scene, engine: Any, size: tuple[int, int] = SIZE, samples: int = 1) -> Frame:
-    return render(scene, size=size, samples=samples, engine=engine)
+    return render(scene, size=size, samples=samples, device=engine)
 
 
 def assert_agree(one: Frame, other: Frame) -> None:

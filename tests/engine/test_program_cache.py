@@ -257,11 +257,11 @@ def test_some_rows_are_those_of_the_whole(module):
 
 
 def test_values_that_are_missing_or_wrong(module):
-    from basrelief.errors import EngineError
+    from basrelief.errors import DeviceError
 
     engine = CpuEngine(8, 1)
     program = Program(module.entry)
-    with pytest.raises(EngineError, match="entry needs a value for settings"):
+    with pytest.raises(DeviceError, match="entry needs a value for settings"):
         engine.run(program, {}, (1, 1))
-    with pytest.raises(EngineError, match="settings: expected Settings, not Buffer"):
+    with pytest.raises(DeviceError, match="settings: expected Settings, not Buffer"):
         engine.run(program, {"settings": Buffer([module.Settings(1.0)])}, (1, 1))

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES, Page
 from basrelief.gallery.folder import chosen, write
@@ -96,7 +96,7 @@ def test_costs_are_what_the_pages_say() -> None:
     """No reads without strength, one for an offset, no more than asked for by a march."""
     frames = {
         name: [
-            render(panel.scene, size=SIZE, samples=1, engine=goldens.engine("cpu"))
+            render(panel.scene, size=SIZE, samples=1, device=goldens.engine("cpu"))
             for panel in PAGES[name].panels(64)
         ]
         for name in ("strength", "normal-map", "march")
@@ -174,7 +174,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     index = write(
         path,
         chosen(FEW),
-        choose_engine("cpu"),
+        choose_device("cpu"),
         (48, 27),
         1,
         lambda what, share: heard.append(share),
@@ -211,7 +211,7 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
 
 
 def test_debug_pictures_say_what_their_colours_mean(tmp_path: Path) -> None:
-    write(tmp_path, chosen(["errors"]), choose_engine("cpu"), (32, 18), 1)
+    write(tmp_path, chosen(["errors"]), choose_device("cpu"), (32, 18), 1)
     text = (tmp_path / "errors.html").read_text(encoding="utf-8")
     meanings = ("heights read a pixel", "orange passed", "uv overshoot, from", "depth error, from")
     assert [text.count(meaning) for meaning in meanings] == [1, 2, 1, 1]
@@ -230,7 +230,7 @@ def test_the_reader_can_fail(tmp_path: Path) -> None:
 
 def test_only_our_own_files_are_written_over(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    command = ["gallery", tmp_path, "--engine", "cpu", "--size", "32x18", "--samples", "1"]
+    command = ["gallery", tmp_path, "--device", "cpu", "--size", "32x18", "--samples", "1"]
     assert done(*command, "--only", "clamped") == f"{tmp_path}/index.html\n"
     # a second run adds a page to the index and keeps the first
     done(*command, "--only", "normal-map")
@@ -269,7 +269,7 @@ def test_what_cannot_be_drawn_is_one_line(tmp_path: Path) -> None:
     )
     (tmp_path / "file").write_text("")
     assert "cannot be written to" in refused(
-        "gallery", tmp_path / "file", "--only", "cube", "--engine", "cpu"
+        "gallery", tmp_path / "file", "--only", "cube", "--device", "cpu"
     )
     assert not [*tmp_path.glob("*.html")]
 

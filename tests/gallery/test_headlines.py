@@ -27,7 +27,7 @@ def test_gamedev_takes_four_to_twenty_samples_at_640_by_480(sources) -> None:
     """G12: every pixel pays, none more than twenty reads."""
     scene_of, size = sources.CASES["gamedev, 4 to 20 samples"]
     assert size == (640, 480)
-    frame = render(scene_of(), size=(64, 48), samples=1, engine="cpu")
+    frame = render(scene_of(), size=(64, 48), samples=1, device="cpu")
     assert frame.hit.all()
     assert 1 <= frame.reads.min() <= frame.reads.max() <= 20
     settings = scene_of().objects[0].settings
@@ -40,7 +40,7 @@ def test_halliwell_is_measured_with_and_without_self_shadow_at_1600_by_900(sourc
     for name in ("halliwell without self-shadow", "halliwell with self-shadow"):
         scene_of, size = sources.CASES[name]
         assert size == (1600, 900)
-        frames.append(render(scene_of(), size=(64, 36), samples=1, engine="cpu"))
+        frames.append(render(scene_of(), size=(64, 36), samples=1, device="cpu"))
     without, within = frames
     assert without.hit.all()
     assert within.hit.all()
@@ -52,7 +52,7 @@ def test_halliwell_is_measured_with_and_without_self_shadow_at_1600_by_900(sourc
 
 def test_the_figures_are_printed_beside_the_articles(sources, capsys) -> None:
     seconds = dict(zip(sources.CASES, (0.002, 0.01, 0.0144), strict=True))
-    sources.show("a device", seconds)
+    sources.show("an adapter", seconds)
     printed = capsys.readouterr().out
     assert "1.44 times as long (halliwell: 650 to 450, 1.44)" in printed
     assert "more than 60 frames a second there, 500 here" in printed

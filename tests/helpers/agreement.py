@@ -39,8 +39,8 @@ def worst(apart: np.ndarray, one: Frame, other: Frame, unit: str) -> str:
         y, x = np.unravel_index(flat, apart.shape)
         lines.append(
             f"pixel ({x}, {y}): {apart[y, x]:.4g} {unit} apart; "
-            f"{one.engine}: uv {one.uv[y, x]}, reads {one.reads[y, x]}, color {one.color[y, x]}; "
-            f"{other.engine}: uv {other.uv[y, x]}, reads {other.reads[y, x]}, "
+            f"{one.device}: uv {one.uv[y, x]}, reads {one.reads[y, x]}, color {one.color[y, x]}; "
+            f"{other.device}: uv {other.uv[y, x]}, reads {other.reads[y, x]}, "
             f"color {other.color[y, x]}"
         )
     return "\n".join(lines)
@@ -63,5 +63,5 @@ def assert_agree(one: Frame, other: Frame, texels: int) -> None:
 
 def assert_engines_agree(scene: Scene, texels: int, size: tuple[int, int] = (128, 72)) -> None:
     """The CPU and the GPU draw the same picture of a scene."""
-    one, other = (render(scene, size=size, samples=1, engine=name) for name in ("cpu", "gpu"))
+    one, other = (render(scene, size=size, samples=1, device=name) for name in ("cpu", "gpu"))
     assert_agree(one, other, texels)

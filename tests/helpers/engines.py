@@ -14,10 +14,10 @@ from basrelief.lang.program import Program
 class RecordingEngine:
     """A CPU engine under another name that lists the entries it runs, and the texels of each run.
 
-    It is an instance of its own: what goes to `choose_engine("cpu")` instead is not in its list.
+    It is an instance of its own: what goes to `choose_device("cpu")` instead is not in its list.
     """
 
-    device = "a recording engine"
+    adapter = "a recording engine"
 
     def __init__(self, name: str = "recording", rounding: str = "recording") -> None:
         self.name, self.rounding = name, rounding

@@ -430,7 +430,7 @@ def merged(parts: Iterable[dict[str, Any]]) -> dict[str, Any]:
     return {name: value for part in parts for name, value in part.items()}
 
 
-def drawn(case: str, engine: Any = "cpu") -> Frame:
+def drawn(case: str, device: Any = "cpu") -> Frame:
     """The frame of a case."""
     arguments = merged(OPTIONS[name].render for name in case.split()[2:])
-    return render(scene_of(case), **{"size": SIZE, "samples": 1, "engine": engine, **arguments})
+    return render(scene_of(case), **{"size": SIZE, "samples": 1, "device": device, **arguments})

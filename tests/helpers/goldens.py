@@ -27,16 +27,16 @@ Strip = NDArray[np.uint8]
 
 @functools.cache
 def engine(name: str) -> Any:
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
 
-    return choose_engine(name)
+    return choose_device(name)
 
 
 def strip(page: Page, on: str) -> Strip:
     """All panels of a page side by side, as 8-bit codes (height, panels · width, 3)."""
     pictures = []
     for panel in page.panels(TEXELS):
-        frame = render(panel.scene, size=SIZE, samples=1, engine=engine(on))
+        frame = render(panel.scene, size=SIZE, samples=1, device=engine(on))
         pictures.append(picture_of(panel, frame, engine(on)).image.pixels[:, :, :3])
     colors = np.concatenate(pictures, axis=1)
     return np.rint(srgb_encode(np.clip(colors, 0.0, 1.0)) * 255.0).astype(np.uint8)

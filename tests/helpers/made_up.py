@@ -104,5 +104,5 @@ def on_plane(camera: LookAt, z: float = 0.0, size=SIZE) -> tuple[np.ndarray, np.
     return np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1), distance
 
 
-def drawn(*objects: Object, camera, size=SIZE, engine: str = "cpu", **scene) -> Frame:
-    return render(Scene(objects, camera=camera, **scene), size=size, samples=1, engine=engine)
+def drawn(*objects: Object, camera, size=SIZE, device: str = "cpu", **scene) -> Frame:
+    return render(Scene(objects, camera=camera, **scene), size=size, samples=1, device=device)

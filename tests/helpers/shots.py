@@ -49,7 +49,7 @@ def write_page(folder: Path) -> Path:
     """The page that the pictures are of."""
     file = folder / "page.html"
     scene = Scene((Object(sample("cobbles", 256)),), camera=Orbit(28.0, 30.0))
-    write_view(scene, file, sources=Sources("sample:cobbles"), engine="cpu")
+    write_view(scene, file, sources=Sources("sample:cobbles"), device="cpu")
     return file
 
 

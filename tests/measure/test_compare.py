@@ -44,7 +44,7 @@ def waves() -> Material:
 @pytest.fixture(scope="module")
 def found(waves) -> Comparison:
     return compare(
-        waves, CHOSEN, angles=ANGLES, size=SIZE, samples=1, engine="cpu", runs=1, scale=0.2
+        waves, CHOSEN, angles=ANGLES, size=SIZE, samples=1, device="cpu", runs=1, scale=0.2
     )
 
 
@@ -56,14 +56,14 @@ def test_every_technique_takes_part(waves) -> None:
     for those that draw another surface, boxes, which are refused when they are asked for."""
     heard: list[float] = []
     whole = compare(
-        waves, angles=[70], size=(16, 9), samples=1, engine="cpu", runs=1,
+        waves, angles=[70], size=(16, 9), samples=1, device="cpu", runs=1,
         progress=lambda what, share: heard.append(share),
     )  # fmt: skip
     boxes = {name for name, each in TECHNIQUES.items() if each.columns}
     assert set(whole.objects) == set(TECHNIQUES) - boxes
     for name in boxes:
         with pytest.raises(InputError, match=f"{name} draws heights as boxes"):
-            compare(waves, [name], angles=[70], size=(16, 9), engine="cpu")
+            compare(waves, [name], angles=[70], size=(16, 9), device="cpu")
     assert heard == sorted(heard)
     assert heard[-1] == 1.0
     (exact,) = whole.of("exact")
@@ -86,8 +86,8 @@ def test_numbers_are_those_computed_directly(waves, found) -> None:
                 ("steep steps=40", {"steps": 40}),
             )
         }  # fmt: skip
-        frames = {n: render(s, size=SIZE, samples=1, engine="cpu") for n, s in scenes.items()}
-        true = truth(scenes["exact"], SIZE, engine="cpu")
+        frames = {n: render(s, size=SIZE, samples=1, device="cpu") for n, s in scenes.items()}
+        true = truth(scenes["exact"], SIZE, device="cpu")
         for each in found.at(angle):
             assert each.errors == errors(frames[each.technique], true)
             assert each.flip == flip(frames["exact"], frames[each.technique])
@@ -99,7 +99,7 @@ def test_numbers_are_those_computed_directly(waves, found) -> None:
 
 
 def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None:
-    tiny = {"angles": [50], "size": (16, 9), "samples": 1, "engine": "cpu", "runs": 1}
+    tiny = {"angles": [50], "size": (16, 9), "samples": 1, "device": "cpu", "runs": 1}
     made = compare(waves, ["relief,max_steps=12,search_steps=1", "steep"],
                    settings={"steps": 5, "search_steps": 3}, **tiny)  # fmt: skip
     settings = {each["name"]: each["settings"] for each in made.to_dict()["techniques"]}
@@ -108,7 +108,7 @@ def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None
     assert relief == {"min_steps": 8, "max_steps": 12, "search_steps": 1}
     for wrong, words in (
         (["steep", "steep"], "twice"),
-        (["steep,depth=3"], "no setting 'depth'; there are steps"),
+        (["steep,depth=3"], "no setting 'depth'; it has steps"),
         (["steep,steps"], "write a technique and its settings"),
         (["leap"], "no technique is called 'leap'"),
     ):
@@ -135,7 +135,7 @@ def test_a_material_without_heights_is_one_clear_line(tmp_path) -> None:
 # --- what is written -----------------------------------------------------------------------------
 
 KEYS = {
-    "format", "version", "basrelief", "material", "texels", "scale", "engine", "size", "samples",
+    "format", "version", "basrelief", "material", "texels", "scale", "device", "size", "samples",
     "time", "angles", "visible", "techniques", "results", "advice",
 }  # fmt: skip
 RESULT = {
@@ -145,11 +145,11 @@ RESULT = {
 
 
 def test_the_json_has_its_keys_and_the_numbers(found, tmp_path) -> None:
-    """B4: version 1 of compare.json."""
+    """B4: version 2 of compare.json."""
     found.save(tmp_path / "out")
     read = json.loads((tmp_path / "out" / "compare.json").read_text("utf-8"))
     assert set(read) == KEYS
-    assert (read["format"], read["version"]) == ("basrelief compare", 1)
+    assert (read["format"], read["version"]) == ("basrelief compare", 2)
     assert read["basrelief"] == basrelief.__version__
     assert (read["texels"], read["size"], read["angles"]) == ([32, 32], [48, 27], [0.0, 60.0])
     assert read["time"] == {"size": [48, 27], "by": "clock", "runs": 1}
@@ -193,7 +193,7 @@ def test_the_page_stands_alone(found, tmp_path) -> None:
 
 def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
-    made = compare(waves, ["flat"], angles=[60], size=(16, 9), samples=1, engine="cpu", runs=1)
+    made = compare(waves, ["flat"], angles=[60], size=(16, 9), samples=1, device="cpu", runs=1)
     assert [each.flip for each in made.results] == [None, None]
     assert "FLIP" not in made.save(tmp_path / "out").read_text("utf-8").split("<footer>")[0]
     assert advice(made).technique == "exact"
@@ -268,7 +268,7 @@ def test_debug_pictures_show_what_they_say(waves) -> None:
     """B9: pixels of missed hits have their colours, reads grow paler, overshoot has a sign."""
     size = (64, 48)
     scene = at_angle(waves, 65.0, size, {"technique": "steep", "scale": 0.3})
-    frame, true = render(scene, size=size, samples=1, engine="cpu"), truth(scene, size)
+    frame, true = render(scene, size=size, samples=1, device="cpu"), truth(scene, size)
     lost, behind = missed(frame, true), overshoot(frame, true) > 0.0
     shown = debug_picture("missed", frame, true)
     orange = shown.image.pixels[:, :, 0] > 2.0 * shown.image.pixels[:, :, 2]
@@ -298,7 +298,7 @@ def test_debug_pictures_show_what_they_say(waves) -> None:
 def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
     size = (40, 40)
     scene = at_angle(waves, 65.0, size, {"technique": "exact", "scale": 0.3})
-    frame, true = render(scene, size=size, samples=1, engine="cpu"), truth(scene, size)
+    frame, true = render(scene, size=size, samples=1, device="cpu"), truth(scene, size)
     assert "0.00%" in debug_picture("missed", frame, true).meaning
     for wrong in (("colour", true), ("missed", None)):
         with pytest.raises(InputError):
@@ -322,7 +322,7 @@ def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
         words = shlex.split(line.replace("sample:cobbles", "FOLDER"))[1:]
         if words[0] not in ("compare", "tune"):
             continue
-        words += ["--size", "16x9", "--engine", "cpu"]
+        words += ["--size", "16x9", "--device", "cpu"]
         if "--technique" not in words:
             words += ["--technique", "exact", "--technique", "flat"]
         if words[0] == "compare":
@@ -352,7 +352,7 @@ def test_compare_on_the_command_line(tmp_path) -> None:
     out = done(
         "compare", folder, "-o", tmp_path / "out", "--technique", "steep", "--technique",
         "relief,max_steps=9", "--set", "steps=7", "--angles", "30,60", "--size", "20x12",
-        "--samples", "1", "--scale", "0.2", "--engine", "cpu",
+        "--samples", "1", "--scale", "0.2", "--device", "cpu",
     )  # fmt: skip
     assert out.startswith("Ship ")
     assert str(tmp_path / "out" / "index.html") in out
@@ -363,13 +363,13 @@ def test_compare_on_the_command_line(tmp_path) -> None:
     assert read["angles"] == [30.0, 60.0]
     assert read["scale"] == 0.2
     assert "0 × 9: give 1 to" in refused("compare", folder, "--size", "0x9")
-    assert "an angle of 95" in refused("compare", folder, "--angles", "95", "--engine", "cpu")
+    assert "an angle of 95" in refused("compare", folder, "--angles", "95", "--device", "cpu")
 
 
 def test_show_on_the_command_line(tmp_path) -> None:
     """B9: every debug picture, and what its colours mean."""
     folder = write_heights(tmp_path / "hills")
-    small = ["--size", "32x24", "--samples", "1", "--engine", "cpu"]
+    small = ["--size", "32x24", "--samples", "1", "--device", "cpu"]
     for what, words in (
         ("reads", "heights read a pixel"), ("missed", "missed hits: "),
         ("overshoot", "texels"), ("depth-error", "world units"),

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import Material
 from basrelief.measure import colors
@@ -47,7 +47,7 @@ def measured(material: Material, technique: str, angle: float, **options):
     options = {"scale": SCALE, **options}
     scene = at_angle(material, angle, SMALL, {"technique": technique, **options})
     true = truth(at_angle(material, angle, SMALL, {"technique": "exact", "scale": SCALE}), SMALL)
-    return render(scene, size=SMALL, samples=1, engine="cpu"), true
+    return render(scene, size=SMALL, samples=1, device="cpu"), true
 
 
 def assert_spread(spread: Spread, wanted: float, within: float = 1e-3) -> None:
@@ -68,7 +68,7 @@ def test_the_rays_of_the_truth_are_those_of_the_camera(level) -> None:
         Material("waves", height=map_of(heights)), technique="exact", scale=0.3,
         reference_height=level, transform=np.eye(4),
     )  # fmt: skip
-    found = truth(Scene((obj,), camera=camera), SIZE, engine="cpu")
+    found = truth(Scene((obj,), camera=camera), SIZE, device="cpu")
     uv, distance = on_plane(camera)
     _, directions = rays(camera)
     met = ((uv >= 0.0) & (uv <= 1.0)).all(-1) & (distance > 0.0)
@@ -96,7 +96,7 @@ def test_exact_is_where_the_truth_is() -> None:
             Material("waves", height=map_of(noise(4, (24, 36), 1))), technique="exact", scale=0.15,
             reference_height=0.6, transform=np.eye(4), **more,
         )  # fmt: skip
-        true = truth(Scene((obj,), camera=camera), SIZE, engine="cpu")
+        true = truth(Scene((obj,), camera=camera), SIZE, device="cpu")
         frame = drawn(obj, camera=camera)
         found = errors(frame, true)
         assert found.missed <= 3 / found.pixels, more
@@ -120,7 +120,7 @@ def test_the_plane_fills_the_picture_at_every_angle(angle) -> None:
     """And every pixel is seen from that angle."""
     for size in ((64, 36), (30, 60)):
         scene = at_angle(level_ground(0.5), angle, size, {"scale": SCALE})
-        true = truth(scene, size, engine="cpu")
+        true = truth(scene, size, device="cpu")
         assert true.there.all()
         length = np.linalg.norm(true.travel, axis=-1)
         np.testing.assert_allclose(length, SCALE * math.tan(math.radians(angle)), 2e-4, 1e-6)
@@ -141,7 +141,7 @@ def test_the_truth_is_the_same_on_the_gpu() -> None:
     scene = at_angle(
         Material("waves", height=map_of(noise(5, (32, 32), 1))), 60.0, SMALL, {"scale": SCALE}
     )
-    one, other = (truth(scene, SMALL, engine=engine) for engine in ("cpu", "gpu"))
+    one, other = (truth(scene, SMALL, device=device) for device in ("cpu", "gpu"))
     np.testing.assert_array_equal(one.there, other.there)
     assert np.quantile(np.abs(one.uv - other.uv), 0.99) < 1e-4
 
@@ -323,7 +323,7 @@ def test_times_are_taken_in_turn(monkeypatch) -> None:
 @pytest.mark.gpu
 def test_a_gpu_times_itself() -> None:
     """By timestamps: more work takes longer."""
-    engine = choose_engine("gpu")
+    engine = choose_device("gpu")
     assert engine.has_timestamps  # type: ignore[attr-defined]
     ground = level_ground(0.002)
     scenes = {

@@ -45,7 +45,7 @@ def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> 
 )
 def test_it_ends_where_the_cpu_does_and_notes_each_read(name: str, options: dict) -> None:
     scene = Scene((obj(name, **options),), camera=CAMERA)
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     for x, y in [(50, 35), (20, 40), (71, 26)]:
         found = explain(scene, pixel=(x, y), size=SIZE)
         assert frame.hit[y, x]
@@ -59,7 +59,7 @@ def test_it_ends_where_the_cpu_does_on_other_shapes(shape: str) -> None:
     scene = Scene(
         (obj("relief", shape=shape, heights="smooth", projection="biased"),), camera=CAMERA
     )
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     assert [*one.hit.uv] == [*frame.uv[30, 48]]
     assert len(one.samples) == one.hit.reads
 
@@ -78,7 +78,7 @@ def test_the_nearest_object_is_explained() -> None:
         ),
         camera=CAMERA,
     )
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     for pixel in [(48, 12), (75, 45)]:
         found = explain(scene, pixel=pixel, size=SIZE)
         assert [*found.hit.uv] == [*frame.uv[pixel[1], pixel[0]]]

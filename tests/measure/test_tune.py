@@ -18,7 +18,7 @@ from basrelief.techniques import TECHNIQUES, Hit, Ray, height_under, hit_at, t_a
 from helpers.command_line import done, refused, write_heights
 from helpers.made_up import map_of, noise
 
-SMALL = {"size": (24, 14), "engine": "cpu", "scale": 0.5, "angles": (60.0, 60.0)}
+SMALL = {"size": (24, 14), "device": "cpu", "scale": 0.5, "angles": (60.0, 60.0)}
 TEXELS = 16
 
 
@@ -147,7 +147,7 @@ def test_what_cannot_be() -> None:
 def test_tune_on_the_command_line(tmp_path) -> None:
     """B5: it prints a command line that works, and writes a preset that draws the same."""
     folder, preset = write_heights(tmp_path / "two words"), tmp_path / "mine.toml"
-    small = ["--size", "24x14", "--engine", "cpu"]
+    small = ["--size", "24x14", "--device", "cpu"]
     out = done(
         "tune", folder, "--missed", "5%", "--angles", "0-60", "--technique", "steep", "--scale",
         "0.1", "-o", preset, *small,

@@ -69,7 +69,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(
     "line",
-    [pytest.param(line, marks=pytest.mark.gpu if "--engine gpu" in line else ()) for line in LINES],
+    [pytest.param(line, marks=pytest.mark.gpu if "--device gpu" in line else ()) for line in LINES],
 )
 def test_commands_that_pages_show(line: str, here: Path) -> None:
     """Each command succeeds, and writes the file or the folder that it names."""

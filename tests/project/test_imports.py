@@ -65,9 +65,9 @@ def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: 
 
 
 def test_no_module_is_loose() -> None:
-    """Beside the packages stand the errors and the version alone."""
+    """Beside the packages stand the errors, the version and `python -m basrelief` alone."""
     loose = {path.stem for path in (REPOSITORY / "src" / "basrelief").glob("*.py")}
-    assert loose == {"__init__", "_version", "errors"}
+    assert loose == {"__init__", "__main__", "_version", "errors"}
 
 
 def test_tests_lie_as_the_source_does() -> None:

@@ -45,12 +45,12 @@ def test_no_module_hides_a_public_name() -> None:
 import importlib, pkgutil, types
 import basrelief
 for module in pkgutil.walk_packages(basrelief.__path__, "basrelief."):
-    if module.name != "basrelief.cli.__main__":
+    if not module.name.endswith(".__main__"):
         importlib.import_module(module.name)
 for name in basrelief.__all__:
     assert not isinstance(getattr(basrelief, name), types.ModuleType), name
 material = basrelief.load("sample:bricks")
-basrelief.render(material, size=(2, 2), samples=1, engine="cpu")
+basrelief.render(material, size=(2, 2), samples=1, device="cpu")
 """
     subprocess.run([sys.executable, "-c", code], check=True)
 
@@ -58,6 +58,14 @@ basrelief.render(material, size=(2, 2), samples=1, engine="cpu")
 def test_unknown_name() -> None:
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = basrelief.no_such_name
+
+
+@pytest.mark.parametrize("module", ["basrelief", "basrelief.cli"])
+def test_python_m_is_the_command(module: str) -> None:
+    result = subprocess.run(
+        [sys.executable, "-m", module, "--version"], capture_output=True, text=True, check=True
+    )
+    assert result.stdout == f"basrelief {__version__}\n"
 
 
 def test_import_is_light() -> None:

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from basrelief.errors import RENAMED
 from helpers.repository import REPOSITORY
 
 REPLACED = {
@@ -21,8 +22,13 @@ REPLACED = {
     "take away": "export",
     'beside it"': "compare with",
     "objects' fall on": "where shadows land",
+    "--engine": "--device",
+    "choose_engine": "choose_device",
+    "engineerror": "DeviceError",
 }
 """A phrase in lower case, and what is written in its place."""
+RENAMES = "src/basrelief/errors.py"
+"""The file with the table of renamed names, which may have these."""
 WRITTEN = (
     "README.md", "CONTRIBUTING.md", "CONVENTIONS.md", "docs/**/*.md",
     "src/**/*.py", "src/**/*.js", "src/**/*.jinja", "benchmarks/*.md",
@@ -42,6 +48,6 @@ def test_no_replaced_phrase_is_written_again(pattern: str) -> None:
         again += [
             f"{name}: {phrase!r}: write {better!r}"
             for phrase, better in REPLACED.items()
-            if phrase in text
+            if phrase in text and not (name.as_posix() == RENAMES and better in RENAMED.values())
         ]
     assert again == []

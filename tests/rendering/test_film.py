@@ -17,7 +17,7 @@ import psutil
 import pytest
 
 import basrelief
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.images import encode_light, read_picture, srgb_decode
 from basrelief.material import describe
@@ -37,8 +37,8 @@ from helpers.command_line import (
 
 SIZE = (48, 30)
 COUNT = 7
-FAST = {"size": (32, 20), "samples": 1, "engine": "cpu"}
-DRAW = ("--size", "32x20", "--samples", "1", "--engine", "cpu")
+FAST = {"size": (32, 20), "samples": 1, "device": "cpu"}
+DRAW = ("--size", "32x20", "--samples", "1", "--device", "cpu")
 
 
 # --- frames made by hand --------------------------------------------------------------------------
@@ -161,7 +161,7 @@ too late by 20. A GIF of so many colours is the worst that there is."""
 def test_a_film_reads_back(suffix: str, fps: float, tmp_path: Path) -> None:
     path = tmp_path / f"film{suffix}"
     made = write_film(path, [frame(slope(k)) for k in range(COUNT)], fps)
-    assert (made.files, made.engine) == ((path,), "made up")
+    assert (made.files, made.device) == ((path,), "made up")
     assert os.listdir(tmp_path) == [path.name]
     shown = read_film(path)
     assert len(shown.pictures) == COUNT
@@ -389,7 +389,7 @@ def test_what_render_takes(material: basrelief.Material) -> None:
 def test_only_one_frame_is_kept(material: basrelief.Material) -> None:
     """Forty frames of 0.4 MB take no more than a few of them."""
     size = (160, 100)
-    drawn = frames(material, count=40, size=size, samples=1, engine="cpu")
+    drawn = frames(material, count=40, size=size, samples=1, device="cpu")
     next(drawn)
     tracemalloc.start()
     for _ in drawn:
@@ -443,7 +443,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize("file", ["a.mp4", "a.gif", "a.webp"])
 def test_a_film_by_command(file: str, bumps: Path, here: Path) -> None:
     printed = done("render", bumps, *DRAW, "--frames", "5", "--fps", "20", "-o", file)
-    assert printed == f"{file}  (cpu: {choose_engine('cpu').device})\n"
+    assert printed == f"{file}  (cpu: {choose_device('cpu').adapter})\n"
     assert os.listdir() == [file]
     shown = read_film(Path(file))
     assert (len(shown.pictures), shown.pictures[0].shape) == (5, (20, 32, 4))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from basrelief.engine.cpu import CpuEngine
-from basrelief.errors import EngineError, InputError
+from basrelief.errors import DeviceError, InputError
 from basrelief.images import read_picture, srgb_decode, write_picture
 from basrelief.lang import HeightField, setting, shader, struct
 from basrelief.material import Map, Material, sample
@@ -44,8 +44,8 @@ def colored(color, **maps) -> Material:
     return Material("made up", base_color=map_of(np.full((1, 1, 3), color)), **maps)
 
 
-def drawn(what, size=SIZE, samples=1, engine=CPU, **options):
-    return render(what, size=size, samples=samples, engine=engine, **options)
+def drawn(what, size=SIZE, samples=1, device=CPU, **options):
+    return render(what, size=size, samples=samples, device=device, **options)
 
 
 def refused(make, kind=InputError) -> str:
@@ -75,7 +75,7 @@ def test_a_frame_is_rows_by_columns() -> None:
     for name, (shape, dtype) in kinds.items():
         plane = getattr(frame, name)
         assert (plane.shape, plane.dtype) == (shape, dtype)
-    assert frame.engine.startswith("cpu: ")
+    assert frame.device.startswith("cpu: ")
     assert frame.image.pixels is frame.color
 
 
@@ -146,19 +146,19 @@ def test_what_makes_no_picture_is_refused_in_a_line(make, message) -> None:
     assert message in refused(make)
 
 
-def test_an_unknown_engine_is_refused() -> None:
-    message = refused(lambda: drawn(BRICKS, engine="quantum"), EngineError)
-    assert message == "no engine is called 'quantum'; use one of auto, cpu, gpu"
+def test_an_unknown_device_is_refused() -> None:
+    message = refused(lambda: drawn(BRICKS, device="quantum"), DeviceError)
+    assert message == "no device is called 'quantum'; use one of auto, cpu, gpu"
 
 
-def test_engines_go_by_their_names() -> None:
-    assert drawn(BRICKS, (3, 2), engine="cpu").engine.startswith("cpu: ")
-    assert drawn(BRICKS, (3, 2), engine="auto").engine.split(":")[0] in ("cpu", "gpu")
+def test_devices_go_by_their_names() -> None:
+    assert drawn(BRICKS, (3, 2), device="cpu").device.startswith("cpu: ")
+    assert drawn(BRICKS, (3, 2), device="auto").device.split(":")[0] in ("cpu", "gpu")
 
 
 @pytest.mark.gpu
 def test_the_gpu_goes_by_its_name() -> None:
-    assert drawn(BRICKS, (3, 2), engine="gpu").engine.startswith("gpu: ")
+    assert drawn(BRICKS, (3, 2), device="gpu").device.startswith("gpu: ")
 
 
 def test_progress_reaches_the_whole_and_never_turns_back() -> None:
@@ -569,7 +569,7 @@ def test_a_technique_of_ones_own_runs_on_the_gpu() -> None:
     from basrelief.engine.gpu import GpuEngine
 
     scene = own_scene(times=2, strength=1.5)
-    frame = drawn(scene, engine=GpuEngine())
+    frame = drawn(scene, device=GpuEngine())
     moved_as_expected(frame, scene, 1.5)
     np.testing.assert_allclose(frame.color, drawn(scene).color, atol=2e-3)
 
@@ -646,7 +646,7 @@ def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
         for edge in ("wrap", "clip"):
             obj = Object(ground, shape=shape, edge=edge, scale=0.1)
             scene = Scene((obj,), Orbit(160.0, 0.0, 3.0))
-            frame = render(scene, size=(96, 54), samples=1, engine="cpu")
+            frame = render(scene, size=(96, 54), samples=1, device="cpu")
             seen[edge] = frame.hit[15:39]
         np.testing.assert_array_equal(seen["wrap"], seen["clip"])
 
@@ -658,6 +658,6 @@ def test_lights_that_give_nothing_read_nothing() -> None:
     behind = LookAt((0.0, 0.0, -3.0))
     for lights in ((), (point(behind.position),), (directional(0.0, 0.0, intensity=0.0),)):
         scene = Scene((obj,), camera, lights=lights, shadows="hard")
-        reads.append(render(scene, size=(32, 18), samples=1, engine="cpu").reads)
+        reads.append(render(scene, size=(32, 18), samples=1, device="cpu").reads)
     np.testing.assert_array_equal(reads[0], reads[1])
     np.testing.assert_array_equal(reads[0], reads[2])

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.baking.levels import halved
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.images import srgb_decode
 from basrelief.material import Map, Material, sample
 from basrelief.rendering import textures
@@ -24,7 +24,7 @@ from basrelief.techniques.normal_bake import normals
 from helpers.engines import RecordingEngine
 
 UNIT = 65535
-CPU = choose_engine("cpu")
+CPU = choose_device("cpu")
 
 
 def map_of(values, dtype=np.float32, srgb: bool = False) -> Map:

@@ -9,7 +9,7 @@ import pytest
 
 import basrelief
 from basrelief.baking.files import OPTIONS
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.engine.cpu import CpuEngine
 from basrelief.images import write_data
 from basrelief.material import Material
@@ -38,7 +38,7 @@ def _runs_elsewhere(*_: object) -> None:
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> RecordingEngine:
     """An engine that lists what it runs; nothing may run on the usual CPU engine."""
-    monkeypatch.setattr(choose_engine("cpu"), "run", _runs_elsewhere)
+    monkeypatch.setattr(choose_device("cpu"), "run", _runs_elsewhere)
     return RecordingEngine()
 
 
@@ -49,7 +49,7 @@ def bumps(seed: int) -> Material:
 
 @pytest.mark.parametrize("name", BAKED)
 def test_a_picture_is_baked_by_the_engine_that_draws(engine: RecordingEngine, name: str) -> None:
-    render(Object(bumps(1), technique=name), engine=engine, **PICTURE)
+    render(Object(bumps(1), technique=name), device=engine, **PICTURE)
     bake = BAKED[name].bake
     assert bake is not None
     assert set(engine.entries) >= {normals, *bake.programs}
@@ -57,7 +57,7 @@ def test_a_picture_is_baked_by_the_engine_that_draws(engine: RecordingEngine, na
 
 def test_normals_of_a_layer_are_baked_there_too(engine: RecordingEngine) -> None:
     with_normals = Material("flat", normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0))))
-    render(Object(with_normals, layer=Layer(bumps(2))), engine=engine, **PICTURE)
+    render(Object(with_normals, layer=Layer(bumps(2))), device=engine, **PICTURE)
     assert engine.entries.count(normals) == 1
 
 
@@ -66,24 +66,24 @@ def test_what_casts_shadows_is_baked_there_too(engine: RecordingEngine) -> None:
     ball = Object(bumps(4), "sphere", "cone", transform=placed(position=(0.0, 0.5, 0.0)))
     scene = Scene((ground, ball), camera=Orbit(20.0, 40.0, 3.0), shadows="hard")
     assert scene.casts
-    render(scene, engine=engine, **PICTURE)
+    render(scene, device=engine, **PICTURE)
     assert set(engine.entries) >= {normals, *BAKES["cone_map"].programs}
 
 
 def test_the_truth_is_worked_out_there(engine: RecordingEngine) -> None:
-    truth(Object(bumps(5), technique="exact"), (8, 6), engine=engine)
+    truth(Object(bumps(5), technique="exact"), (8, 6), device=engine)
     assert engine.entries
 
 
 def test_comparisons_and_their_times_bake_there(engine: RecordingEngine) -> None:
-    compare(bumps(6), list(BAKED), angles=(40.0,), runs=1, engine=engine, **PICTURE)
+    compare(bumps(6), list(BAKED), angles=(40.0,), runs=1, device=engine, **PICTURE)
     assert set(engine.entries) >= {each for bake in BAKES.values() for each in bake.programs}
 
 
 def test_tuning_bakes_there(engine: RecordingEngine) -> None:
     tune(
         bumps(7), missed=1.0, techniques=["relaxed_cone"], angles=(40.0, 40.0), size=(8, 6),
-        engine=engine,
+        device=engine,
     )  # fmt: skip
     assert set(engine.entries) >= set(RELAXED_CONE_MAP.programs)
 
@@ -91,7 +91,7 @@ def test_tuning_bakes_there(engine: RecordingEngine) -> None:
 def test_a_page_holds_what_that_engine_baked(engine: RecordingEngine, tmp_path: Path) -> None:
     scene = Scene((Object(bumps(8), layer=Layer(bumps(11))),))
     with no_stills():
-        write_view(scene, tmp_path / "page.html", engine=engine)
+        write_view(scene, tmp_path / "page.html", device=engine)
     assert set(engine.entries) >= {normals, *RELAXED_CONE_MAP.programs}
 
 
@@ -110,8 +110,8 @@ def with_both_maps(folder: Path) -> tuple[str | Path, ...]:
 def test_bake_takes_the_engine_it_is_given(
     engine: RecordingEngine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("basrelief.engine.choose_engine", {"gpu": engine}.__getitem__)
-    done(*with_both_maps(tmp_path), "--engine", "gpu")
+    monkeypatch.setattr("basrelief.engine.choose_device", {"gpu": engine}.__getitem__)
+    done(*with_both_maps(tmp_path), "--device", "gpu")
     wanted = {each for bake in BAKES.values() for each in bake.programs}
     assert set(engine.entries) == {normals, horizon, openness, *wanted}
     assert len(list((tmp_path / "bumps" / "baked").iterdir())) == len(OPTIONS) + 1
@@ -120,8 +120,8 @@ def test_bake_takes_the_engine_it_is_given(
 @pytest.mark.gpu
 def test_a_gpu_bakes_all_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CpuEngine, "run", _runs_elsewhere)
-    done(*with_both_maps(tmp_path), "--engine", "gpu")
+    done(*with_both_maps(tmp_path), "--device", "gpu")
     for name in BAKED:
-        frame = basrelief.render(bumps(9), technique=name, engine="gpu", **PICTURE)
-        assert frame.engine.startswith("gpu: ")
+        frame = basrelief.render(bumps(9), technique=name, device="gpu", **PICTURE)
+        assert frame.device.startswith("gpu: ")
         assert frame.hit.any()

@@ -21,7 +21,7 @@ from basrelief.shading.lights import DIRECTIONAL, POINT
 from helpers.command_line import done, refused, write_heights
 from helpers.repository import REPOSITORY
 
-SMALL = {"size": (24, 18), "samples": 1, "engine": "cpu"}
+SMALL = {"size": (24, 18), "samples": 1, "device": "cpu"}
 SAMPLES = {"habrador": "noise", "habrador-hole": "hole", "habrador-bricks": "bricks"}
 NAMES = (
     "catlike", "catlike-limited", "catlike-march", "gamedev", "habrador", "habrador-bricks",
@@ -324,7 +324,7 @@ def test_an_object_or_a_scene_takes_no_preset() -> None:
 
 def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    small = ("--size", "24x18", "--samples", "1", "--engine", "cpu")
+    small = ("--size", "24x18", "--samples", "1", "--device", "cpu")
     assert "bricks-parallax_occlusion-" in done("render", "sample:bricks", "--preset", "gamedev",
                                                 *small)  # fmt: skip
     Path("mine.toml").write_text('[object]\ntechnique = "steep"\nscale = 0.2\n')

@@ -109,7 +109,7 @@ REFUSED = {
         {"settings": {"step": 3}}, "relief has no setting 'step'; it has min_steps, max_steps",
     ),
     "a setting of a technique without": (
-        {"technique": "flat", "settings": {"steps": 3}}, "no setting 'steps'; it has nothing",
+        {"technique": "flat", "settings": {"steps": 3}}, "no setting 'steps'; it has none",
     ),
     "another technique's record": ({"settings": March()}, "relief takes settings of type Relief"),
     "a record out of range": (
@@ -359,7 +359,7 @@ def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> N
     """By default, small or large: nothing of it touches the border of a wide picture."""
     plain = obj(shape=shape, technique="flat")
     one = obj(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
-    hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, engine=CPU).hit
+    hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, device=CPU).hit
     assert not np.concatenate([hit[0], hit[-1], hit[:, 0], hit[:, -1]]).any()
     assert hit.mean() > 0.15
 
@@ -470,7 +470,7 @@ def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -
     frame, refusal = None, ""
     try:
         scene = Scene((obj(**options),), camera=camera)
-        frame = render(scene, size=(7, 5), samples=1, engine=CPU)
+        frame = render(scene, size=(7, 5), samples=1, device=CPU)
     except InputError as error:
         refusal = str(error)
     if frame is None:

@@ -166,8 +166,8 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     material = replace(sample("tiles", 16), opacity=map_of(np.ones((16, 16))))
     readings = {
         "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",
-        "mask": "opacity_of(opacity: f32, finish: SurfaceParameters) -> f32 {\n"
-        "  return masked(opacity, finish);\n}",
+        "mask": "opacity_of(opacity: f32, surface_parameters: SurfaceParameters) -> f32 {\n"
+        "  return masked(opacity, surface_parameters);\n}",
         "opaque": "opacity_of() -> f32 {\n  return 1.0;\n}",
     }
     for alpha in readings:

@@ -36,7 +36,7 @@ def test_depth_stays_with_the_shape(shape, technique, level):
         scale=0.2,
     )
     scene = Scene((obj,), Orbit(20.0, 25.0, 2.1))
-    frame = render(scene, size=(96, 80), samples=1, engine="cpu")
+    frame = render(scene, size=(96, 80), samples=1, device="cpu")
     depth = frame.distance[frame.hit]
     assert frame.hit.mean() > 0.1
     # the shapes lie within a ball of radius √3/2; a relief's tile is at most 3.2 wide
@@ -57,7 +57,7 @@ def test_what_is_wholly_see_through_hides_nothing(first):
     far = Object(plain((0.0, 0.0, 1.0)), transform=LYING, technique="flat")
     objects = (near, far) if first == "near" else (far, near)
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=0.5)
-    frame = render(Scene(objects, camera), size=(8, 8), samples=1, engine="cpu")
+    frame = render(Scene(objects, camera), size=(8, 8), samples=1, device="cpu")
     assert (frame.color[:, :, 2] > 0.2).all()
     assert (frame.color[:, :, 0] < frame.color[:, :, 2]).all()
     np.testing.assert_allclose(frame.distance, 2.0, atol=1e-5)
@@ -73,9 +73,9 @@ def test_half_opacity_mixes_with_what_is_behind(first):
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=0.5)
     light = (directional(0.0, 90.0),)
     scene = Scene(objects, camera, light, shading=DARK, shading_model="phong")
-    color = render(scene, size=(8, 8), samples=1, engine="cpu").color[4, 4]
+    color = render(scene, size=(8, 8), samples=1, device="cpu").color[4, 4]
     other = Scene((far,), camera, light, shading=DARK, shading_model="phong")
-    alone = render(other, size=(8, 8), samples=1, engine="cpu").color[4, 4]
+    alone = render(other, size=(8, 8), samples=1, device="cpu").color[4, 4]
     assert color[3] == 1.0
     np.testing.assert_allclose(color[:3], [0.4, 0.0, 0.6 * alone[2]], atol=1e-4)
 
@@ -91,7 +91,7 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     light, eye = directional(0.0, 45.0), Orbit(0.0, 90.0, 3.0, orthographic_height=0.2)
     shading = DARK
     scene = Scene((obj,), eye, (light,), shading=shading, shading_model="phong")
-    seen = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, 0]
+    seen = render(scene, size=(9, 9), samples=1, device="cpu").color[4, 4, 0]
     # over the tile it rises by rise · scale of the tile's width, towards the lower edge (+z)
     length = min(1.0, rows / columns) if shape == "plane" else 1.0
     width = min(1.0, columns / rows) if shape == "plane" else 1.0
@@ -109,6 +109,6 @@ def test_a_turned_object_is_bounded_as_well():
         scale=0.2,
         transform=rotated("y", 30.0) @ placed(scale=(2.0, 1.0, 0.5)),
     )
-    frame = render(Scene((obj,), Orbit(10.0, 30.0, 4.0)), size=(64, 64), samples=1, engine="cpu")
+    frame = render(Scene((obj,), Orbit(10.0, 30.0, 4.0)), size=(64, 64), samples=1, device="cpu")
     assert (frame.distance[frame.hit] > 1.5).all()
     assert (frame.distance[frame.hit] < 6.0).all()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from basrelief.engine import Planes, choose_engine
+from basrelief.engine import Planes, choose_device
 from basrelief.lang import Vec2
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
@@ -51,7 +51,7 @@ def obj(name: str = "a plane", **options: Any) -> Object:
 
 def depth_map(made: Object) -> Planes:
     """The planes of an object's part of a depth map, as a camera sees it and not a light."""
-    engine = choose_engine("cpu")
+    engine = choose_device("cpu")
     view = View(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
     return engine.run(depth_program_of(made), {**own_values(made, engine), "view": view}, SIZE)
 

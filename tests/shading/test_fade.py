@@ -103,7 +103,7 @@ def test_the_cost_falls_with_distance() -> None:
     costs, covered = [], []
     for distance in (1.5, 2.9, 4.2, 7.0):
         scene = Scene((obj,), Orbit(20.0, 40.0, distance))
-        frame = render(scene, size=(96, 54), samples=1, engine="cpu")
+        frame = render(scene, size=(96, 54), samples=1, device="cpu")
         costs.append(frame.reads.mean())
         covered.append(frame.hit.mean())
     assert all(more > 1.5 * less for more, less in pairwise(costs))

@@ -179,7 +179,7 @@ def test_the_command_line_refuses_an_unknown_value(name: str, tmp_path: Path) ->
     folder = write_heights(tmp_path / "bumps")
     target = tmp_path / "out.png"
     flag = f"--{name.replace('_', '-')}"
-    line = command_refused("render", folder, "--engine", "cpu", "-o", target, flag, "torus")
+    line = command_refused("render", folder, "--device", "cpu", "-o", target, flag, "torus")
     assert line == told(name, "torus")
     assert not target.exists()
 

@@ -324,11 +324,11 @@ def test_water_stays_water_where_the_relief_has_faded() -> None:
     colors = []
     for fade in (None, (0.5, 1.0)):
         obj = Object(ground, surface="landscape", fade=fade, **options)
-        frame = render(Scene((obj,), camera), size=(9, 9), samples=1, engine="cpu")
+        frame = render(Scene((obj,), camera), size=(9, 9), samples=1, device="cpu")
         colors.append(frame.color[4, 4])
     np.testing.assert_allclose(colors[0], colors[1], atol=1e-3)
     flat = Object(ground, fade=(0.5, 1.0), **options)
-    assert render(Scene((flat,), camera), size=(9, 9), samples=1, engine="cpu").reads.max() == 0
+    assert render(Scene((flat,), camera), size=(9, 9), samples=1, device="cpu").reads.max() == 0
 
 
 def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
@@ -338,7 +338,7 @@ def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
     obj = Object(ground, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
     scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0})
-    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    color = render(scene, size=(9, 9), samples=1, device="cpu").color[4, 4, :3]
     np.testing.assert_allclose(color, 0.4, atol=1e-3)
 
 
@@ -349,5 +349,5 @@ def test_the_deepest_ground_is_water_and_no_sky(technique) -> None:
     obj = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))
     scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0})
-    color = render(scene, size=(9, 9), samples=1, engine="cpu").color[4, 4, :3]
+    color = render(scene, size=(9, 9), samples=1, device="cpu").color[4, 4, :3]
     assert color.max() < 0.2

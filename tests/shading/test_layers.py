@@ -296,7 +296,7 @@ def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
     obj = Object(plain, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
     camera = Orbit(0.0, 90.0, orthographic_height=1.0)
     scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0}, background=None)
-    row = render(scene, size=(64, 64), samples=1, engine="cpu").color[32, :, 0]
+    row = render(scene, size=(64, 64), samples=1, device="cpu").color[32, :, 0]
     dark = row < 0.25
     assert (dark[1:] != dark[:-1]).sum() == 7, "four tiles, each dark on its left"
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.lang import Buffer, Vec2
 from basrelief.material import Material
 from basrelief.measure.errors import missed, overshoot, uv_error
@@ -37,13 +37,13 @@ def listed(record: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
 
 
 def by_shader(
-    scene: Scene, frame: Frame, true: Truth, engine: str
+    scene: Scene, frame: Frame, true: Truth, device: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Missed and passed, as a page finds them."""
     obj = scene.objects[0]
     program = replace(rays_of(obj), entry=missed_hit)
-    values = values_of(obj, scene, SIZE, choose_engine(engine))
-    found = choose_engine(engine).run(
+    values = values_of(obj, scene, SIZE, choose_device(device))
+    found = choose_device(device).run(
         program,
         {
             **{name: values[name] for name in ("view", "placement", "relief")},
@@ -56,15 +56,15 @@ def by_shader(
     return found["missed"] != 0, found["passed"] != 0
 
 
-@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("projection", ["full", "biased", "limited"])
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
-def test_they_are_those_of_the_ruler(technique, projection, edge, engine) -> None:
+def test_they_are_those_of_the_ruler(technique, projection, edge, device) -> None:
     scene = noise(technique=technique, projection=projection, edge=edge)
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
-    true = truth(scene, SIZE, engine="cpu")
-    lost, passed = by_shader(scene, frame, true, engine)
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
+    true = truth(scene, SIZE, device="cpu")
+    lost, passed = by_shader(scene, frame, true, device)
     # all but the pixels where 32 bits cannot tell one side of a limit from the other
     sure = ~(np.abs(np.nan_to_num(uv_error(frame, true)) - 1.0) < 1e-3)
     np.testing.assert_array_equal(lost[sure], missed(frame, true)[sure])
@@ -77,8 +77,8 @@ def test_they_are_those_of_the_ruler(technique, projection, edge, engine) -> Non
 
 def test_what_is_not_drawn_is_missed_and_has_not_passed() -> None:
     scene = noise(technique="exact")
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
-    true = truth(scene, SIZE, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
+    true = truth(scene, SIZE, device="cpu")
     frame.hit[3:9, 5:30] = False
     lost, passed = by_shader(scene, frame, true, "cpu")
     np.testing.assert_array_equal(lost, ~frame.hit & true.there)
@@ -89,8 +89,8 @@ def test_further_than_half_a_tile_is_off_where_nothing_repeats() -> None:
     """A whole tile off is right where tiles repeat, and missed where they do not."""
     for edge in ("wrap", "clamp"):
         scene = noise(technique="exact", edge=edge)
-        frame = render(scene, size=SIZE, samples=1, engine="cpu")
-        true = truth(scene, SIZE, engine="cpu")
+        frame = render(scene, size=SIZE, samples=1, device="cpu")
+        true = truth(scene, SIZE, device="cpu")
         frame.uv[:, :, 0] += 1.0
         lost, _ = by_shader(scene, frame, true, "cpu")
         assert lost.any() == (edge == "clamp")

@@ -370,17 +370,17 @@ def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling
     return Object(materials[form], **{**given, **more})
 
 
-def drawn(obj: Object, camera: LookAt, towards: Array, engine: str = "cpu", **more) -> Frame:
+def drawn(obj: Object, camera: LookAt, towards: Array, device: str = "cpu", **more) -> Frame:
     given = {"background": None, "shading": MATTE, "shading_model": "phong"}
     scene = Scene((obj,), camera=camera, lights=(light_from(towards),), **{**given, **more})
-    return render(scene, size=SIZE, samples=1, engine=engine)
+    return render(scene, size=SIZE, samples=1, device=device)
 
 
 def assert_right(
-    obj: Object, faces: list[Face], camera: LookAt, towards: Array, engine: str = "cpu"
+    obj: Object, faces: list[Face], camera: LookAt, towards: Array, device: str = "cpu"
 ) -> None:
     """Outline, texture coordinates, depth and light are those of the displaced surface."""
-    frame, wanted = drawn(obj, camera, towards, engine), answer(faces, camera)
+    frame, wanted = drawn(obj, camera, towards, device), answer(faces, camera)
     form = faces[0].form
     # not where a step of the march is more than a part of a texel
     sure = wanted.sure & (wanted.travel < 1.0)

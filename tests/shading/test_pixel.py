@@ -41,7 +41,7 @@ def heights(values) -> Material:
 
 def drawn(obj: Object, camera: LookAt, size=SIZE, **scene) -> Frame:
     scene = {"background": None, **scene}
-    return render(Scene((obj,), camera=camera, **scene), size=size, samples=1, engine=CPU)
+    return render(Scene((obj,), camera=camera, **scene), size=size, samples=1, device=CPU)
 
 
 SLANTED = LookAt((1.1, -1.4, 1.7), (0.05, -0.1, 0.0), (0.2, 0.3, 1.0), field_of_view=35.0)

@@ -144,7 +144,7 @@ def test_the_level_of_detail_is_the_longer_side_in_texels(dx, dy, level) -> None
 
 def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     """G5: what the maps are read with does not depend on the relief, only their place does."""
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
     from basrelief.material import sample
     from basrelief.rendering.programs import program_of, values_of
     from basrelief.scene import Object, Orbit, Scene
@@ -161,7 +161,7 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     for technique in ("flat", "relief"):
         obj = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
         scene = Scene((obj,), camera=Orbit(20, 30, 2.0))
-        program, values = program_of(obj), values_of(obj, scene, (32, 18), choose_engine("cpu"))
+        program, values = program_of(obj), values_of(obj, scene, (32, 18), choose_device("cpu"))
         spots.clear()
         for place in [(16, 9), (12, 8), (19, 11)]:
             pixel_in_python(program, values, *place)

@@ -219,7 +219,7 @@ def test_the_last_box_before_the_top_counts() -> None:
         assert hard_on_columns(HeightField([heights], "clamp"), ray, settings).share == visible
 
 
-def picture(shadows: str, azimuth: float, engine: str = "cpu"):
+def picture(shadows: str, azimuth: float, device: str = "cpu"):
     """A wall seen from straight above, lit from one side."""
     heights = np.zeros((32, 64, 1), np.float32)
     heights[:, 24:32] = 1.0
@@ -227,19 +227,19 @@ def picture(shadows: str, azimuth: float, engine: str = "cpu"):
     obj = Object(material, scale=0.1, edge="clamp", technique="relief")
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=1.0)
     scene = Scene((obj,), camera, (directional(azimuth, 30.0),), shadows=shadows)
-    return render(scene, size=(128, 64), samples=1, engine=engine).color[32, :, 0]
+    return render(scene, size=(128, 64), samples=1, device=device).color[32, :, 0]
 
 
 def flat_normals() -> Map:
     return Map(np.full((1, 1, 3), (128, 128, 255), np.uint8), False, "flat")
 
 
-@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
-def test_shadows_fall_away_from_the_light(engine):
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+def test_shadows_fall_away_from_the_light(device):
     """Lit from the right, the left of the wall is dark for cot 30° of its height; and reversed."""
-    plain = picture("none", 90.0, engine)
+    plain = picture("none", 90.0, device)
     for azimuth in (90.0, -90.0):
-        dark = picture("hard", azimuth, engine) < 0.6 * plain
+        dark = picture("hard", azimuth, device) < 0.6 * plain
         columns = np.flatnonzero(dark)
         # the plane is one unit wide and half as high: 128 pixels show two units
         length = 0.1 / np.tan(np.radians(30.0)) * 64
@@ -267,7 +267,7 @@ def test_no_technique_shadows_what_nothing_stands_over(technique):
     obj = Object(material, scale=0.05, technique=technique, edge="clamp")
     lights = (directional(30.0, 75.0),)
     with_, without = (
-        render(Scene((obj,), lights=lights, shadows=kind), size=(96, 64), samples=1, engine="cpu")
+        render(Scene((obj,), lights=lights, shadows=kind), size=(96, 64), samples=1, device="cpu")
         for kind in ("hard", "none")
     )
     np.testing.assert_array_equal(with_.color, without.color)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from basrelief import baking
 from basrelief.baking.tables import function_of
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
@@ -101,7 +101,7 @@ def steepest_up(
 
 
 def assert_nothing_rises_into_a_cone(
-    rows, columns, edge, seed, levels, smooth, engine=None
+    rows, columns, edge, seed, levels, smooth, device="cpu"
 ) -> None:
     """From no place over a cell, tried for some cells."""
     random = np.random.default_rng(seed)
@@ -110,7 +110,7 @@ def assert_nothing_rises_into_a_cone(
         # a few peaks far apart, so that distant ones count
         drawn = drawn**8
     heights = (np.rint(drawn * levels) / levels).astype(np.float32)
-    baked = baking.cone_map(heights, edge, engine)
+    baked = baking.cone_map(heights, edge, device)
     assert baked.shape == (rows, columns, 4)
     assert baked.dtype == np.uint16
     slopes = slopes_of(baked)
@@ -139,7 +139,7 @@ def test_nothing_rises_into_a_cone(rows, columns, edge, seed, levels, smooth) ->
 @example(1, 23, "wrap", 1, 65535, True)
 @example(19, 1, "clamp", 2, 65535, False)
 def test_nothing_rises_into_a_cone_of_a_gpu(rows, columns, edge, seed, levels, smooth) -> None:
-    gpu = choose_engine("gpu")
+    gpu = choose_device("gpu")
     assert_nothing_rises_into_a_cone(rows, columns, edge, seed, levels, smooth, gpu)
 
 
@@ -213,13 +213,13 @@ def test_cones_are_not_narrower_than_they_need_be() -> None:
 
 
 def assert_no_far_side_lies_in_a_relaxed_cone(
-    rows, columns, edge, seed, levels, engine=None
+    rows, columns, edge, seed, levels, device="cpu"
 ) -> None:
     """Seen from the corners of some cells; and no relaxed cone is narrower than the other."""
     random = np.random.default_rng(seed)
     heights = (random.integers(0, levels + 1, (rows, columns)) / levels).astype(np.float32)
-    baked = baking.relaxed_cone_map(heights, edge, engine)
-    assert (baked >= baking.cone_map(heights, edge, engine)).all()
+    baked = baking.relaxed_cone_map(heights, edge, device)
+    assert (baked >= baking.cone_map(heights, edge, device)).all()
     slopes = slopes_of(baked)
 
     def at(j: Any, i: Any) -> Any:
@@ -263,7 +263,7 @@ def test_no_far_side_lies_in_a_relaxed_cone(rows, columns, edge, seed, levels) -
 @example(1, 19, "wrap", 1, 65535)
 @example(17, 1, "clamp", 2, 65535)
 def test_no_far_side_lies_in_a_relaxed_cone_of_a_gpu(rows, columns, edge, seed, levels) -> None:
-    gpu = choose_engine("gpu")
+    gpu = choose_device("gpu")
     assert_no_far_side_lies_in_a_relaxed_cone(rows, columns, edge, seed, levels, gpu)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import basrelief
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import BasreliefError
 from basrelief.images import read_picture
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, stored
@@ -76,16 +76,16 @@ def line_of(text: str, part: str) -> int:
 # --- it works -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("engine", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
-def test_it_draws_and_its_settings_turn_it(engine: str, here: Path) -> None:
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+def test_it_draws_and_its_settings_turn_it(device: str, here: Path) -> None:
     own(SINK)
-    flat = drawn("flat", "--engine", "cpu")
+    flat = drawn("flat", "--device", "cpu")
     pictures = [
-        drawn("my.py:sink", "--engine", engine, "--set", f"depth_steps={n}") for n in range(3)
+        drawn("my.py:sink", "--device", device, "--set", f"depth_steps={n}") for n in range(3)
     ]
     # at the level itself the ray goes nowhere
     assert np.abs(pictures[0] - flat).max() < 1e-3
-    assert np.abs(pictures[2] - drawn("my.py:sink", "--engine", engine)).max() == 0.0
+    assert np.abs(pictures[2] - drawn("my.py:sink", "--device", device)).max() == 0.0
     assert not (pictures[1] == pictures[2]).all()
     assert done("render", "bumps", *DRAW, "--technique", "my.py:sink").startswith(
         "bumps-sink-basrelief.png"
@@ -97,7 +97,7 @@ def test_where_it_ends_is_known(here: Path) -> None:
     own(SINK)
     material = basrelief.load("bumps")
     ortho = basrelief.Orbit(0.0, 45.0, orthographic_height=1.0)
-    options = {"scale": 0.2, "camera": ortho, "size": (9, 9), "engine": choose_engine("cpu")}
+    options = {"scale": 0.2, "camera": ortho, "size": (9, 9), "device": choose_device("cpu")}
     flat = basrelief.render(material, technique="flat", **options)
     sunk = basrelief.render(material, technique="my.py:sink", **options)
     moved = (sunk.uv - flat.uv)[4, 4]
@@ -117,9 +117,9 @@ def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
 
 def test_a_plain_shader_will_do(here: Path) -> None:
     own(SINK.replace("@technique(level=1.0)", "@shader"))
-    marked = drawn("my.py:sink", "--engine", "cpu")
+    marked = drawn("my.py:sink", "--device", "cpu")
     own(SINK, "other.py")
-    assert (marked == drawn("other.py:sink", "--engine", "cpu")).all()
+    assert (marked == drawn("other.py:sink", "--device", "cpu")).all()
 
 
 def test_it_reads_what_the_library_bakes(here: Path) -> None:
@@ -135,9 +135,9 @@ def mine(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     return cone(field, baked, ray, settings)
 """
     )
-    wanted = drawn("cone", "--engine", "cpu")
-    assert (drawn("my.py:mine", "--engine", "cpu") == wanted).all()
-    assert not (drawn("flat", "--engine", "cpu") == wanted).all()
+    wanted = drawn("cone", "--device", "cpu")
+    assert (drawn("my.py:mine", "--device", "cpu") == wanted).all()
+    assert not (drawn("flat", "--device", "cpu") == wanted).all()
 
 
 def test_a_bake_that_there_is_not_is_told(here: Path) -> None:
@@ -171,13 +171,13 @@ def test_the_file_means_what_it_means_elsewhere(here: Path) -> None:
 def test_a_change_is_seen_at_once(here: Path) -> None:
     """Also one that keeps the size of the file, and its time as far as file systems tell."""
     own(SINK)
-    first = drawn("my.py:sink", "--engine", "cpu")
+    first = drawn("my.py:sink", "--device", "cpu")
     stat = Path("my.py").stat()
     own(SINK.replace("1.0 - 0.25", "1.0 - 0.15"))
     os.utime("my.py", ns=(stat.st_atime_ns, stat.st_mtime_ns))
     assert technique_from_file("my.py", "sink").function.__code__.co_consts.count(0.15) == 1
     os.utime("my.py")
-    assert not (first == drawn("my.py:sink", "--engine", "cpu")).all()
+    assert not (first == drawn("my.py:sink", "--device", "cpu")).all()
 
 
 def test_two_files_of_one_name(here: Path) -> None:
@@ -186,7 +186,7 @@ def test_two_files_of_one_name(here: Path) -> None:
         own(SINK.replace("0.25", factor), f"{folder}/my.py")
     one, two = (technique_from_file(f"{folder}/my.py", "sink") for folder in ("one", "two"))
     material = basrelief.load("bumps")
-    options = {"size": (9, 9), "samples": 1, "engine": choose_engine("cpu")}
+    options = {"size": (9, 9), "samples": 1, "device": choose_device("cpu")}
     first, second = (basrelief.render(material, technique=t, **options).uv for t in (one, two))
     assert not (first == second).all()
 
@@ -197,7 +197,7 @@ def test_two_files_of_one_name(here: Path) -> None:
 def told(text: str, name: str = "sink") -> str:
     """The line with which a file is refused."""
     own(text)
-    line = refused("render", "bumps", *DRAW, "--technique", f"my.py:{name}", "--engine", "cpu")
+    line = refused("render", "bumps", *DRAW, "--technique", f"my.py:{name}", "--device", "cpu")
     assert sorted(os.listdir()) == ["bumps", "my.py"]
     return line
 
@@ -324,7 +324,7 @@ def test_the_example_of_the_readme(here: Path) -> None:
     (example,) = re.findall(r"^```python\n([^`]*@technique.*?)^```$", text, re.M | re.S)
     own(example)
     material = basrelief.load("bumps")
-    options = {"size": (20, 14), "samples": 1, "engine": choose_engine("cpu")}
+    options = {"size": (20, 14), "samples": 1, "device": choose_device("cpu")}
     for guesses in (1, 4):
         frame = basrelief.render(
             material, technique="my.py:guess", settings={"guesses": guesses}, **options

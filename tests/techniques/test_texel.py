@@ -102,9 +102,9 @@ def test_every_ray_meets_its_first_box(name: str, edge: str, reach: float) -> No
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("name", ["steps", "portrait"])
 def test_every_ray_meets_its_first_box_on_the_gpu(name: str, edge: str) -> None:
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
 
-    assert_boxes(choose_engine("gpu"), MAPS[name], edge, 0.8)
+    assert_boxes(choose_device("gpu"), MAPS[name], edge, 0.8)
 
 
 def test_the_ruler_can_fail() -> None:

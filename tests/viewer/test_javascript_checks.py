@@ -91,7 +91,7 @@ def data_of(tmp_path: Path) -> Callable[..., dict[str, Any]]:
     def of(scene: Scene, **options: Any) -> dict[str, Any]:
         file = tmp_path / "page.html"
         with no_stills():
-            write_view(scene, file, engine="cpu", **options)
+            write_view(scene, file, device="cpu", **options)
         packed = re.search(r'id="data">([^<]*)<', file.read_text("utf-8"))
         assert packed
         data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(packed[1])))

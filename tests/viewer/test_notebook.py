@@ -70,7 +70,7 @@ def material() -> Material:
 def made(material: Material) -> Viewer:
     scene = Scene((Object(material, scale=0.08),), camera=Orbit(24.0, 32.0))
     with no_stills():
-        return Viewer(scene, engine="cpu")
+        return Viewer(scene, device="cpu")
 
 
 @pytest.fixture
@@ -115,7 +115,7 @@ def _told(viewer: Viewer) -> dict[str, Any]:
 
 
 def _drawn(what: Any) -> Frame:
-    return render(what, size=SIZE, samples=1, engine="cpu")
+    return render(what, size=SIZE, samples=1, device="cpu")
 
 
 # --- the side of Python --------------------------------------------------------------------------
@@ -163,7 +163,7 @@ def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
     over = Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0)))
     obj = Object(material, layer=over, transform=placed(scale=(0.7, 1.0, 0.9)), scale=0.08)
     with no_stills():
-        viewer = Viewer(Scene((obj,), camera=Orbit(24.0, 32.0)), texels=TEXELS, engine="cpu")
+        viewer = Viewer(Scene((obj,), camera=Orbit(24.0, 32.0)), texels=TEXELS, device="cpu")
     viewer.heights, viewer.smoothing = "smooth", {"mip_bias": 1.0}
     viewer.fades, viewer.fade = True, (1.0, 3.0)
     viewer.apart, viewer.tilings = True, {"base_color": Tiling((2.0, 3.0), (0.1, 0.0))}
@@ -251,7 +251,7 @@ def test_what_the_page_says_wrong_is_told_back_and_the_rest_is_taken(
 def test_nothing_behind_stays_nothing(material: Material) -> None:
     scene = Scene((Object(material),), background=None)
     with no_stills():
-        viewer = Viewer(scene, texels=TEXELS, engine="cpu")
+        viewer = Viewer(scene, texels=TEXELS, device="cpu")
     assert viewer.scene().background is None
     viewer.background = (0.2, 0.0, 0.0)
     assert viewer.scene().background == (0.2, 0.0, 0.0)
@@ -342,7 +342,7 @@ def test_what_makes_no_viewer_is_told(options: dict[str, Any], line: str) -> Non
 
 def test_without_heights_there_is_only_flat(material: Material) -> None:
     with no_stills():
-        bare = Viewer(Material("bare", base_color=material.base_color), engine="cpu")
+        bare = Viewer(Material("bare", base_color=material.base_color), device="cpu")
     assert bare.technique == "flat"
     for name, value in (("technique", "relief"), ("compare", "relief"), ("show", "missed")):
         with pytest.raises(InputError, match="bare has no height map"):

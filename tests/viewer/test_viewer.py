@@ -68,7 +68,7 @@ def material() -> Material:
 def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     scene = Scene((Object(material, scale=0.08),), camera=CAMERA)
-    write_view(scene, file, sources=Sources("sample:bricks"), engine="cpu")
+    write_view(scene, file, sources=Sources("sample:bricks"), device="cpu")
     return file
 
 
@@ -150,7 +150,7 @@ def expected(material: Material, **options: Any) -> Frame:
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
     obj = Object(material, **{"scale": 0.08, **options})
     scene = Scene((obj,), **{"camera": CAMERA, **of_scene})
-    return render(scene, size=SIZE, samples=1, engine="cpu")
+    return render(scene, size=SIZE, samples=1, device="cpu")
 
 
 def test_the_adapter_is_the_software_one(seen: Seen) -> None:
@@ -227,7 +227,7 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
     file = base64.b64decode(url.split(",")[1])
     shown = read_picture(_saved(file, "canvas.png")).pixels[:, :, :3].astype(int)
     obj = Object(material, scale=0.08)
-    frame = render(Scene((obj,), camera=CAMERA), size=SIZE, samples=4, engine="cpu")
+    frame = render(Scene((obj,), camera=CAMERA), size=SIZE, samples=4, device="cpu")
     wanted = read_picture(_saved(encode_png(frame.color[:, :, :3]), "cpu.png")).pixels.astype(int)
     apart = np.abs(shown - wanted).max(axis=-1)
     assert (apart <= 2).mean() >= 0.995
@@ -237,7 +237,7 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
 def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> None:
     fresh.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
     fresh.draw()
     found = fresh.page.evaluate("viewer.drawing.frames.found")
@@ -264,7 +264,7 @@ def test_colours_of_missed_hits_are_those_of_render_show(
     width, height = SIZE
     lost, passed = words[: 2 * width * height].reshape(2, height, width) != 0
     scene = Scene((Object(material, scale=0.08, **choices),), camera=CAMERA)
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     true = truth(scene, SIZE)
     wanted, behind = missed(frame, true), overshoot(frame, true) > 0.0
     assert wanted.sum() > 150
@@ -299,7 +299,7 @@ def test_missed_hits_are_against_the_finest_level(
         tiling=(10.0, 10.0),
     )
     scene = Scene((obj,), camera=CAMERA)
-    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    drawn = render(scene, size=SIZE, samples=1, device="cpu")
     wanted = errors(drawn, truth(scene, SIZE)).missed
     assert wanted > 0.05
     assert figures["missed"] / figures["hits"] == pytest.approx(wanted, abs=0.01)
@@ -382,7 +382,7 @@ def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tup
     file = tmp_path_factory.mktemp("rich") / "page.html"
     obj = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
     with no_stills():
-        write_view(Scene((obj,), camera=CAMERA), file, engine="cpu")
+        write_view(Scene((obj,), camera=CAMERA), file, device="cpu")
     made = Seen(browser, file)
     yield made, material
     made.page.close()
@@ -418,7 +418,7 @@ def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str)
     obj = Object(material, **{"scale": 0.08, "transform": standing, **options})
     scene = Scene((obj,), **{"camera": CAMERA, **of_scene})
     _shown_as(seen, scene)
-    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert drawn.hit.mean() > 0.1
     assert_agree(drawn, seen.frame(), TEXELS)
 
@@ -676,7 +676,7 @@ def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: 
     scene = shown_scene(page.evaluate("viewer.state"), Scene((Object(material),)))
     assert [int(each.kind) for each in scene.lights] == [DIRECTIONAL, SPOT]
     assert [*scene.lights[1].color] == pytest.approx([4.0, 0.8632, 0.0], abs=1e-3)
-    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
+    assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
 
 def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
@@ -725,12 +725,12 @@ def test_what_is_copied_draws_the_same(
     given: dict[str, Any] = {}
     monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
     exec(line, {"basrelief": basrelief})
-    drawn = render(material, size=SIZE, samples=1, engine="cpu", **given)
+    drawn = render(material, size=SIZE, samples=1, device="cpu", **given)
     assert_agree(drawn, shown, TEXELS)
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     assert words[:3] == ["basrelief", "render", "sample:bricks"]
     scene = _scene_of_command(material, words[3:])
-    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), shown, TEXELS)
+    assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), shown, TEXELS)
 
 
 def _scene_of_command(material: Material, words: list[str]) -> Scene:
@@ -761,7 +761,7 @@ def test_without_lights_it_is_dark_in_a_command_too(fresh: Seen, material: Mater
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     scene = _scene_of_command(material, words[3:])
     assert scene.lights == ()
-    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), fresh.frame(), TEXELS)
+    assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
 
 def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
@@ -904,7 +904,7 @@ def test_the_picture_is_saved(fresh: Seen) -> None:
 def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) -> None:
     fresh.page.get_by_label("Preset").select_option(name)
     scene = preset(name).scene(material, camera=CAMERA, shape="plane")
-    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, fresh.frame(), TEXELS)
     # what is turned is that preset no more
     assert fresh.page.get_by_label("Preset").input_value() == name
@@ -930,10 +930,10 @@ def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
     noise = sample("noise", TEXELS)
     scene = preset("habrador").scene(noise, camera=CAMERA)
     with no_stills():
-        write_view(scene, tmp_path / "page.html", engine="cpu")
+        write_view(scene, tmp_path / "page.html", device="cpu")
     other = Seen(browser, tmp_path / "page.html")
     assert greyed(other) == []
-    assert_agree(render(scene, size=SIZE, samples=1, engine="cpu"), other.frame(), TEXELS)
+    assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), other.frame(), TEXELS)
     other.page.close()
 
 
@@ -960,9 +960,9 @@ def test_a_technique_of_ones_own_is_there(
     own = Object(material, technique="own.py:steep", settings={"share": 0.7}, scale=0.08)
     scene = Scene((own,), camera=CAMERA)
     with no_stills():
-        write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), engine="cpu")
+        write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), device="cpu")
     seen = Seen(browser, tmp_path / "page.html")
-    drawn = render(scene, size=SIZE, samples=1, engine="cpu")
+    drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, seen.frame(), TEXELS)
     # beside the library's own of that name
     assert seen.page.locator("select[name=technique]").input_value() == "steep_"
@@ -1076,7 +1076,7 @@ def test_a_map_may_be_left_away(rich: tuple[Seen, Material], slot: str) -> None:
     assert row.locator("canvas").count() == 0
     flat = {"technique": "flat"} if slot == "height" else {}
     less = Object(replace(material, **GONE[slot]), scale=0.08, transform=LEANING, **flat)
-    drawn = render(Scene((less,), camera=CAMERA), size=SIZE, samples=1, engine="cpu")
+    drawn = render(Scene((less,), camera=CAMERA), size=SIZE, samples=1, device="cpu")
     found = seen.frame()
     assert_agree(drawn, found, TEXELS)
     if getattr(material, slot) is not None:
@@ -1238,7 +1238,7 @@ def test_pictures_dropped_together_are_what_their_names_say(
 def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path: Path) -> None:
     plain = Material("plain", base_color=sample("bricks", 32).base_color)
     with no_stills():
-        write_view(Scene((Object(plain),)), tmp_path / "page.html", engine="cpu")
+        write_view(Scene((Object(plain),)), tmp_path / "page.html", device="cpu")
     seen = Seen(browser, tmp_path / "page.html")
     assert seen.page.evaluate("viewer.state.technique") == "flat"
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
@@ -1588,7 +1588,7 @@ def test_a_large_material_makes_a_page_of_12_mb(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     noise = rng.integers(0, 65536, (1024, 1024, 3)).astype(np.uint16)
     rough = Material("noise", base_color=Map(noise, False, "noise"), normal=Map(noise, False, "n"))
-    made = write_view(Scene((Object(rough),)), tmp_path / "page.html", engine="cpu")
+    made = write_view(Scene((Object(rough),)), tmp_path / "page.html", device="cpu")
     assert made.scaled_to == (512, 512)
     assert (tmp_path / "page.html").stat().st_size <= LARGEST
 
@@ -1597,16 +1597,16 @@ def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> No
     file = tmp_path / "page.html"
     file.write_text("mine")
     with pytest.raises(InputError, match="not a page of the viewer"):
-        write_view(Scene((Object(material),)), file, engine="cpu")
+        write_view(Scene((Object(material),)), file, device="cpu")
     assert file.read_text() == "mine"
 
 
 def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
     two = Scene((Object(material), Object(material, shape="sphere")))
     with pytest.raises(InputError, match="has further objects, which the page does not draw"):
-        write_view(two, tmp_path / "page.html", engine="cpu")
+        write_view(two, tmp_path / "page.html", device="cpu")
     with pytest.raises(InputError, match="nothing in the scene"):
-        write_view(Scene(()), tmp_path / "page.html", engine="cpu")
+        write_view(Scene(()), tmp_path / "page.html", device="cpu")
 
 
 def _place(name: str) -> Path:

@@ -16,7 +16,7 @@ from test_viewer import CAMERA, SIZE, Seen, expected
 
 from basrelief import baking
 from basrelief.baking.tables import table
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.images import encode_png, read_picture
 from basrelief.material import Map, Material, sample
 from basrelief.measure.errors import errors
@@ -54,7 +54,7 @@ def browser() -> Iterator[Any]:
 def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     with no_stills():
-        write_view(Scene((Object(material, scale=0.08),), camera=CAMERA), file, engine="cpu")
+        write_view(Scene((Object(material, scale=0.08),), camera=CAMERA), file, device="cpu")
     return file
 
 
@@ -132,7 +132,7 @@ def test_a_page_is_given_the_tables_that_it_does_not_bake(
     material: Material, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(page, "_BAKED_BY_PAGES", ())
-    engine = choose_engine("cpu")
+    engine = choose_device("cpu")
     made = page._bakes(material, 10**7, engine)
     assert set(made) == set(BAKES)
     # as many as there is room for
@@ -154,7 +154,7 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
     found = words.reshape(height, width, 4)
     heights = as_heights(codes)
     bake, whole = BAKES[name.removeprefix("mip_")], name.startswith("mip_")
-    wanted = table(bake, heights, edge, choose_engine("cpu"), all_levels=whole)
+    wanted = table(bake, heights, edge, choose_device("cpu"), all_levels=whole)
     assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
     assert seen.said == []
@@ -277,7 +277,7 @@ def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material
     seen.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     scene = Scene((Object(swapped, technique="offset", scale=0.08),), camera=CAMERA)
-    frame = render(scene, size=SIZE, samples=1, engine="cpu")
+    frame = render(scene, size=SIZE, samples=1, device="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
     seen.draw()
     found = seen.page.evaluate("viewer.drawing.frames.found")

@@ -55,7 +55,7 @@ def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterat
     """A page that is open; tests here leave its state as it is."""
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     with no_stills():
-        write_view(Scene((Object(material, scale=0.08),)), file, engine="cpu")
+        write_view(Scene((Object(material, scale=0.08),)), file, device="cpu")
     with chromium(SOFTWARE) as browser:
         made = Seen(browser, file)
         yield made

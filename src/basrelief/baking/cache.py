@@ -32,16 +32,16 @@ def kept(
     engine: Engine,
     **parameters: Any,
 ) -> NDArray[Any]:
-    """make(heights, edge, engine=engine, **parameters), from disk where it was made before.
+    """make(heights, edge, device=engine, **parameters), from disk where it was made before.
 
     `make` is a function of this package; `parameters` are numbers and text.
     """
     if heights.size < WORTH:
-        return make(heights, edge, engine=engine, **parameters)
+        return make(heights, edge, device=engine, **parameters)
     key = _key(make, heights, edge, {**parameters, "rounding": engine.rounding})
     found = _read(key)
     if found is None:
-        found = make(heights, edge, engine=engine, **parameters)
+        found = make(heights, edge, device=engine, **parameters)
         _write(key, found)
     return found
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from basrelief.baking.passes import run_pass
 from basrelief.baking.texels import checked_edge
 from basrelief.engine.engine import Engine, Planes
-from basrelief.engine.select import choose_engine
+from basrelief.engine.select import engine_of
 from basrelief.lang import HeightField, Shader, Texture, Vec2
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
@@ -36,7 +36,7 @@ _ROUNDING = 0.01
 Heights = NDArray[np.float32]
 
 
-def cone_map(heights: Heights, edge: Edge, engine: Engine | None = None) -> NDArray[np.uint16]:
+def cone_map(heights: Heights, edge: Edge, device: str | Engine = "cpu") -> NDArray[np.uint16]:
     """The cones of a height map (h, w), 0 to 1, that nothing rises into: (h, w, 4) uint16.
 
     Texel (j, i) is of the cell between the texel centres j and j + 1, i and i + 1. From every place
@@ -49,11 +49,11 @@ def cone_map(heights: Heights, edge: Edge, engine: Engine | None = None) -> NDAr
     and R. Bán, Quick Cone Map Generation on the GPU, Eurographics 2022 Short Papers, who search
     windows of growing width too.
     """
-    return _Baking(heights, edge, engine).conservative()
+    return _Baking(heights, edge, engine_of(device)).conservative()
 
 
 def relaxed_cone_map(
-    heights: Heights, edge: Edge, engine: Engine | None = None
+    heights: Heights, edge: Edge, device: str | Engine = "cpu"
 ) -> NDArray[np.uint16]:
     """Cones that a ray may enter the surface in, and seldom comes out of: (h, w, 4) uint16.
 
@@ -69,16 +69,16 @@ def relaxed_cone_map(
     After F. Policarpo and M. M. Oliveira, Relaxed Cone Stepping for Relief Mapping, 2007, who try
     rays from the top above each texel only, so that others may come out again within a cone.
     """
-    return _Baking(heights, edge, engine).relaxed()
+    return _Baking(heights, edge, engine_of(device)).relaxed()
 
 
 class _Baking:
     """One height map, and the engine that its shaders run on."""
 
-    def __init__(self, heights: Heights, edge: Edge, engine: Engine | None) -> None:
+    def __init__(self, heights: Heights, edge: Edge, engine: Engine) -> None:
         self.heights = np.ascontiguousarray(heights, np.float32)
         self.edge: Edge = checked_edge(edge)
-        self.engine = engine or choose_engine("cpu")
+        self.engine = engine
         self.field = HeightField([self.heights], edge)
         self.highest = float(self.heights.max())
 

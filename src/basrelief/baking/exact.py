@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from basrelief.baking.levels import levels_of
 from basrelief.baking.passes import run_pass
 from basrelief.baking.texels import checked_edge
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine, engine_of
 from basrelief.lang import Shader
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, HeightField
@@ -34,17 +34,17 @@ Records = NDArray[np.uint16]
 
 
 def bounds(
-    heights: Heights, edge: Edge, engine: Engine | None = None, *, all_levels: bool = False
+    heights: Heights, edge: Edge, device: str | Engine = "cpu", *, all_levels: bool = False
 ) -> Records:
     """The records of a height map (h, w), 0 to 1, as one table (rows, columns, 4) of uint16.
 
     Of N × M blocks the near records are 2N rows of 2M: u and v growing, u shrinking beside them, v
     shrinking below. The far ones, in the same order, lie below at the left; what is left is 0. With
     `all_levels` those of each lower level of the map's pyramid follow below. Some 10 bytes a texel.
-    On the CPU, or on an engine that is given. Raises InputError for other edges.
+    `device` is as in `render`. Raises InputError for other edges.
     """
     levels = levels_of(heights) if all_levels else [np.ascontiguousarray(heights, np.float32)]
-    parts = []
+    engine, parts = engine_of(device), []
     for level in levels:
         making = _Making(level, edge, engine)
         parts += [making.near(), making.far()]
@@ -61,9 +61,9 @@ def bounds(
 class _Making:
     """The steps from a height map to its records, each a program of its own."""
 
-    def __init__(self, heights: Heights, edge: Edge, engine: Engine | None) -> None:
+    def __init__(self, heights: Heights, edge: Edge, engine: Engine) -> None:
         self.edge: Edge = checked_edge(edge)
-        self.engine = engine or choose_engine("cpu")
+        self.engine = engine
         self.heights = heights
         self.field = HeightField([heights], edge)
 

@@ -34,16 +34,16 @@ class Integrated:
     residual: float
 
 
-def height_map(normals: Normals, edge: Edge, engine: Engine | None = None) -> Integrated:
+def height_map(normals: Normals, edge: Edge, device: str | Engine = "cpu") -> Integrated:
     """The heights whose `normal_map` comes closest to normals (h, w, 3): x right, y up, z out.
 
     Least squares of the slopes, by FFT: on the torus for the edge "wrap", on the map with its
     mirror images for "clamp". What no height map has, a swirl, and on a torus a lean of the whole
     map, is left out and stands in the residual. The heights fill 0 to 1; `scale` is their range
-    as a fraction of the map's width. Slopes are held to 50. `engine` makes the normals that the
-    residual compares, the CPU's unless given. After R. T. Frankot and R. Chellappa, A Method for
-    Enforcing Integrability in Shape from Shading Algorithms, 1988, with central differences in
-    place of derivatives.
+    as a fraction of the map's width. Slopes are held to 50. The normals that the
+    residual compares are computed on `device`, as in `render`. After R. T. Frankot and R.
+    Chellappa, A Method for Enforcing Integrability in Shape from Shading Algorithms, 1988, with
+    central differences in place of derivatives.
     Raises InputError for other arrays and edges.
     """
     normals = np.asarray(normals, np.float32)
@@ -59,7 +59,7 @@ def height_map(normals: Normals, edge: Edge, engine: Engine | None = None) -> In
     shares = (raised - low) / reach if reach > 0.0 else np.zeros((rows, columns))
     heights: Heights = np.clip(shares, 0.0, 1.0).astype(np.float32)
     scale = reach / columns
-    return Integrated(heights, scale, _residual(normals, normal_map(heights, edge, scale, engine)))
+    return Integrated(heights, scale, _residual(normals, normal_map(heights, edge, scale, device)))
 
 
 def _slopes(normals: Normals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

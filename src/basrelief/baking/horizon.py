@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.texels import Heights, checked, checked_scale, run
-from basrelief.engine import Engine
+from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.lang import Buffer, HeightField, Vec2
 from basrelief.lang.resources import Edge
@@ -29,7 +29,7 @@ def horizon_map(
     edge: Edge,
     scale: float,
     directions: int = 8,
-    engine: Engine | None = None,
+    device: str | Engine = "cpu",
 ) -> NDArray[np.uint16]:
     """How high the relief stands around each texel: (h, w, directions) uint16.
 
@@ -48,7 +48,7 @@ def horizon_map(
     """
     heights = checked(heights, edge)
     made = np.empty((*heights.shape, _count(directions)), np.uint16)
-    values = _values(heights, edge, scale, shaders.BLUR)
+    engine, values = engine_of(device), _values(heights, edge, scale, shaders.BLUR)
     for k, way in enumerate(_ways(heights.shape, edge, directions)):
         ways = Buffer([way])
         planes = run(shaders.horizon, heights, edge, engine, ways=ways, **values)
@@ -61,7 +61,7 @@ def ambient_occlusion(
     edge: Edge,
     scale: float,
     directions: int = 16,
-    engine: Engine | None = None,
+    device: str | Engine = "cpu",
 ) -> NDArray[np.float32]:
     """The share of a uniform sky's light that each texel gets, 0 (none) to 1: (h, w) float32.
 
@@ -79,6 +79,7 @@ def ambient_occlusion(
     ways = Buffer(_ways(heights.shape, edge, directions, _SEEN))
     least = _LOWEST / max(checked_scale(scale) * heights.shape[1], _LOWEST)
     values = _values(heights, edge, scale, max(least, shaders.BLUR))
+    engine = engine_of(device)
     planes = run(shaders.openness, heights, edge, engine, effort=directions, ways=ways, **values)
     return planes["open"]
 

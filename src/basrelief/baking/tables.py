@@ -26,7 +26,7 @@ TABLES: dict[str, tuple[str, str]] = {
     "bounds": ("exact", "What the technique exact goes by."),
 }
 """By the name of the declaration: the module beside this one whose function of the same name bakes
-it from heights (h, w) float32, an edge and an engine, (rows, columns, 4); what it is, in a line."""
+it from heights (h, w) float32, an edge and a device, (rows, columns, 4); what it is, in a line."""
 
 
 def function_of(bake: Bake) -> Callable[..., NDArray[np.uint16]]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.baking.passes import run_pass
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine
 from basrelief.engine.engine import Planes
 from basrelief.errors import InputError
 from basrelief.lang import HeightField
@@ -49,14 +49,14 @@ def run(
     entry: Any,
     heights: Heights,
     edge: Edge,
-    engine: Engine | None,
+    engine: Engine,
     *,
     effort: int = 1,
     **values: Any,
 ) -> Planes:
-    """An entry's planes, for every texel; on all cores unless another engine is named."""
+    """An entry's planes, for every texel."""
     rows, columns = heights.shape
     values = {"field": HeightField([heights], edge), **values}
     program = Program(entry, edge=edge)
     size = (columns, rows)
-    return run_pass(engine or choose_engine("cpu"), program, values, size, effort=effort)
+    return run_pass(engine, program, values, size, effort=effort)

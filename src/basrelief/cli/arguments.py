@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.material import Map, Material, load
 from basrelief.scene import (
     OWN_TILINGS,
@@ -182,7 +182,7 @@ def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dic
     for part in parts:
         name, text = named(part, what)
         if name not in known:
-            raise InputError(f"{what}: there is no number {name}; there are {', '.join(known)}")
+            raise InputError(f"{what}: there is no number {name}; {suggestion(name, known)}")
         read = vector if name in _VECTORS else number
         given[name] = read(text, f"{what}: {name}")
     for name, parameter in known.items():
@@ -320,8 +320,8 @@ def _sorted_out(given: Mapping[str, str], obj: Object) -> dict[str, dict[str, An
     for name, text in given.items():
         home = next((home for home, names in known.items() if name in names), None)
         if home is None:
-            names = ", ".join(name for names in known.values() for name in names)
-            raise InputError(f"--set {name}: there is no such setting here; there are {names}")
+            hint = suggestion(name, [name for names in known.values() for name in names])
+            raise InputError(f"--set {name}: there is no such setting here; {hint}")
         read = number if home == "object" else value
         found[home][name] = read(text, f"--set {name}")
     return found
@@ -346,9 +346,9 @@ def object_from(text: str) -> Object:
     shape, what = shape.strip(), f"--add {shape.strip()}"
     given = dict(named(part, what) for part in parts)
     for name in given:
-        if name not in (*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS):
-            known = ", ".join((*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS))
-            raise InputError(f"{what}: there is no {name}; there are {known}")
+        known = (*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS)
+        if name not in known:
+            raise InputError(f"{what}: there is no {name}; {suggestion(name, known)}")
     material = load(given["material"]) if "material" in given else _plain()
     options: dict[str, Any] = {"shape": shape, **_some(given, *_TEXTS)}
     for read, names in ((number, _NUMBERS), (pair, _PAIRS)):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
@@ -29,17 +29,17 @@ COUNT = len(_SHOWN) + len(_SHAPES)
 """How many pictures there are."""
 
 
-def pictures(folder: Path, engine: str) -> Iterator[Path]:
+def pictures(folder: Path, device: str) -> Iterator[Path]:
     """Draw the pictures into a folder, naming each when it is done."""
     # looking for a GPU and drawing the samples are independent: both at once
     with ThreadPoolExecutor() as pool:
-        found = pool.submit(choose_engine, engine)
+        found = pool.submit(choose_device, device)
         names = ["bricks", *(name for name, _ in _SHAPES)]
         materials = dict(zip(names, pool.map(sample, names), strict=True))
         scenes = dict(_scenes(materials))
-        runner = found.result()
+        engine = found.result()
         programs = [program_of(scene.objects[0]) for scene in scenes.values()]
-        list(pool.map(runner.compile, programs))
+        list(pool.map(engine.compile, programs))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -48,7 +48,7 @@ def pictures(folder: Path, engine: str) -> Iterator[Path]:
     with ThreadPoolExecutor(1) as writer:
         under_way: Future[Path] | None = None
         for name, scene in scenes.items():
-            frame = render(scene, size=_SIZE, samples=_SAMPLES, engine=runner)
+            frame = render(scene, size=_SIZE, samples=_SAMPLES, device=engine)
             if under_way is not None:
                 yield under_way.result()
             under_way = writer.submit(frame.save, folder / f"{name}.png")

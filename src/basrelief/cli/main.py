@@ -14,7 +14,7 @@ import typer
 
 from basrelief._version import __version__
 from basrelief.cli import options
-from basrelief.errors import BasreliefError, InputError
+from basrelief.errors import BasreliefError, InputError, new_name
 
 if TYPE_CHECKING:
     from basrelief.material import Material
@@ -67,7 +67,15 @@ def _usage_error(error: Exception) -> NoReturn:
     told = getattr(error, "format_message", None)
     if told is None:
         raise error
-    _fail(f"{told().rstrip('.')} (basrelief COMMAND --help tells more)")
+    text = _renamed_option(error) or told().rstrip(".")
+    _fail(f"{text} (basrelief COMMAND --help tells more)")
+
+
+def _renamed_option(error: Any) -> str:
+    """The hint to the new name of an unknown option; "" where the command has no such option."""
+    option, context = getattr(error, "option_name", ""), getattr(error, "ctx", None)
+    known = [] if context is None else [name for p in context.command.params for name in p.opts]
+    return new_name(option, known)
 
 
 def _leave_closed_pipe() -> NoReturn:
@@ -100,7 +108,7 @@ PathArgument = Annotated[
 _of_picture = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
 ScaleOption = Annotated[float | None, typer.Option(help="Depth as a fraction of a tile's width.")]
-EngineOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
+DeviceOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
 
 
 def _said(options: dict[str, Any]) -> dict[str, Any]:
@@ -254,7 +262,7 @@ def render(
     show: Annotated[
         str, _of_picture(help="color, or what it hides: reads, missed, overshoot, depth-error.")
     ] = "color",
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Draw a material, as a picture or a film."""
@@ -273,10 +281,10 @@ def render(
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
-            _show(show, scene, pixels, samples, engine, frames, target, bits, quality)
+            _show(show, scene, pixels, samples, device, frames, target, bits, quality)
             return
         drawn = film.frames(
-            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, engine=engine,
+            scene, motions, count=frames, fps=fps, size=pixels, samples=samples, device=device,
             progress=progress,
         )  # fmt: skip
         made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
@@ -288,7 +296,7 @@ def render(
         print(note, file=sys.stderr)
     # the first and the last of many
     files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
-    print(f"{files}  ({made.engine})")
+    print(f"{files}  ({made.device})")
 
 
 def _show(
@@ -296,14 +304,14 @@ def _show(
     scene: Any,
     size: tuple[int, int],
     samples: int,
-    engine: str,
+    device: str,
     frames: int,
     target: Path,
     bits: int | None,
     quality: int,
 ) -> None:
     """Draw a debug picture, and say what its colours mean."""
-    from basrelief.engine import choose_engine
+    from basrelief.engine import choose_device
     from basrelief.errors import InputError
     from basrelief.measure.debug import check_shown, debug_picture
     from basrelief.measure.truth import truth
@@ -318,12 +326,12 @@ def _show(
             f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "
             "use --show reads or another technique"
         )
-    runner = choose_engine(engine)
-    true = None if what == "reads" else truth(scene, size, engine=runner)
-    frame = render(scene, size=size, samples=samples, engine=runner)
+    engine = choose_device(device)
+    true = None if what == "reads" else truth(scene, size, device=engine)
+    frame = render(scene, size=size, samples=samples, device=engine)
     made = debug_picture(what, frame, true)
     made.image.save(target, bits=bits, quality=quality)
-    print(f"{target}  ({frame.engine})\n{made.meaning}")
+    print(f"{target}  ({frame.device})\n{made.meaning}")
 
 
 @app.command()
@@ -357,7 +365,7 @@ def compare(
     projection: Annotated[
         str | None, typer.Option(help="full, biased or limited (each technique's own).")
     ] = None,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
     """Measure every technique on a material: a page that says what to ship, and why."""
@@ -376,11 +384,11 @@ def compare(
         material = _loaded(path, **maps)
 
         found = compared(
-            material, technique, angles=seen, size=pixels, samples=samples, engine=engine,
+            material, technique, angles=seen, size=pixels, samples=samples, device=device,
             settings=said, progress=progress.at, **relief,
         )  # fmt: skip
         page = found.save(output or Path(f"{material.name}-compare"))
-    print(f"{found.summary()}\n{page}  ({found.engine})")
+    print(f"{found.summary()}\n{page}  ({found.device})")
 
 
 @app.command()
@@ -403,7 +411,7 @@ def tune(
     ] = None,
     size: Annotated[str, typer.Option(help="Width × height of what is measured.")] = "320x180",
     scale: ScaleOption = None,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
     """Find the cheapest technique and settings that keep an error under a bound."""
@@ -421,10 +429,10 @@ def tune(
 
         found = tuned(
             material, missed=bound, flip=flip, angles=seen, techniques=technique, size=pixels,
-            engine=engine, settings=said, progress=progress.at, source=path, **relief,
+            device=device, settings=said, progress=progress.at, source=path, **relief,
         )  # fmt: skip
         written = found.preset.save(output or Path(f"{material.name}-tuned.toml"))
-    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.engine})")
+    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.device})")
 
 
 @app.command()
@@ -445,7 +453,7 @@ def bake(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace files that are there.")
     ] = False,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
@@ -463,7 +471,7 @@ def bake(
             raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
-        from basrelief.engine import choose_engine
+        from basrelief.engine import choose_device
         from basrelief.scene.objects import DEFAULT_SCALE
 
         arguments.check_lengths(given["depth"], given["tile"], scale)
@@ -471,8 +479,8 @@ def bake(
         material = _loaded(path, **maps)
         progress.task = f"baking {material.name}"
         used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
-        runner = choose_engine(engine)
-        chosen = Baking(material, runner, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        engine = choose_device(device)
+        chosen = Baking(material, engine, edge, used, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         made = bake_to(folder, names, chosen, overwrite=overwrite)
     for file, note in made:
@@ -520,14 +528,14 @@ def demo(
     output: Annotated[Path, typer.Option(*_OUTPUT, help="Where the pictures go.")] = Path(
         "basrelief-demo"
     ),
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
 ) -> None:
     """Draw the samples with every technique and on every shape."""
     made: list[Path] = []
     with _Progress("drawing the samples") as progress:
         from basrelief.cli.demo import COUNT, pictures
 
-        for picture in pictures(output, engine):
+        for picture in pictures(output, device):
             made.append(picture)
             progress(len(made) / COUNT)
     print("\n".join(map(str, made)))
@@ -544,7 +552,7 @@ def view(
         Path | None, typer.Option(*_OUTPUT, help="The page; without it one is made and opened.")
     ] = None,
     texels: Annotated[int, typer.Option(help="Texels a side of the page's maps at most.")] = 1024,
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     **given: Any,
 ) -> None:
     """Make one page in which every map and number is live, and open it in a browser."""
@@ -564,7 +572,7 @@ def view(
         name = scene.objects[0].material.name
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
         made = write_view(
-            scene, target, texels=texels, sources=sources, engine=engine, progress=progress.at
+            scene, target, texels=texels, sources=sources, device=device, progress=progress.at
         )
     if made.scaled_to is not None:
         width, height = made.scaled_to
@@ -577,7 +585,7 @@ def view(
 @app.command()
 def gallery(
     output: Annotated[Path, typer.Argument(help="The folder for pages and pictures.")],
-    engine: EngineOption = "auto",
+    device: DeviceOption = "auto",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
     only: Annotated[
@@ -591,7 +599,7 @@ def gallery(
     """Draw every comparison of the five articles as pages with pictures, settings and costs."""
     with _Progress("drawing the gallery") as progress:
         from basrelief.cli import arguments
-        from basrelief.engine import choose_engine
+        from basrelief.engine import choose_device
         from basrelief.gallery.folder import chosen, write
 
         def heard(what: str, share: float) -> None:
@@ -599,7 +607,7 @@ def gallery(
             progress(share)
 
         pages, pixels = chosen(only or [], source), arguments.size(size)
-        index = write(output, pages, choose_engine(engine), pixels, samples, heard)
+        index = write(output, pages, choose_device(device), pixels, samples, heard)
     print(index)
 
 

@@ -5,6 +5,6 @@ interface, `Engine`, and give the same planes within the tolerances that the tes
 """
 
 from basrelief.engine.engine import Engine, Planes
-from basrelief.engine.select import choose_engine
+from basrelief.engine.select import choose_device, engine_of
 
-__all__ = ["Engine", "Planes", "choose_engine"]
+__all__ = ["Engine", "Planes", "choose_device", "engine_of"]

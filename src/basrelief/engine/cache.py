@@ -25,7 +25,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 
 LIMIT = 2 * 1024**3
 """Bytes that all entries may take together."""
@@ -77,14 +77,14 @@ def key_of(kind: str, *parts: str | Bytes) -> str:
 def source_digest(*modules: ModuleType) -> str:
     """A digest of the source of modules and packages, those within packages included.
 
-    What is kept depends on the code that made it. Raises EngineError for a package without source
+    What is kept depends on the code that made it. Raises DeviceError for a package without source
     files: its digest would not change with its code.
     """
     digest = hashlib.sha256()
     for module in modules:
         sources = list(_sources(module))
         if not sources:
-            raise EngineError(
+            raise DeviceError(
                 f"{module.__name__} has no source files, by which results are found in the cache; "
                 "install it with its .py files"
             )

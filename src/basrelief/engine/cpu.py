@@ -37,7 +37,7 @@ class CpuEngine:
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
         self.lanes = lanes or _natural_lanes()
         self.threads = threads or _cores()
-        self.device = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
+        self.adapter = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
         self._compiled: dict[str, _Compiled] = {}
         self._uploaded: weakref.WeakKeyDictionary[Any, _Resident] = weakref.WeakKeyDictionary()
         self._lock = threading.Lock()

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, buffer_record
 from basrelief.lang.types import leaf_values, leaves, type_name
@@ -21,13 +21,13 @@ Words = NDArray[np.int32]
 
 
 class Engine(Protocol):
-    """Runs programs. `name` is "cpu" or "gpu"; `device` says on what.
+    """Runs programs. `name` is "cpu" or "gpu"; `adapter` describes the processor or graphics card.
 
     `rounding` names how numbers round: engines with the same compute the same planes, bit for bit.
     """
 
     name: str
-    device: str
+    adapter: str
     rounding: str
 
     def compile(self, program: Program) -> None:
@@ -49,9 +49,9 @@ class Engine(Protocol):
 
 
 def value_of(program: Program, name: str, values: Mapping[str, Any]) -> Any:
-    """The value of a parameter; raises EngineError where it is missing or of another type."""
+    """The value of a parameter; raises DeviceError where it is missing or of another type."""
     if name not in values:
-        raise EngineError(f"the program {program.entry.name} needs a value for {name}")
+        raise DeviceError(f"the program {program.entry.name} needs a value for {name}")
     value, wanted = values[name], program.parameters[name]
     record = buffer_record(wanted)
     if record is not None:
@@ -59,9 +59,9 @@ def value_of(program: Program, name: str, values: Mapping[str, Any]) -> Any:
     else:
         fits = isinstance(value, wanted)
     if not fits:
-        raise EngineError(f"{name}: expected {type_name(wanted)}, not {type(value).__name__}")
+        raise DeviceError(f"{name}: expected {type_name(wanted)}, not {type(value).__name__}")
     if isinstance(value, HeightField | Texture) and value.edge != program.edge:
-        raise EngineError(f"{name}: its edge is {value.edge}, the program's is {program.edge}")
+        raise DeviceError(f"{name}: its edge is {value.edge}, the program's is {program.edge}")
     return value
 
 

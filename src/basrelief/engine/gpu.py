@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine.engine import Planes, value_of
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 from basrelief.lang.layout import align_and_size, pack
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
@@ -42,14 +42,14 @@ def _request_adapter() -> Any:
     try:
         import wgpu
     except ImportError:
-        raise EngineError("the GPU engine needs wgpu; pip install 'basrelief[gpu]'") from None
+        raise DeviceError("the device gpu needs wgpu; pip install 'basrelief[gpu]'") from None
     _leave_out_opengl()
     try:
         return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
     except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise EngineError(
-            f"no usable GPU found ({reason}); use --engine cpu, or install a Vulkan driver"
+        raise DeviceError(
+            f"no usable GPU found ({reason}); use --device cpu, or install a Vulkan driver"
         ) from None
 
 
@@ -86,13 +86,13 @@ def real_gpu() -> bool:
         return False
     try:
         adapter = _request_adapter()
-    except EngineError:
+    except DeviceError:
         return False
     return adapter.info["adapter_type"] != "CPU"
 
 
 class GpuEngine:
-    """Runs programs on the adapter that WebGPU prefers. Raises EngineError where there is none."""
+    """Runs programs on the adapter that WebGPU prefers. Raises DeviceError where there is none."""
 
     name = "gpu"
 
@@ -103,7 +103,7 @@ class GpuEngine:
         self.adapter_info: dict[str, Any] = dict(adapter.info)
         self.gpu = adapter.request_device_sync(required_limits=limits, required_features=features)
         self.limits = limits
-        self.device = f"{adapter.info['device']} ({adapter.info['backend_type']})"
+        self.adapter = f"{adapter.info['device']} ({adapter.info['backend_type']})"
         self.rounding = _rounding(adapter.info)
         # Mesa's software driver looks for uniforms that branches depend on, to compile them in, and
         # in 22.3 writes past the end of its list of them; storage it leaves alone
@@ -210,7 +210,7 @@ class GpuEngine:
             module = self.gpu.create_shader_module(code=code, label=label)
         except wgpu.GPUError as error:
             reason = " ".join(str(error).split())
-            raise EngineError(f"{label}: the GPU's driver refuses the program: {reason}") from None
+            raise DeviceError(f"{label}: the GPU's driver refuses the program: {reason}") from None
         layout = self.gpu.create_bind_group_layout(
             entries=[
                 _layout_entry(number, b, self.spares_uniforms) for number, b in enumerate(needed)
@@ -252,9 +252,9 @@ class GpuEngine:
         height, width = value.shape
         limit = self.limits["max-texture-dimension-2d"]
         if max(width, height) > limit:
-            raise EngineError(
+            raise DeviceError(
                 f"a map of {width} × {height} is larger than this GPU takes ({limit}); "
-                "use --engine cpu, or a smaller map"
+                "use --device cpu, or a smaller map"
             )
         heights = isinstance(value, HeightField)
         texture = self.gpu.create_texture(

@@ -1,20 +1,21 @@
-"""Which engine a name stands for."""
+"""The engine that runs programs on a device."""
 
 from __future__ import annotations
 
 import functools
 
 from basrelief.engine.engine import Engine
-from basrelief.errors import EngineError
+from basrelief.errors import DeviceError
 
-NAMES = ("auto", "cpu", "gpu")
+DEVICES = ("auto", "cpu", "gpu")
 
 
 @functools.cache
-def choose_engine(name: str = "auto") -> Engine:
-    """The engine of a name: "cpu", "gpu", or "auto", a real GPU where there is one, else the CPU.
+def choose_device(name: str = "auto") -> Engine:
+    """The engine for a device: "cpu", "gpu" or "auto".
 
-    Raises EngineError for another name, and where "gpu" is asked for and there is none.
+    "auto" is a real GPU where there is one, and otherwise the CPU. Raises DeviceError for another
+    name, and for "gpu" where there is none.
     """
     if name == "cpu":
         from basrelief.engine.cpu import CpuEngine
@@ -27,5 +28,10 @@ def choose_engine(name: str = "auto") -> Engine:
     if name == "auto":
         from basrelief.engine.gpu import real_gpu
 
-        return choose_engine("gpu" if real_gpu() else "cpu")
-    raise EngineError(f"no engine is called {name!r}; use one of {', '.join(NAMES)}")
+        return choose_device("gpu" if real_gpu() else "cpu")
+    raise DeviceError(f"no device is called {name!r}; use one of {', '.join(DEVICES)}")
+
+
+def engine_of(device: str | Engine) -> Engine:
+    """The engine for a device; an engine is returned as it is."""
+    return choose_device(device) if isinstance(device, str) else device

@@ -47,7 +47,7 @@ def drawn(
     """The panels of a page, one after the other; `progress` hears the share of those drawn."""
     panels = [*page.panels(TEXELS)]
     for number, panel in enumerate(panels):
-        frame = render(panel.scene, size=size, samples=samples, engine=engine)
+        frame = render(panel.scene, size=size, samples=samples, device=engine)
         picture = picture_of(panel, frame, engine)
         headline = _headline_seconds(page, panel.scene, engine)
         seconds = seconds_of(panel.scene, size, engine)
@@ -61,7 +61,7 @@ def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
         return DebugPicture(frame.image, "")
     height, width = frame.distance.shape
     needed = panel.shown != "reads"
-    true = truth(panel.scene, (width, height), engine=engine) if needed else None
+    true = truth(panel.scene, (width, height), device=engine) if needed else None
     return debug_picture(panel.shown, frame, true)
 
 
@@ -74,6 +74,6 @@ def seconds_of(scene: Scene, size: tuple[int, int], engine: Engine) -> float:
     times = []
     for _ in range(FRAMES + 1):
         before = time.perf_counter()
-        render(scene, size=size, samples=1, engine=engine)
+        render(scene, size=size, samples=1, device=engine)
         times.append(time.perf_counter() - before)
     return statistics.median(times[1:])

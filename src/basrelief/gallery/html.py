@@ -52,7 +52,7 @@ def page_html(page: Page, panels: Sequence[Drawn], beside: Sequence[Page]) -> st
         figures=[_figure(page, n, each) for n, each in enumerate(panels, 1)],
         frames=FRAMES,
         size=(width, height),
-        engine=first.engine,
+        device=first.device,
     )
 
 

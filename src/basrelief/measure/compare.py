@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from basrelief._version import __version__
-from basrelief.engine import Engine, choose_engine
-from basrelief.errors import InputError
+from basrelief.engine import Engine, engine_of
+from basrelief.errors import InputError, new_name, suggestion
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import errors, flip, has_flip, uv_error
@@ -33,8 +33,8 @@ from basrelief.techniques import TECHNIQUES, Technique, exact
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 
-VERSION = 1
-"""Of `compare.json`; raised when a key changes its meaning or goes."""
+VERSION = 2
+"""Of `compare.json`; raised when a key is renamed, removed or changes its meaning."""
 Progress = Callable[[str, float], None]
 """Hears what is being measured, and the share of the whole that is done."""
 
@@ -69,7 +69,7 @@ class Comparison(Results):
             "material": self.material,
             "texels": list(self.texels),
             "scale": self.scale,
-            "engine": self.engine,
+            "device": self.device,
             "size": list(self.size),
             "samples": self.samples,
             "time": {"size": list(self.timing.size), "by": self.timing.by, "runs": self.runs},
@@ -95,7 +95,7 @@ def compare(
     angles: Sequence[float] = ANGLES,
     size: tuple[int, int] = (480, 270),
     samples: int = 4,
-    engine: str | Engine = "auto",
+    device: str | Engine = "auto",
     runs: int = RUNS,
     settings: Mapping[str, Any] | None = None,
     progress: Progress = lambda what, share: None,
@@ -115,7 +115,7 @@ def compare(
     material = what if isinstance(what, Material) else load(what)
     chosen = candidates(techniques, settings or {})
     check_measurable(material, options)
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    engine = engine_of(device)
     angles = tuple(dict.fromkeys(float(angle) for angle in angles))
     if not angles:
         raise InputError("there are no angles; give one, as 60")
@@ -130,14 +130,14 @@ def compare(
         }
         for angle in angles
     }  # fmt: skip
-    timing = timing_on(runner, size)
+    timing = timing_on(engine, size)
     results: list[Result] = []
     for number, (angle, scenes) in enumerate(views.items()):
 
         def heard(share: float, angle: float = angle, number: int = number) -> None:
             progress(f"measuring {material.name} at {angle:g}°", (number + share) / len(views))
 
-        results += _at_one_angle(angle, scenes, size, samples, timing, runs, runner, heard)
+        results += _at_one_angle(angle, scenes, size, samples, timing, runs, engine, heard)
     first = views[angles[0]]
     cost = {
         name: float(np.mean([each.seconds for each in results if each.technique == name]))
@@ -150,7 +150,7 @@ def compare(
         material=material.name,
         texels=(height.width, height.height),
         scale=first["exact"].objects[0].relief_scale,
-        engine=f"{runner.name}: {runner.device}",
+        device=f"{engine.name}: {engine.adapter}",
         size=size,
         samples=samples,
         timing=timing,
@@ -186,13 +186,13 @@ def _at_one_angle(
 ) -> Iterable[Result]:
     """One angle, all techniques: they fill the same space, so one truth holds for all."""
     progress(0.0)
-    true = truth(scenes["exact"], size, engine=engine)
-    reference = render(scenes["exact"], size=size, samples=samples, engine=engine)
+    true = truth(scenes["exact"], size, device=engine)
+    reference = render(scenes["exact"], size=size, samples=samples, device=engine)
     progress(0.5)
     seconds = seconds_of(scenes, timing, engine, runs)
     for number, (name, scene) in enumerate(scenes.items()):
         drawn = name != "exact"
-        frame = render(scene, size=size, samples=samples, engine=engine) if drawn else reference
+        frame = render(scene, size=size, samples=samples, device=engine) if drawn else reference
         yield Result(
             angle=angle,
             technique=name,
@@ -229,9 +229,11 @@ def candidates(
             )
     if not any(each.technique is exact and each.name == "exact" for each in found):
         found.append(Candidate("exact", exact, {}, "exact"))
+    known = {name for each in found for name in each.technique.settings.__dataclass_fields__}
     for name in settings:
-        if not any(name in each.technique.settings.__dataclass_fields__ for each in found):
-            raise InputError(f"{name}: none of these techniques has such a setting")
+        if name not in known:
+            hint = new_name(name, known) or "none of these techniques has such a setting"
+            raise InputError(f"{name}: {hint}")
     names = [each.name for each in found]
     for name in names:
         if names.count(name) > 1:
@@ -249,8 +251,8 @@ def _candidate(
     known = technique.settings.__dataclass_fields__
     for name in own:
         if name not in known:
-            there = ", ".join(known) or "none"
-            raise InputError(f"{technique.name} has no setting {name!r}; there are {there}")
+            hint = suggestion(name, known, "it has")
+            raise InputError(f"{technique.name} has no setting {name!r}; {hint}")
     name = " ".join([technique.name, *(f"{key}={value:g}" for key, value in own.items())])
     usual = {key: value for key, value in settings.items() if key in known}
     return Candidate(

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.engine import choose_engine
+from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
 from basrelief.measure.columns import first_column_hits
@@ -91,7 +91,7 @@ def _explained(
     obj: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
-    values = values_of(obj, scene, size, choose_engine("cpu"))
+    values = values_of(obj, scene, size, choose_device("cpu"))
     field, technique = values["field"], obj.drawn_with
     variant = variant_of(obj, scene)
     seen = faded_relief(values["relief"], met.distance, variant)

@@ -41,7 +41,7 @@ class Results:
     material: str
     texels: tuple[int, int]
     scale: float
-    engine: str
+    device: str
     size: tuple[int, int]
     samples: int
     timing: Timing

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import first_hits
@@ -48,7 +48,7 @@ class Truth:
     wraps: bool
 
 
-def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine = "auto") -> Truth:
+def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine = "auto") -> Truth:
     """The true first hits of a scene of one plane with a relief, as `render` would draw it.
 
     `size` is (width, height). The relief lies where the object's `level` says, and fades where it
@@ -58,9 +58,9 @@ def truth(what: Scene | Object, size: tuple[int, int], *, engine: str | Engine =
     size = check_picture(size)
     scene = what if isinstance(what, Scene) else Scene((what,))
     obj = measurable(scene)
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
-    values = values_of(obj, scene, size, runner)
-    rays = runner.run(rays_of(obj), values, size)
+    engine = engine_of(device)
+    values = values_of(obj, scene, size, engine)
+    rays = engine.run(rays_of(obj), values, size)
     found = rays["found"] != 0
     start, travel = (
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1).astype(np.float64)

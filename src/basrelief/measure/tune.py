@@ -6,7 +6,7 @@ default's proportion. Other whole-number settings (`search_steps`, …) are trie
 and at twice their default; all else stays as it is. The effort is doubled until the error is under
 the bound at every angle, then the gap to the last failure is halved until it closes. Errors need
 not fall with effort: whatever is returned was itself measured at every angle, and nothing is
-concluded from its neighbours. Of what passes, the fastest by measured time on this engine is taken.
+concluded from its neighbours. Of what passes, the fastest by measured time on this device is taken.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any, Literal, assert_never
 
 import numpy as np
 
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.material import Material, load
 from basrelief.measure.compare import Candidate, Progress, candidates, check_measurable
@@ -80,7 +80,7 @@ class Tuned:
     scale: float
     settings: Mapping[str, Any]
     options: Mapping[str, Any]
-    engine: str
+    device: str
 
     @property
     def command(self) -> str:
@@ -159,7 +159,7 @@ def tune(
     angles: tuple[float, float] = (0.0, 75.0),
     techniques: Sequence[str | Technique[..., Any] | Candidate] | None = None,
     size: tuple[int, int] = (320, 180),
-    engine: str | Engine = "auto",
+    device: str | Engine = "auto",
     settings: Mapping[str, Any] | None = None,
     source: str | None = None,
     progress: Progress = lambda what, share: None,
@@ -188,11 +188,11 @@ def tune(
     chosen = [
         c for c in candidates(techniques, kept) if techniques is None or _asked(c, techniques)
     ]
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
+    engine = engine_of(device)
     views = _views(angles)
     measure: Measure = "missed" if flip is None else "flip"
     progress(f"working out the truth of {material.name}", 0.0)
-    ruler = _Ruler(material, views, size, runner, options, measure, bound)
+    ruler = _Ruler(material, views, size, engine, options, measure, bound)
     tried: list[Tried] = []
     for number, candidate in enumerate(chosen):
         progress(f"trying {candidate.name}", 0.1 + 0.7 * number / len(chosen))
@@ -224,7 +224,7 @@ def tune(
         scale=obj.relief_scale,
         settings=settings_of(obj),
         options=options,
-        engine=f"{runner.name}: {runner.device}",
+        device=f"{engine.name}: {engine.adapter}",
     )
 
 
@@ -274,7 +274,7 @@ class _Ruler:
             scene = self.scene(reference, angle)
             match measure:
                 case "missed":
-                    self.true[angle] = truth(scene, size, engine=engine)
+                    self.true[angle] = truth(scene, size, device=engine)
                 case "flip":
                     self.true[angle] = self.drawn(scene)
                 case _:
@@ -287,7 +287,7 @@ class _Ruler:
 
     def drawn(self, scene: Scene) -> Frame:
         """A scene's frame."""
-        return render(scene, size=self.size, samples=self.samples, engine=self.engine)
+        return render(scene, size=self.size, samples=self.samples, device=self.engine)
 
     def tried(self, candidate: Candidate) -> Tried:
         """A candidate's largest error; from grazing on, no further than where it fails."""

@@ -53,7 +53,7 @@ def frames(
     fps: float = 30.0,
     size: tuple[int, int] = (1280, 720),
     samples: int = 4,
-    engine: str | Engine = "auto",
+    device: str | Engine = "auto",
     progress: Progress | None = None,
     **options: Any,
 ) -> Iterator[Frame]:
@@ -77,7 +77,7 @@ def frames(
     def drawn() -> Iterator[Frame]:
         for number in range(count):
             told = _share_of_all(progress, number, count)
-            yield render(at(number), size=size, samples=samples, engine=engine, progress=told)
+            yield render(at(number), size=size, samples=samples, device=device, progress=told)
 
     return drawn()
 
@@ -103,10 +103,10 @@ def _rate(fps: float) -> Fraction:
 
 @dataclass(frozen=True)
 class Written:
-    """The files of a film in their order, one for a film as such, and the engine that drew it."""
+    """The files of a film in their order, one for a film as such, and the device that drew it."""
 
     files: tuple[Path, ...]
-    engine: str
+    device: str
 
 
 @dataclass(frozen=True)
@@ -161,10 +161,10 @@ def write_film(
     kind = _film_for(path, known)
     if kind is None:
         files = _write_numbered(path, shown, known, bits=bits, quality=quality)
-        return Written(files, first.engine)
+        return Written(files, first.device)
     pictures = _pictures(shown, size, path)
     write_whole(path, lambda partial: _through_av(kind, partial, pictures, size, fps, quality))
-    return Written((path,), first.engine)
+    return Written((path,), first.device)
 
 
 def check_film(

@@ -43,7 +43,7 @@ class Frame:
     `color` (…, 4) float32 is linear with coverage, over the background; `distance` float32 is that
     from the camera along the ray in world units, infinite where nothing is hit; `uv` (…, 2) float32
     are the displaced texture coordinates; `hit` bool; `reads` int32 is the number of heights read.
-    All but the colour are those of the first sample, in the middle of the pixel. `engine` says on
+    All but the colour are those of the first sample, in the middle of the pixel. `device` says on
     what.
     """
 
@@ -52,7 +52,7 @@ class Frame:
     uv: NDArray[np.float32]
     hit: NDArray[np.bool_]
     reads: NDArray[np.int32]
-    engine: str
+    device: str
 
     def rows(self, first: int, last: int) -> Frame:
         """The same frame's rows first … last − 1, as views."""
@@ -63,7 +63,7 @@ class Frame:
             self.uv[some],
             self.hit[some],
             self.reads[some],
-            self.engine,
+            self.device,
         )
 
     def take(self, other: Frame) -> None:
@@ -83,7 +83,7 @@ class Frame:
 
     def __repr__(self) -> str:
         height, width = self.distance.shape
-        return f"<Frame {width} × {height}, {self.engine}>"
+        return f"<Frame {width} × {height}, {self.device}>"
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the picture; see `Image.save`."""

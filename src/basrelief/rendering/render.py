@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.engine import Engine, choose_engine
-from basrelief.errors import InputError
+from basrelief.engine import Engine, engine_of
+from basrelief.errors import InputError, new_name
 from basrelief.lang import Vec2
 from basrelief.material import Material, load
 from basrelief.rendering.frame import Frame, composite
@@ -36,7 +36,7 @@ def render(
     *,
     size: tuple[int, int] = (1280, 720),
     samples: int = 4,
-    engine: str | Engine = "auto",
+    device: str | Engine = "auto",
     progress: Progress | None = None,
     preset: str | Path | Preset | None = None,
     **options: Any,
@@ -44,17 +44,18 @@ def render(
     """Draw a scene, an object, a material, or what is in a folder.
 
     `size` is (width, height) in pixels; `samples` how many places of each pixel are averaged;
-    `engine` "auto", "cpu", "gpu" or an engine. Further options are those of `Object` (`technique`,
-    `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what` does not fix them.
+    `device` is "auto", "cpu", "gpu" or an engine of `choose_device`. Further options are those of
+    `Object` (`technique`, `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what`
+    does not fix them.
     `preset`, a name, a TOML file or a `Preset`, says what is left open of how a folder is read and
     a material drawn.
-    Raises InputError for values that make no picture, EngineError for an engine that cannot run.
+    Raises InputError for values that make no picture, DeviceError for a device that cannot be used.
     """
     scene = scene_of(what, {**options, "preset": preset})
     width, height = check_picture(size, samples)
     scene.check_camera()
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
-    return _Drawing(scene, (width, height), samples, runner, progress).frame()
+    engine = engine_of(device)
+    return _Drawing(scene, (width, height), samples, engine, progress).frame()
 
 
 def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:
@@ -99,7 +100,8 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
         raise InputError(f"cannot draw a {type(what).__name__}: give a folder, material or scene")
     left = [*options, *of_scene, *([] if preset is None else ["preset"])]
     if left:
-        raise InputError(f"{', '.join(left)}: already said by the {type(what).__name__}")
+        hint = new_name(left[0], ("device",))
+        raise InputError(hint or f"{', '.join(left)}: already said by the {type(what).__name__}")
     return what
 
 
@@ -193,5 +195,5 @@ class _Drawing:
             np.zeros((height, width, 2), np.float32),
             np.zeros((height, width), np.bool_),
             np.zeros((height, width), np.int32),
-            f"{self.engine.name}: {self.engine.device}",
+            f"{self.engine.name}: {self.engine.adapter}",
         )

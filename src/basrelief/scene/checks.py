@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.lang.types import VECTORS, fields_of, is_record
 
 NEAR, FAR = 1e-6, 1e6
@@ -50,8 +50,9 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
     known = {f.name: f for f in fields(record)}
     for name in values:
         if name not in known:
-            names = ", ".join(known) or "nothing"
-            raise InputError(f"{owner} has no setting {name!r}; it has {names}")
+            raise InputError(
+                f"{owner} has no setting {name!r}; {suggestion(name, known, 'it has')}"
+            )
     for name, each in known.items():
         if each.default is MISSING and name not in values:
             raise InputError(f"{owner} needs a value for {name}")

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.engine import Engine
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
@@ -303,7 +303,7 @@ class Viewer(anywidget.AnyWidget):
         height: int = 560,
         compare: str = "",
         show: str = "color",
-        engine: str | Engine = "auto",
+        device: str | Engine = "auto",
         progress: Progress | None = None,
         **settings: Any,
     ) -> None:
@@ -321,7 +321,7 @@ class Viewer(anywidget.AnyWidget):
         self._all_surface_parameters_sent = state.pop("surface_parameters")
         self._all_tilings = state["tilings"]
         sources = Sources(str(what) if isinstance(what, str | Path) else None)
-        made = page_of(scene, texels, sources, engine, progress or (lambda what, share: None))
+        made = page_of(scene, texels, sources, device, progress or (lambda what, share: None))
         super().__init__(
             _page=made.html.encode(),
             height=height,
@@ -341,7 +341,8 @@ class Viewer(anywidget.AnyWidget):
         method = name == "observe" or callable(vars(Viewer).get(name))
         if not name.startswith("_") and (method or not hasattr(type(self), name)):
             names = sorted(n for n, trait in self.traits().items() if isinstance(trait, _Setting))
-            raise InputError(f"a viewer has no setting {name!r}; it has {', '.join(names)}")
+            hint = suggestion(name, names, "it has")
+            raise InputError(f"a viewer has no setting {name!r}; {hint}")
         super().__setattr__(name, value)
 
     def scene(self) -> Scene:

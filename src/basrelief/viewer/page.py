@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from basrelief._version import __version__
 from basrelief.baking.levels import halved
-from basrelief.engine import Engine, choose_engine
+from basrelief.engine import Engine, engine_of
 from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
 from basrelief.pages import check_ours, fill, write_page
@@ -66,7 +66,7 @@ def write_view(
     *,
     texels: int = 1024,
     sources: Sources | None = None,
-    engine: str | Engine = "auto",
+    device: str | Engine = "auto",
     progress: Progress | None = None,
 ) -> View:
     """Write a page that shows the first object of a scene, whole or not at all.
@@ -80,31 +80,31 @@ def write_view(
     check_ours(file, GENERATOR, "a page of the viewer")
     check_shown(scene)
     made = page_of(
-        scene, texels, sources or Sources(), engine, progress or (lambda what, share: None)
+        scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
     )
     write_page(file, made.html)
     return made
 
 
 def page_of(
-    scene: Scene, texels: int, sources: Sources, engine: str | Engine, progress: Progress
+    scene: Scene, texels: int, sources: Sources, device: str | Engine, progress: Progress
 ) -> View:
     """The page of a scene."""
     obj = scene.objects[0]
     progress("printing the programs", 0.0)
     programs = printed(techniques_of(obj))
-    runner = choose_engine(engine) if isinstance(engine, str) else engine
-    stills = list(_stills(scene, runner, progress))
+    engine = engine_of(device)
+    stills = list(_stills(scene, engine, progress))
     whole = max((max(one.width, one.height) for one in _all_maps(obj)), default=1)
     most = min(whole, texels)
     while True:
         progress("packing the maps", 0.9)
         shown = _shrunk(obj, most)
-        maps = _maps(shown, runner)
+        maps = _maps(shown, engine)
         if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
             break
         most = most // 2
-    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills), runner)
+    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills), engine)
     scaled = shown_size(shown) if most < whole else None
     data = {
         "programs": programs.told(),
@@ -201,7 +201,7 @@ def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[
         progress("drawing the still pictures", number / len(names))
         settings: Any = Nothing() if name == "flat" else {}
         shown = replace(obj, technique=name, settings=settings, heights="sharp")
-        frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, engine=engine)
+        frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, device=engine)
         png = encode_png(frame.color[:, :, :3])
         yield name, base64.b64encode(png).decode()
 

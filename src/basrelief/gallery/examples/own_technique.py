@@ -58,6 +58,6 @@ PAGE = Page(
     look="Four reads that correct one another come close to the march where slopes are gentle.",
     article="The parallax function is a choice: the offset is one, the march another, under one "
     "signature.",
-    ours="A third is added in a file of its own, in ten lines; it runs on both engines.",
+    ours="A third is added in a file of its own, in ten lines; it runs on the CPU and on the GPU.",
     panels=panels,
 )

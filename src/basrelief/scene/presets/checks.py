@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.lang import Vec3
 from basrelief.material import MAPS
 from basrelief.scene import LookAt, Object, Orbit, Scene
@@ -68,7 +68,7 @@ def checked(said: Any, known: Mapping[str, str], what: str) -> None:
         raise InputError(f"{what} is {said!r}: make it a table, [{what}]")
     for key, value in said.items():
         if key not in known:
-            raise InputError(f"{what} has no key {key!r}; it has {', '.join(known)}")
+            raise InputError(f"{what} has no key {key!r}; {suggestion(key, known, 'it has')}")
         _check_kind(value, known[key], f"{what}.{key}")
 
 

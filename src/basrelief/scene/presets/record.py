@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.load import Reading
@@ -53,9 +53,8 @@ class Preset:
             raise InputError(f"values are {self.values!r}: give {', '.join(_TABLES)}")
         for key in self.values:
             if key not in _TABLES:
-                raise InputError(
-                    f"no key {key!r}; there are name, about, source, {', '.join(_TABLES)}"
-                )
+                known = ("name", "about", "source", *_TABLES)
+                raise InputError(f"no key {key!r}; {suggestion(key, known)}")
         object.__setattr__(self, "values", checks.frozen(self.values, ""))
         checks.checked(self._table("maps"), checks.OF_MAPS, "maps")
         checks.checked(self._table("object"), checks.OF_OBJECT, "object")
@@ -222,6 +221,8 @@ def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
     names = set(Object.__dataclass_fields__) - {"material"}
     for name in of_object:
         if name not in names:
-            known = names | set(Scene.__dataclass_fields__) - {"objects"}
-            raise InputError(f"no option {name!r}; there are {', '.join(sorted(known))}")
+            known = sorted(names | set(Scene.__dataclass_fields__) - {"objects"})
+            # functions that draw take a device, and pass on what they do not know
+            hint = new_name(name, ("device",)) or suggestion(name, known)
+            raise InputError(f"no option {name!r}; {hint}")
     return Scene((Object(material, **of_object),), **of_scene)
