@@ -27,6 +27,15 @@ RENAMED = {
     "engine": "device",
     "choose_engine": "choose_device",
     "EngineError": "DeviceError",
+    "--fog": "--fog-mode",
+    "--level": "--reference-height",
+    "level": "reference_height",
+    "finish": "surface_parameters",
+    "finish_of": "all_surface_parameters",
+    "Finish": "SurfaceParameters",
+    "air": "fog",
+    "shadow_map": "shadow_map_size",
+    "turned": "rotated",
 }
 """The new name of each renamed option (with its dashes), keyword, setting, preset key and Python
 name. The old name is refused with a hint to the new one. CHANGELOG.md has the same table."""

@@ -22,12 +22,6 @@ def setting_renamed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(RENAMED, OLD, NEW)
 
 
-@pytest.fixture
-def scale_renamed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if a key of presets had had another name."""
-    monkeypatch.setitem(RENAMED, "strength", "scale")
-
-
 # --- the command line -----------------------------------------------------------------------------
 
 
@@ -35,6 +29,13 @@ def scale_renamed(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("option", [("--engine", "gpu"), ("--engine=gpu",)])
 def test_an_old_option_is_refused_with_the_new_one(command: str, option: tuple[str, ...]) -> None:
     assert "--engine is now --device" in refused(command, "sample:bricks", *option)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("--fog", "--fog-mode"), ("--level", "--reference-height")]
+)
+def test_an_old_option_of_the_scene_is_refused_with_the_new_one(old: str, new: str) -> None:
+    assert f"{old} is now {new}" in refused("render", "sample:bricks", old, "0.5")
 
 
 def test_no_hint_where_a_command_has_no_such_option() -> None:
@@ -59,20 +60,23 @@ def test_an_old_setting_is_refused_with_the_new_one(
     assert "is now" not in line
 
 
-@pytest.mark.usefixtures("scale_renamed")
 def test_an_old_name_within_an_option_is_refused_with_the_new_one(tmp_path: Path) -> None:
-    line = refused("render", "sample:bricks", "--add", "box,strength=0.1")
-    assert "strength is now scale" in line
+    line = refused("render", "sample:bricks", "--add", "box,level=0.5")
+    assert "level is now reference_height" in line
 
 
 # --- presets --------------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("setting_renamed", "scale_renamed")
+@pytest.mark.usefixtures("setting_renamed")
 @pytest.mark.parametrize(
     ("text", "hint"),
     [
-        ("[object]\nstrength = 0.1", "object has no key 'strength'; strength is now scale"),
+        ("[object]\nlevel = 0.5", "object has no key 'level'; level is now reference_height"),
+        ("[object.finish]\nroughness = 1", "finish is now surface_parameters"),
+        ("[scene.air]\nfog_end = 3", "air is now fog"),
+        ("[scene]\nshadow_map = 256", "shadow_map is now shadow_map_size"),
+        ("[scene]\nfog = 'linear'", "write fog_mode = 'linear'"),
         (f"[object.settings]\n{OLD} = 9", f"{OLD} is now {NEW}"),
     ],
 )
@@ -97,10 +101,15 @@ def test_no_hint_at_a_key_that_presets_do_not_have(tmp_path: Path) -> None:
 # --- Python ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["choose_engine", "EngineError"])
+@pytest.mark.parametrize("name", ["choose_engine", "EngineError", "Finish", "turned"])
 def test_an_old_python_name_is_refused_with_the_new_one(name: str) -> None:
     with pytest.raises(AttributeError, match=f"{name} is now {RENAMED[name]}"):
         getattr(basrelief, name)
+
+
+def test_a_fog_mode_given_as_fog_is_refused_with_the_new_name() -> None:
+    with pytest.raises(basrelief.InputError, match="write fog_mode = 'linear'"):
+        basrelief.Scene((), fog="linear")
 
 
 def test_an_old_keyword_is_refused_with_the_new_one() -> None:

@@ -15,6 +15,9 @@ from basrelief.lang.types import VECTORS, fields_of, is_record
 NEAR, FAR = 1e-6, 1e6
 """Sizes, places and tilings that float32 holds with room for squares, cubes and quotients."""
 
+FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
+"""The refusal of a fog mode given as `fog`, as it was called before."""
+
 NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
 _MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR, one_of, record_of, within
+from basrelief.scene.checks import FAR, FOG_IS_NUMBERS, one_of, record_of, within
 from basrelief.scene.lights import MAKERS, directional, light_kind
 from basrelief.scene.objects import Object
 from basrelief.scene.shapes import SHAPES
@@ -77,6 +77,8 @@ class Scene:
             one_of(name, getattr(self, name), values)
         self._check_lights()
         within("shadow_map_size", self.shadow_map_size, 16, 8192)
+        if isinstance(self.fog, str):
+            raise InputError(FOG_IS_NUMBERS.format(self.fog))
         for name, record, owner in (
             ("shading", Shading, "the shading"),
             ("shadowing", Shadowing, "the shadows"),

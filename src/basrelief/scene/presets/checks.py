@@ -14,6 +14,7 @@ from basrelief.errors import InputError, suggestion
 from basrelief.lang import Vec3
 from basrelief.material import MAPS
 from basrelief.scene import LookAt, Object, Orbit, Scene
+from basrelief.scene.checks import FOG_IS_NUMBERS
 from basrelief.scene.lights import LIGHTS
 from basrelief.shading.kinds import menus_of
 
@@ -69,6 +70,8 @@ def checked(said: Any, known: Mapping[str, str], what: str) -> None:
     for key, value in said.items():
         if key not in known:
             raise InputError(f"{what} has no key {key!r}; {suggestion(key, known, 'it has')}")
+        if key == "fog" and isinstance(value, str):
+            raise InputError(FOG_IS_NUMBERS.format(value))
         _check_kind(value, known[key], f"{what}.{key}")
 
 
