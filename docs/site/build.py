@@ -18,7 +18,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path, PurePosixPath
@@ -38,14 +37,16 @@ ADDRESSES = {
     "CONTRIBUTING.md": "contributing/index.md",
     "benchmarks/README.md": "contributing/benchmarks.md",
 }
-"""Where pages are that lie outside docs/."""
+"""The paths on the site of pages outside docs/."""
 LANGUAGES = {".py": "python", ".js": "javascript", ".toml": "toml", ".wgsl": "wgsl"}
-"""Files that become pages, and what they are highlighted as."""
+"""The languages of files that become pages, by suffix."""
 LINK = re.compile(r"(?<=\]\()([^()\s]+)(?=\))")
 VIEW = "live/bricks.html"
 """The viewer's page, one for all pages of techniques: a browser loads it once."""
 NAME = re.compile(r"^::: (\S+)\.(\w+)$", re.M)
-"""What mkdocstrings is told to describe."""
+"""An object that mkdocstrings describes."""
+START = "sample:bricks --scale 0.1 --camera azimuth=25,elevation=18,distance=0.75,field_of_view=38"
+"""What that page shows first; an address says what differs."""
 LIVE = re.compile(r"^ {4}basrelief render (.*)\n\n(!\[[^]]*\]\(\S*/technique-\w+\.png\))$", re.M)
 """A command, and the picture of a technique that it draws."""
 
@@ -55,45 +56,42 @@ def main() -> int:
     parser.add_argument("folder", type=Path, help="where it goes; replaced if it is there")
     folder: Path = parser.parse_args().folder
     with tempfile.TemporaryDirectory() as temporary:
-        made = Path(temporary)
-        lay_out(made / "pages")
-        write_live(made / "pages" / VIEW)
-        shutil.copy(REPOSITORY / "docs" / "site" / "zensical.toml", made)
-        (made / "src").symlink_to(REPOSITORY / "src")
+        project = Path(temporary)
+        write_pages(project / "pages")
+        write_view_page(project / "pages" / VIEW)
+        shutil.copy(REPOSITORY / "docs" / "site" / "zensical.toml", project)
+        (project / "src").symlink_to(REPOSITORY / "src")
         command = [sys.executable, "-m", "zensical", "build", "--strict"]
-        code = subprocess.run(command, cwd=made).returncode
+        code = subprocess.run(command, cwd=project).returncode
         if code == 0:
             shutil.rmtree(folder, ignore_errors=True)
-            shutil.copytree(made / "site", folder)
+            shutil.copytree(project / "site", folder)
     return code
 
 
 # --- pages ----------------------------------------------------------------------------------------
 
 
-def lay_out(folder: Path) -> None:
-    """Write all pages, and what they link to, into a folder."""
+def write_pages(folder: Path) -> None:
+    """Write all pages, and the files that they link to, into a folder."""
     docs = REPOSITORY / "docs"
-    wanted = [file.relative_to(REPOSITORY).as_posix() for file in docs.rglob("*.md")]
-    wanted += [f"docs/site/{name}" for name in ("site.css", "live.js")]
-    for file in wanted:  # grows by what pages link to
-
-        def found(target: str) -> None:
-            if target not in wanted:
-                wanted.append(target)
-
-        written = folder / address(file)
-        written.parent.mkdir(parents=True, exist_ok=True)
+    files = [file.relative_to(REPOSITORY).as_posix() for file in docs.rglob("*.md")]
+    files += [f"docs/site/{name}" for name in ("site.css", "live.js")]
+    for file in files:  # grows by the targets of links
+        target = folder / address(file)
+        target.parent.mkdir(parents=True, exist_ok=True)
         if file.endswith(".md"):
-            written.write_text(page(file, found))
-        elif written.suffix == ".md":
-            written.write_text(code_page(file))
+            text, linked = page(file)
+            target.write_text(text)
+            files += [name for name in linked if name not in files]
+        elif target.suffix == ".md":
+            target.write_text(code_page(file))
         else:
-            shutil.copy(REPOSITORY / file, written)
+            shutil.copy(REPOSITORY / file, target)
 
 
 def address(file: str) -> str:
-    """Where the site has a file of the repository."""
+    """The path on the site of a file of the repository."""
     if file in ADDRESSES:
         return ADDRESSES[file]
     if PurePosixPath(file).suffix in LANGUAGES and not file.startswith("docs/site/"):
@@ -101,21 +99,21 @@ def address(file: str) -> str:
     return file.removeprefix("docs/") if file.startswith("docs/") else f"files/{file}"
 
 
-def page(file: str, found: Callable[[str], None]) -> str:
-    """The text of a page, with its links turned and the viewer in; what it links to is `found`."""
-    text = indented((REPOSITORY / file).read_text())
-    here = PurePosixPath(address(file)).parent.as_posix()
+def page(file: str) -> tuple[str, list[str]]:
+    """A page with rewritten links and the viewer, and the files that it links to."""
+    text = indent_lists((REPOSITORY / file).read_text())
+    folder = PurePosixPath(address(file)).parent.as_posix()
+    linked: list[str] = []
 
-    def turned(match: re.Match[str]) -> str:
+    def rewrite_link(match: re.Match[str]) -> str:
         target, _, anchor = match[1].partition("#")
         if not target or re.match(r"[a-z]+:", target):
             return match[1]
-        target = normpath(PurePosixPath(file).parent / target)
-        found(target)
-        return relpath(address(target), here) + (f"#{anchor}" if anchor else "")
+        linked.append(normpath(PurePosixPath(file).parent / target))
+        return relpath(address(linked[-1]), folder) + (f"#{anchor}" if anchor else "")
 
-    def live(match: re.Match[str]) -> str:
-        source = relpath(VIEW, here) + settings(match[1])
+    def embed_viewer(match: re.Match[str]) -> str:
+        source = relpath(VIEW, folder) + fragment(match[1])
         return (
             f"    basrelief render {match[1]}\n\n"
             f'<figure class="live" markdown>\n{match[2]}\n'
@@ -123,31 +121,34 @@ def page(file: str, found: Callable[[str], None]) -> str:
             "</figure>"
         )
 
-    return NAME.sub(defined, LIVE.sub(live, LINK.sub(turned, text)))
+    text = LIVE.sub(embed_viewer, LINK.sub(rewrite_link, text))
+    return NAME.sub(qualify, text), linked
 
 
-def defined(match: re.Match[str]) -> str:
-    """A name of the reference by the module that defines it: a package may have one of its name."""
+def qualify(match: re.Match[str]) -> str:
+    """Name an object by the module that defines it.
+
+    `basrelief.techniques.cone` would be taken for the module of that name.
+    """
     package, name = match[1], match[2]
     value = getattr(importlib.import_module(package), name)
-    home = getattr(value, "__module__", None)
-    if home in sys.modules and vars(sys.modules[home]).get(name) is value:
-        package = home
+    module = getattr(value, "__module__", None)
+    if module in sys.modules and vars(sys.modules[module]).get(name) is value:
+        package = module
     return f"::: {package}.{name}"
 
 
-def indented(text: str) -> str:
-    """The text with what belongs to an item of a list indented by 4, as Python-Markdown wants it;
-    Git hosts are content with 2."""
-    lines, within = [], False
+def indent_lists(text: str) -> str:
+    """Indent the paragraphs of list items by 4, as Python-Markdown requires, in place of 2."""
+    lines, in_list = [], False
     for line in text.splitlines():
-        within = line.startswith("- ") or (within and line[:1] in ("", " "))
-        lines.append(f"  {line}" if within and line.startswith("  ") else line)
+        in_list = line.startswith("- ") or (in_list and line[:1] in ("", " "))
+        lines.append(f"  {line}" if in_list and line.startswith("  ") else line)
     return "\n".join(lines) + "\n"
 
 
 def code_page(file: str) -> str:
-    """A file of code as a page, which the search leaves out."""
+    """A page that shows a file of code; the search omits it."""
     text = (REPOSITORY / file).read_text()
     name, language = PurePosixPath(file).name, LANGUAGES[PurePosixPath(file).suffix]
     head = f"---\nsearch:\n  exclude: true\nhide:\n  - toc\n---\n\n# {name}\n\n`{file}`\n\n"
@@ -159,12 +160,12 @@ def code_page(file: str) -> str:
 
 @cache
 def sample(name: str) -> basrelief.Material:
-    """A small sample without normals: the page makes those of heights itself."""
+    """A small sample without a normal map: the page makes normals from heights itself."""
     return replace(basrelief.sample(name, 256), normal=None)
 
 
 def scene_of(options: str) -> basrelief.Scene:
-    """The scene that the options of `render` describe, of those that pages of techniques use."""
+    """The scene that `render` draws, for the options that pages of techniques use."""
     parser = argparse.ArgumentParser()
     parser.add_argument("sample")
     parser.add_argument("--technique", default="relief")
@@ -172,40 +173,38 @@ def scene_of(options: str) -> basrelief.Scene:
     parser.add_argument("--set", action="append", default=[], type=lambda text: text.split("="))
     parser.add_argument("--camera", default="")
     parser.add_argument("-o")
-    given = parser.parse_args(shlex.split(options))
-    material = sample(given.sample.removeprefix("sample:"))
-    settings = {name: json.loads(value) for name, value in given.set}
+    arguments = parser.parse_args(shlex.split(options))
     shown = basrelief.Object(
-        material, technique=given.technique, scale=given.scale, settings=settings
+        sample(arguments.sample.removeprefix("sample:")),
+        technique=arguments.technique,
+        scale=arguments.scale,
+        settings={name: json.loads(value) for name, value in arguments.set},
     )
-    camera = dict(each.split("=") for each in given.camera.split(","))
-    return basrelief.Scene(
-        (shown,), camera=basrelief.Orbit(**{name: float(x) for name, x in camera.items()})
-    )
+    angles: dict[str, Any] = {
+        name: float(value) for name, value in re.findall(r"(\w+)=([^,]+)", arguments.camera)
+    }
+    return basrelief.Scene((shown,), camera=basrelief.Orbit(**angles))
 
 
-USUAL = "sample:bricks --scale 0.1 --camera azimuth=25,elevation=18,distance=0.75,field_of_view=38"
-
-
-def settings(options: str) -> str:
-    """What the address of the viewer's page says so that it shows what a command draws."""
-    usual, scene = scene_of(USUAL), scene_of(options)
-    changed = difference(state_of(scene, scene.objects[0]), state_of(usual, usual.objects[0]))
+def fragment(options: str) -> str:
+    """The fragment of the address by which the viewer's page shows what a command draws."""
+    start, scene = scene_of(START), scene_of(options)
+    changed = difference(state_of(scene, scene.objects[0]), state_of(start, start.objects[0]))
     return f"#{quote(json.dumps(changed))}" if changed else ""
 
 
-def difference(now: Any, then: Any) -> Any:
-    """What differs, as nested as it is; None where nothing does."""
-    if not isinstance(now, dict) or not isinstance(then, dict):
-        return None if now == then else now
-    found = {name: difference(value, then.get(name)) for name, value in now.items()}
-    return {name: value for name, value in found.items() if value is not None} or None
+def difference(state: Any, start: Any) -> Any:
+    """The entries of nested dictionaries that differ from others; None where all are equal."""
+    if not isinstance(state, dict) or not isinstance(start, dict):
+        return None if state == start else state
+    entries = {name: difference(value, start.get(name)) for name, value in state.items()}
+    return {name: value for name, value in entries.items() if value is not None} or None
 
 
-def write_live(file: Path) -> None:
-    """Write the viewer's page, without its still pictures: the page around has one."""
+def write_view_page(file: Path) -> None:
+    """Write the viewer's page without its still pictures, since the page around has one."""
     file.parent.mkdir(parents=True)
-    write_view(scene_of(USUAL), file, sources=Sources(material="sample:bricks"), engine="cpu")
+    write_view(scene_of(START), file, sources=Sources(material="sample:bricks"), engine="cpu")
     file.write_text(re.sub(r"<figure>.*?</figure>\n?", "", file.read_text(), flags=re.S))
 
 
