@@ -16,17 +16,20 @@ from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, write_heights
 from helpers.repository import blocks, commands
 
-PAGES = ("README.md", "docs/command-line.md", "docs/presets.md", "docs/bake.md")
+PAGES = (
+    "README.md", "docs/command-line.md", "docs/presets.md", "docs/bake.md", "docs/draw.md",
+    "docs/viewer.md", "docs/write-a-technique.md",
+)  # fmt: skip
 DRAWS_MANY = re.compile("basrelief (demo|gallery|compare|tune)")
 SMALL = ["--size", "24x18", "--samples", "1"]
 
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with FOLDER, a material, and my.py, the README's own technique."""
+    """A folder with FOLDER, a material, and my.py, the documentation's own technique."""
     monkeypatch.chdir(tmp_path)
     write_heights(tmp_path / "FOLDER")
-    (own,) = (block for block in blocks("README.md") if "@technique" in block)
+    (own,) = (block for block in blocks("docs/write-a-technique.md") if "@technique" in block)
     Path("my.py").write_text(own)
     return tmp_path
 
@@ -125,7 +128,7 @@ def test_the_python_example_of_the_readme(here: Path) -> None:
     assert read_picture("rock.png").pixels.shape == (18, 24, 3)
 
 
-def test_the_films_of_the_command_line_page(here: Path) -> None:
-    (example,) = blocks("docs/command-line.md")
-    exec(compile(example, "docs/command-line.md", "exec"), {})
+def test_the_film_from_python(here: Path) -> None:
+    (example,) = blocks("docs/draw.md")
+    exec(compile(example, "docs/draw.md", "exec"), {})
     assert sorted(set(os.listdir()) - {"FOLDER", "my.py"}) == [f"rock-000{k}.png" for k in "1234"]

@@ -308,14 +308,16 @@ def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
 # --- what the documentation shows ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("page", ["docs/compare.md", "docs/command-line.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/compare.md", "docs/command-line.md", "docs/write-a-technique.md"]
+)
 def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
     """Each comparison and each search runs as it stands, but small and with few techniques."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
     write_heights(tmp_path / "FOLDER")
     (tmp_path / "my.py").write_text(
-        next(block for block in blocks("README.md") if "@technique" in block)
+        next(block for block in blocks("docs/write-a-technique.md") if "@technique" in block)
     )
     ran = 0
     for line in commands(page):
@@ -332,7 +334,7 @@ def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
         assert written is not None
         assert (tmp_path / written[1]).is_file()
         ran += 1
-    assert ran >= 2
+    assert ran
 
 
 def test_python_that_the_page_shows(tmp_path, monkeypatch) -> None:

@@ -32,12 +32,12 @@ DOCUMENTS = sorted(
 )
 ELSEWHERE = (
     "README.md", "docs/bake.md", "docs/command-line.md", "docs/compare.md", "docs/presets.md",
-    "docs/viewer.md", "docs/gallery.md",
+    "docs/draw.md", "docs/gallery.md", "docs/viewer.md", "docs/write-a-technique.md",
 )  # fmt: skip
 """Pages whose commands other tests run, with what they write."""
 PAGES = [page for page in DOCUMENTS if page.startswith("docs/") and page not in ELSEWHERE]
 LINES = sorted({line for page in PAGES for line in commands(page)})
-UNTESTED = ("README.md", "docs/bake.md", "docs/presets.md", "docs/viewer.md")
+UNTESTED = ("README.md", "docs/bake.md", "docs/presets.md")
 """Those of them whose Python examples no other test runs."""
 EXAMPLES = [page for page in (*UNTESTED, *PAGES) if blocks(page)]
 LINK = re.compile(r"\]\(([^()\s]+)\)")
@@ -95,7 +95,7 @@ def test_python_that_pages_show(page: str, here: Path, monkeypatch: pytest.Monke
     )
     scope: dict[str, object] = {"__name__": "example"}
     for example in blocks(page):
-        # the technique of the README is run from a file of its own, by the tests of techniques
+        # a technique is run from a file of its own, by the tests of techniques
         if "@technique" not in example:
             exec(compile(example, page, "exec"), scope)
 

@@ -1,4 +1,4 @@
-"""`docs/features.md` has every feature once, and each that works names a test that exists."""
+"""The test matrix has every feature once, and each that works names a test that exists."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Row(NamedTuple):
 
 def rows() -> list[Row]:
     """All lines of the tables but their heads."""
-    lines = (REPOSITORY / "docs" / "features.md").read_text().splitlines()
+    lines = (REPOSITORY / "docs" / "contributing" / "features.md").read_text().splitlines()
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line[:1] == "|"]
     return [Row(*each) for each in cells if re.fullmatch(r"[A-Z]\d+", each[0])]
 
@@ -58,7 +58,7 @@ def test_what_works_has_its_test(row: Row) -> None:
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row.id)
 def test_pages_show_their_rows(row: Row) -> None:
     """Each row names the pages of the gallery that show it, all of them, and links to each."""
-    links = re.findall(r"\[([^]]*)\]\(gallery\.md#([^)]*)\)", row.page)
+    links = re.findall(r"\[([^]]*)\]\(\.\./gallery\.md#([^)]*)\)", row.page)
     assert all(name == anchor for name, anchor in links)
     showing = [name for name, page in PAGES.items() if row.id in page.rows]
     assert [name for name, _ in links] == showing

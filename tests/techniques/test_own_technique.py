@@ -23,7 +23,7 @@ from helpers.command_line import done, refused, write_heights
 from helpers.rays import flat_ray
 from helpers.repository import REPOSITORY
 
-README = REPOSITORY / "README.md"
+PAGE = REPOSITORY / "docs" / "write-a-technique.md"
 DRAW = ("--size", "20x14", "--samples", "1", "--set", "roughness=0.5")
 
 HEAD = """\
@@ -315,12 +315,12 @@ def test_its_settings_are_checked(setting: str, what: str, here: Path) -> None:
     assert what in line
 
 
-# --- the README's ---------------------------------------------------------------------------------
+# --- the documentation's --------------------------------------------------------------------------
 
 
-def test_the_example_of_the_readme(here: Path) -> None:
+def test_the_example_of_the_documentation(here: Path) -> None:
     """It runs as it is written there, and one guess is the technique `offset`."""
-    text = README.read_text()
+    text = PAGE.read_text()
     (example,) = re.findall(r"^```python\n([^`]*@technique.*?)^```$", text, re.M | re.S)
     own(example)
     material = basrelief.load("bumps")

@@ -53,10 +53,10 @@ class Headline:
 class Page:
     """One comparison of an article.
 
-    `rows` are the rows of docs/features.md that the page shows, each with how; the first says where
-    the page stands among its source's. `look` is one sentence on what to look at. `article` is what
-    the article says is to be seen, `ours` what these pictures show, and why they differ where they
-    do. `panels` makes the pictures, with samples of so many texels a side.
+    `rows` are the rows of docs/contributing/features.md that the page shows, each with how; the
+    first says where the page stands among its source's. `look` is one sentence on what to look at.
+    `article` is what the article says is to be seen, `ours` what these pictures show, and why they
+    differ where they do. `panels` makes the pictures, with samples of so many texels a side.
     """
 
     name: str
