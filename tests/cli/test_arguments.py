@@ -289,7 +289,9 @@ def test_further_objects() -> None:
     assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
     assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
     assert ball.to_world == pytest.approx(rotated("z", 90.0))
-    (_, lifted) = scene(add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]).objects
+    (_, lifted) = scene(
+        add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
+    ).objects
     assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
 
 

@@ -26,8 +26,8 @@ FULL = {"shadows": "hard", "fog_mode": "exponential", "occlusion_kind": "directi
 """A scene in which every part of the light has code."""
 LIT = {
     "lights", "shading", "fog", "views", "distances", "arriving", "reflectance", "ggx",
-    "ambient_light", "shading_point", "self_shadow_visibility", "shadow_map_visibility", "seen_from", "receiver",
-    "directional_visibility", "fogged", "exponential",
+    "ambient_light", "shading_point", "self_shadow_visibility", "shadow_map_visibility",
+    "seen_from", "receiver", "directional_visibility", "fogged", "exponential",
 }  # fmt: skip
 """What a program with light has: its resources and records, and the functions of the pixel."""
 OBJECTS: dict[str, dict[str, Any]] = {

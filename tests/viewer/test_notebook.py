@@ -89,7 +89,8 @@ SHARED = (
     "technique", "shape", "projection", "shadows", "shading_model", "scale", "reference_height",
     "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
     "mapping", "alpha", "surface", "layer", "layer_tiling", "shading", "shadowing",
-    "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider", "show",
+    "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider",
+    "show",
 )  # fmt: skip
 
 
@@ -278,7 +279,11 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("scale", None, r"scale is None: give a number"),
         ("height", -5, r"height is -5: give a number from 100 to 10000"),
         ("height", "tall", r"height is 'tall': give a whole number"),
-        ("scene", 5, r"a viewer has no setting 'scene'; it has all_surface_parameters, .* fog, .* settings"),
+        (
+            "scene",
+            5,
+            r"a viewer has no setting 'scene'; it has all_surface_parameters, .* fog, .* settings",
+        ),
         ("observe", 3, r"a viewer has no setting 'observe'"),
         ("camera", LookAt((0.0, 0.0, 0.0)), r"position and target are the same point"),
         ("lights", [{"intensity": -4}], r"intensity is -4: give a number from 0"),

@@ -10,7 +10,13 @@ from basrelief.lang import IVec2, Vec2, shader, struct
 from basrelief.shading.camera import primary_ray
 from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import Placement, View, meet
-from basrelief.shading.relief import ReliefParameters, faded_relief, height_range, relief_ray, span_of
+from basrelief.shading.relief import (
+    ReliefParameters,
+    faded_relief,
+    height_range,
+    relief_ray,
+    span_of,
+)
 from basrelief.shading.variant import Variant
 
 
