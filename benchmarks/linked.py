@@ -42,7 +42,7 @@ def scenes(techniques: Iterable[str], texels: int) -> dict[str, basrelief.Scene]
         obj = basrelief.Object(material, technique=name, scale=0.06, tiling=(3.0, 3.0))
         found[name] = basrelief.Scene((obj,), camera=basrelief.Orbit(20.0, 35.0), shadows="soft")
     land = replace(found["relief"].objects[0], surface="landscape", surface_parameters={})
-    found["landscape"] = replace(found["relief"], objects=(land,), fog="exponential")
+    found["landscape"] = replace(found["relief"], objects=(land,), fog_mode="exponential")
     return found
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from basrelief.baking import passes
-from basrelief.baking.files import OPTIONS, Baking
+from basrelief.baking.files import OPTIONS, BakeInput
 from basrelief.baking.horizon import ambient_occlusion, horizon_map
 from basrelief.baking.normal import normal_map
-from basrelief.baking.tables import TABLES, function_of, table
+from basrelief.baking.tables import TABLES, bake_function, table
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import Material
@@ -28,7 +28,7 @@ def test_every_declared_bake_has_a_function() -> None:
     assert set(TABLES) == set(BAKES)
     for name, bake in BAKES.items():
         assert bake.name == name
-        assert function_of(bake).__name__ == name
+        assert bake_function(bake).__name__ == name
 
 
 @pytest.mark.parametrize("name", BAKES)
@@ -41,7 +41,7 @@ def test_a_declaration_names_the_passes_that_run(name: str) -> None:
 @pytest.mark.parametrize("name", BAKES)
 def test_tables_are_what_the_functions_give(name: str) -> None:
     made = table(BAKES[name], HEIGHTS, "clamp", CPU)
-    np.testing.assert_array_equal(made, function_of(BAKES[name])(HEIGHTS, "clamp"))
+    np.testing.assert_array_equal(made, bake_function(BAKES[name])(HEIGHTS, "clamp"))
     if BAKES[name].all_levels:
         whole = table(BAKES[name], HEIGHTS, "clamp", CPU, all_levels=True)
         np.testing.assert_array_equal(whole[: len(made)], made)
@@ -52,7 +52,9 @@ def test_tables_are_what_the_functions_give(name: str) -> None:
 def test_the_command_line_has_an_option_for_it(name: str) -> None:
     option = OPTIONS[name.removesuffix("_map")]
     assert option.help == TABLES[name][1]
-    made = option.make(Baking(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8))
+    made = option.make(
+        BakeInput(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8)
+    )
     assert set(made.files) == {name.removesuffix("_map")}
     np.testing.assert_array_equal(*made.files.values(), table(BAKES[name], HEIGHTS, "wrap", CPU))
 

@@ -67,7 +67,7 @@ def test_they_agree_at_a_low_angle_with_another_projection_edge_and_lights(techn
         material("cobbles"),
         technique=technique,
         projection="biased",
-        level=0.25,
+        reference_height=0.25,
         scale=0.15,
         edge="clip",
         tiling=(1.25, -0.9),

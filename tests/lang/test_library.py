@@ -137,7 +137,7 @@ def test_every_option_and_condition_compiles() -> None:
     left |= {(each, truth) for each in conditions for truth in (False, True)}
     for _, program in random_programs(400, 2):
         bound = made.bound_names(program.bindings)
-        held = {(each, holds(each, program.known)) for each in conditions}
+        held = {(each, holds(each, program.static_value)) for each in conditions}
         if new := left & {*bound.items(), *held}:
             gpu.create_shader_module(code=linked(made, program))
             left -= new

@@ -151,7 +151,7 @@ SIZE = (6, 1)
 
 def values(module: Any) -> dict[str, Any]:
     near, far = (HeightField([np.arange(8).reshape(1, 8) * step]) for step in (0.125, -0.25))
-    return {"fog": module.Air(0.75), "near": near, "far": far}
+    return {"air": module.Air(0.75), "near": near, "far": far}
 
 
 def words(planes: dict[str, Any]) -> list[list[Any]]:
@@ -248,7 +248,7 @@ def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
     assert "unread" not in text
     assert "steep" not in text
     parameters, text = of("linear", False, True, 1)
-    assert parameters == ["pixel", "fog"]
+    assert parameters == ["pixel", "air"]
     assert "fn fogged(x: f32, air: Air) -> f32 {\n  return linear(x, air);\n}" in text
     # a variable of one branch lives where the branch did
     assert "var shift: f32;" not in text
@@ -407,14 +407,14 @@ REFUSED = {
     "y = taking(x, other)": ("other", "variant is Variant; pass this shader's own on"),
     "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "pass this shader's own on"),
     "y = taking(x)": ("taking(x)", "taking also takes variant"),
-    'y = "none"': ("'none'", "no text but in static conditions, as in `variant.fog == "),
+    'y = "none"': ("'none'", "no text but in static conditions, as in `variant.fog_mode == "),
     'if "none" == "none":\n        y = x': ("'none'", "no text but in static conditions"),
     "variant = x": ("variant = x", "a parameter keeps its value"),
     # of maps the edge is static, of heights the filter too
     'if f.edge == "clip":\n        y = x': (
         "f.edge == 'clip'", "no such edge: 'clip'; the choices are wrap, clamp",
     ),
-    'if f.filter == "fine":\n        y = x': ("f.filter", "sharp, smooth, mip, boxes"),
+    'if f.filter == "fine":\n        y = x': ("f.filter", "sharp, smooth, mip, columns"),
     'if t.filter == "mip":\n        y = x': ("t.filter", "Texture has no field or property filter"),
     "y = f.edge": ("f.edge", "is for static conditions; compare it, as in `f.edge == 'wrap'`"),
     "y = f.levels": ("f.levels", "HeightField has no field or property levels"),

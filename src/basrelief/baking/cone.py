@@ -96,7 +96,7 @@ class _Baking:
 
     def _steepest(self, those: HeightField, sector: int | None, squared: Heights) -> Heights:
         """The steepest line, squared, from each vertex to those of a field."""
-        ends = ends_of(sector or 0)
+        ends = sector_bounds(sector or 0)
         wide = self._windows(cone_bake_windows.first_windows, 0, field=those)
         k = 0
         while True:
@@ -168,7 +168,7 @@ def sector_of(sector: int) -> Sector:
     return Sector(*(_direction(*each) for each in turned))
 
 
-def ends_of(sector: int) -> tuple[Vec2, Vec2]:
+def sector_bounds(sector: int) -> tuple[Vec2, Vec2]:
     """The directions that windows of one sector lie between."""
     return _direction(sector, -_ROUNDING), _direction(sector + 1, _ROUNDING)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Baking:
+class BakeInput:
     """What bakes are made from: a material, and the choices that hold for all of them."""
 
     material: Material
@@ -58,7 +58,7 @@ class Baking:
 
 
 @dataclass(frozen=True)
-class Made:
+class BakeResult:
     """What a bake comes to: arrays by the end of a file's name, and a word about them."""
 
     files: dict[str, NDArray[Any]]
@@ -66,26 +66,26 @@ class Made:
 
 
 @dataclass(frozen=True)
-class Option:
+class BakeOption:
     """A bake that the command line offers."""
 
     help: str
-    make: Callable[[Baking], Made]
+    make: Callable[[BakeInput], BakeResult]
 
 
-def _table(name: str, about: str) -> Option:
+def _table(name: str, about: str) -> BakeOption:
     """The table of a bake that techniques declare: four 16-bit channels already."""
 
-    def make(baking: Baking) -> Made:
+    def make(baking: BakeInput) -> BakeResult:
         from basrelief.techniques import BAKES
 
         made = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
-        return Made({name.removesuffix("_map"): made})
+        return BakeResult({name.removesuffix("_map"): made})
 
-    return Option(about, make)
+    return BakeOption(about, make)
 
 
-def _horizon(baking: Baking) -> Made:
+def _horizon(baking: BakeInput) -> BakeResult:
     from basrelief.baking import horizon_map
     from basrelief.baking.cache import kept
 
@@ -95,20 +95,20 @@ def _horizon(baking: Baking) -> Made:
         horizon_map, baking.heights(), baking.edge, baking.engine,
         scale=baking.scale, directions=baking.directions,
     )  # fmt: skip
-    return Made(
+    return BakeResult(
         {f"horizon_{k // 4}": made[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
     )
 
 
-def _occlusion(baking: Baking) -> Made:
+def _occlusion(baking: BakeInput) -> BakeResult:
     from basrelief.baking import ambient_occlusion
     from basrelief.baking.cache import kept
 
     made = kept(ambient_occlusion, baking.heights(), baking.edge, baking.engine, scale=baking.scale)
-    return Made({"ao": baking.codes(made[:, :, None])})
+    return BakeResult({"ao": baking.codes(made[:, :, None])})
 
 
-def _normal(baking: Baking) -> Made:
+def _normal(baking: BakeInput) -> BakeResult:
     from basrelief.baking import normal_map
 
     made = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
@@ -119,10 +119,10 @@ def _normal(baking: Baking) -> Made:
             made[:, :, 1] *= -1.0
         case _:
             assert_never(baking.green)
-    return Made({f"normal_{baking.green}": baking.codes(made * 0.5 + 0.5)})
+    return BakeResult({f"normal_{baking.green}": baking.codes(made * 0.5 + 0.5)})
 
 
-def _height(baking: Baking) -> Made:
+def _height(baking: BakeInput) -> BakeResult:
     from basrelief.baking import height_map
 
     normal = baking.material.normal
@@ -133,21 +133,21 @@ def _height(baking: Baking) -> Made:
         )
     made = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
     note = f"scale {made.scale:.4g}; its normals are {made.residual:.2g}° off those given (rms)"
-    return Made({"height": baking.codes(made.heights[:, :, None])}, note)
+    return BakeResult({"height": baking.codes(made.heights[:, :, None])}, note)
 
 
-OPTIONS: dict[str, Option] = {
-    "normal": Option("Normals, from heights.", _normal),
-    "height": Option("Heights, from normals.", _height),
-    "occlusion": Option("Ambient occlusion: the sky that each texel sees.", _occlusion),
-    "horizon": Option("The elevation of the horizon in 8 directions.", _horizon),
+OPTIONS: dict[str, BakeOption] = {
+    "normal": BakeOption("Normals, from heights.", _normal),
+    "height": BakeOption("Heights, from normals.", _height),
+    "occlusion": BakeOption("Ambient occlusion: the sky that each texel sees.", _occlusion),
+    "horizon": BakeOption("The elevation of the horizon in 8 directions.", _horizon),
     **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
 }
 """What `basrelief bake` makes, by the name of its option."""
 
 
 def bake_to(
-    folder: Path, names: Sequence[str], baking: Baking, *, overwrite: bool = False
+    folder: Path, names: Sequence[str], baking: BakeInput, *, overwrite: bool = False
 ) -> list[tuple[Path, str]]:
     """Make some of `OPTIONS` and write them to a folder, all or none: files, each with a note.
 

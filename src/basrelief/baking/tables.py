@@ -29,7 +29,7 @@ TABLES: dict[str, tuple[str, str]] = {
 it from heights (h, w) float32, an edge and a device, (rows, columns, 4); what it is, in a line."""
 
 
-def function_of(bake: Bake) -> Callable[..., NDArray[np.uint16]]:
+def bake_function(bake: Bake) -> Callable[..., NDArray[np.uint16]]:
     """The function that runs the passes of a declared bake."""
     made: Callable[..., Any] = getattr(
         import_module(f"basrelief.baking.{TABLES[bake.name][0]}"), bake.name
@@ -64,4 +64,4 @@ def table(
     from basrelief.baking.cache import kept
 
     parameters: dict[str, Any] = {"all_levels": True} if all_levels else {}
-    return kept(function_of(bake), heights, edge, engine, **parameters)
+    return kept(bake_function(bake), heights, edge, engine, **parameters)

@@ -457,7 +457,7 @@ def bake(
     **given: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
-    from basrelief.baking.files import OPTIONS, Baking, bake_to
+    from basrelief.baking.files import OPTIONS, BakeInput, bake_to
 
     names = [name for name in OPTIONS if given.pop(name)]
     if not names:
@@ -480,7 +480,7 @@ def bake(
         progress.task = f"baking {material.name}"
         used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
         engine = choose_device(device)
-        chosen = Baking(material, engine, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        chosen = BakeInput(material, engine, edge, used, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         made = bake_to(folder, names, chosen, overwrite=overwrite)
     for file, note in made:

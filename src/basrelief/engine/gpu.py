@@ -80,7 +80,7 @@ def _has_device() -> bool:
 
 
 @functools.cache
-def real_gpu() -> bool:
+def has_hardware_gpu() -> bool:
     """Whether there is a GPU that is not a program on the CPU."""
     if not _has_device():
         return False

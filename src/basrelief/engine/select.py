@@ -26,9 +26,9 @@ def choose_device(name: str = "auto") -> Engine:
 
         return GpuEngine()
     if name == "auto":
-        from basrelief.engine.gpu import real_gpu
+        from basrelief.engine.gpu import has_hardware_gpu
 
-        return choose_device("gpu" if real_gpu() else "cpu")
+        return choose_device("gpu" if has_hardware_gpu() else "cpu")
     raise DeviceError(f"no device is called {name!r}; use one of {', '.join(DEVICES)}")
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from basrelief.errors import InputError
 
 
-def check_place(path: Path) -> None:
+def check_writable(path: Path) -> None:
     """Raise InputError where no file of that name can be made."""
     folder = path.parent
     if not os.path.isdir(folder):
@@ -26,7 +26,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
 
     Raises InputError where the place, or an OSError of `write`, does not let it.
     """
-    check_place(path)
+    check_writable(path)
     partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"
     try:
         write(partial)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.images.color import encode_light
-from basrelief.images.files import check_place, write_whole
+from basrelief.images.files import check_writable, write_whole
 from basrelief.images.read import Pixels, complaint, first_line
 
 
@@ -78,7 +78,7 @@ def write_picture(
 def check_target(path: str | os.PathLike[str], bits: int | None = None) -> None:
     """Raise InputError where `write_picture` would refuse a path: before the work, not after."""
     _checked(Path(path), bits)
-    check_place(Path(path))
+    check_writable(Path(path))
 
 
 def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:

@@ -62,17 +62,17 @@ LARGEST_FLOAT = 3.4028235e38
 def analyse(
     entry: Shader[..., Any],
     bindings: Bindings | None = None,
-    known: Callable[[str], Any] = lambda name: None,
+    static_value: Callable[[str], Any] = lambda name: None,
 ) -> tree.Module:
     """The typed tree of a program: the entry, and what it calls with the slots bound.
 
-    `known` gives the values that its static conditions read, by name. Raises ShaderError for
+    `static_value` gives the values that its static conditions read, by name. Raises ShaderError for
     anything outside the subset, in branches that are not taken too.
     """
     bindings = bindings or {}
     types = bound_types(bindings)
     functions = _reached([entry], bindings)
-    return specialized(_resolved(entry, bindings), functions, bindings, types, known)
+    return specialized(_resolved(entry, bindings), functions, bindings, types, static_value)
 
 
 def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
@@ -602,7 +602,7 @@ class _FunctionAnalysis:
         field = self.static_field(node)
         assert field is not None
         if field.kind is not bool:
-            example = repr(field.menu[0]) if field.menu else "…"
+            example = repr(field.choices[0]) if field.choices else "…"
             raise self.source.error(
                 node,
                 f"{node.attr} is for static conditions; compare it, as in "
@@ -624,8 +624,8 @@ class _FunctionAnalysis:
         for value in values:
             if type(value) is not field.kind:
                 raise self.source.error(node, f"{name} is {named(field.kind)}, not {value!r}")
-            if field.menu and value not in field.menu:
-                choices = ", ".join(map(str, field.menu))
+            if field.choices and value not in field.choices:
+                choices = ", ".join(map(str, field.choices))
                 raise self.source.error(
                     node, f"no such {name}: {value!r}; the choices are {choices}"
                 )

@@ -76,9 +76,9 @@ class Program:
     @functools.cached_property
     def module(self) -> tree.Module:
         """The typed tree; raises ShaderError where the source is outside the subset."""
-        return analyse(self.entry, self.bindings, self.known)
+        return analyse(self.entry, self.bindings, self.static_value)
 
-    def known(self, name: str) -> Any:
+    def static_value(self, name: str) -> Any:
         """What a static condition reads by name: of the program's maps, or of its variant."""
         match name:
             case "map.edge":
@@ -181,7 +181,7 @@ class _Contents:
             for attribute, static in conditions_on(t).items():
                 # the field of another record may have the same name, and change the key in vain
                 if attribute in code.co_names:
-                    value = self.program.known(static.name)
+                    value = self.program.static_value(static.name)
                     self.found.append(f"{static.name} = {value!r}".encode())
         self.found.append(code_text(code).encode())
         for name in shader.names:

@@ -119,7 +119,7 @@ class HeightField(Map):
         super().__init__([np.asarray(level, np.float32) for level in levels], edge)
         self.filter: Filter = filter
 
-    def filtered(self, filter: Filter) -> HeightField:
+    def with_filter(self, filter: Filter) -> HeightField:
         """The same heights, to be read in another way."""
         made = copy.copy(self)
         made.filter = filter

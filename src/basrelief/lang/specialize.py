@@ -24,13 +24,13 @@ def specialized(
     functions: Functions,
     bindings: Mapping[Shader[..., Any], Shader[..., Any]],
     types: Mapping[type, Any],
-    known: Callable[[str], Any],
+    static_value: Callable[[str], Any],
 ) -> tree.Module:
     """The program of an entry, of the typed functions that it can reach, callees first.
 
-    `types` are those that type slots stand for; `known` gives what conditions read by name.
+    `types` are those that type slots stand for; `static_value` gives what conditions read by name.
     """
-    made = _Program(functions, bindings, types, known)
+    made = _Program(functions, bindings, types, static_value)
     function = made.function(entry, entry=True)
     # by name, each clear of those before
     found = [made.done[shader] for shader in functions if shader in made.done]
@@ -60,10 +60,10 @@ class _Program:
         functions: Functions,
         bindings: Mapping[Shader[..., Any], Shader[..., Any]],
         types: Mapping[type, Any],
-        known: Callable[[str], Any],
+        static_value: Callable[[str], Any],
     ) -> None:
         self.functions, self.bindings = functions, bindings
-        self.types, self.known = types, known
+        self.types, self.static_value = types, static_value
         self.done: dict[Shader[..., Any], tree.Function] = {}
 
     def function(self, shader: Shader[..., Any], *, entry: bool = False) -> tree.Function:
@@ -109,7 +109,7 @@ class _Program:
 
     def truth(self, condition: tree.Condition) -> bool | None:
         """What a static condition is, None where it stays one."""
-        return tree.holds(condition, self.known)
+        return tree.holds(condition, self.static_value)
 
     def type_of(self, t: Any) -> Any:
         """A type, with type slots filled in."""

@@ -65,7 +65,7 @@ class StaticField(NamedTuple):
 
     name: str
     kind: type
-    menu: tuple[str | int, ...]
+    choices: tuple[str | int, ...]
 
 
 @dataclass_transform(frozen_default=True)
@@ -95,9 +95,9 @@ def static(cls: type[_T]) -> type[_T]:
 def _static_field(name: str, t: Any) -> StaticField | None:
     """The field of an annotation; None where conditions cannot be on it."""
     if typing.get_origin(t) is Literal:
-        menu = typing.get_args(t)
-        kinds = {type(value) for value in menu}
-        return StaticField(name, kinds.pop(), menu) if len(kinds) == 1 else None
+        choices = typing.get_args(t)
+        kinds = {type(value) for value in choices}
+        return StaticField(name, kinds.pop(), choices) if len(kinds) == 1 else None
     return StaticField(name, t, ()) if t in (str, bool, int) else None
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from basrelief.baking.cone import SECTORS, ends_of, sector_of
+from basrelief.baking.cone import SECTORS, sector_bounds, sector_of
 from basrelief.baking.exact import FAR_WINDOWS
 from basrelief.lang import Shader
 from basrelief.techniques import BAKES, cone_bake, normal_bake
@@ -35,7 +35,7 @@ def bake_numbers() -> dict[str, Any]:
         "cones": {
             "blocks": cone_bake.BLOCKS,
             "sectors": [
-                {"asked": plain(sector_of(k)), "ends": [plain(end) for end in ends_of(k)]}
+                {"asked": plain(sector_of(k)), "ends": [plain(end) for end in sector_bounds(k)]}
                 for k in range(SECTORS)
             ],
         },
