@@ -19,7 +19,7 @@ from basrelief.images.write import (
 )
 
 __all__ = [
-    "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_writable", "check_target",
+    "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_target", "check_writable",
     "encode_light", "encode_png", "picture_size", "read_picture", "srgb_decode", "srgb_encode",
     "write_data", "write_picture", "write_whole",
 ]  # fmt: skip

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.images import WRITABLE, check_writable, check_target, encode_light, write_whole
+from basrelief.images import WRITABLE, check_target, check_writable, encode_light, write_whole
 from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
