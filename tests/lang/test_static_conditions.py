@@ -276,9 +276,9 @@ def test_a_shader_is_analysed_once_for_all_programs(folder: Path) -> None:
     module = write_module(folder, SOURCE)
     for variant in variants(module)[:5]:
         assert program(module, variant).module.entry.name == "entry"
-        seen = module.entry.typed
+        seen = module.entry.analysis
         assert seen is not None
-    assert module.entry.typed is seen
+    assert module.entry.analysis is seen
 
 
 def test_it_is_analysed_anew_where_a_name_in_it_changed(folder: Path) -> None:
@@ -351,7 +351,7 @@ def test_a_key_holds_what_shaders_read_of_the_variant(folder: Path) -> None:
 def test_a_program_needs_a_variant_of_the_type_that_its_entry_takes(folder: Path) -> None:
     module, other = write_module(folder, KEYED), write_module(folder, KEYED)
     for variant in (None, "x", other.Variant(True, "x", True, True)):
-        with pytest.raises(ShaderError, match="takes variant: Variant; give the program one"):
+        with pytest.raises(ShaderError, match="takes variant: Variant; pass one"):
             Program(module.entry, variant=variant)
 
 
@@ -382,13 +382,13 @@ def taking(x: float, variant: Variant) -> float:
 """
 REFUSED = {
     'if variant.fog == "lienar":\n        y = x': (
-        "variant.fog == 'lienar'", "no such fog: 'lienar'; the choices are none, linear",
+        "variant.fog == 'lienar'", "there is no fog 'lienar'; use one of none, linear",
     ),
     'if variant.fog in ("none", "thick"):\n        y = x': (
-        "variant.fog in ('none', 'thick')", "no such fog: 'thick'",
+        "variant.fog in ('none', 'thick')", "there is no fog 'thick'",
     ),
-    "if variant.fog:\n        y = x": ("variant.fog", "compare it, as in `variant.fog == 'none'`"),
-    "if variant.taps > 1:\n        y = x": ("variant.taps > 1", "by `==`, `!=`"),
+    "if variant.fog:\n        y = x": ("variant.fog", "compare it with a literal, as in `variant.fog == 'none'`"),
+    "if variant.taps > 1:\n        y = x": ("variant.taps > 1", "by `==` or `!=`"),
     "if 1 == variant.taps:\n        y = x": ("1 == variant.taps", "static field with a literal"),
     "if variant.taps == n:\n        y = x": ("variant.taps == n", "with a literal"),
     "if variant.taps in (1, n):\n        y = x": ("variant.taps in (1, n)", "with a literal"),
@@ -399,38 +399,38 @@ REFUSED = {
     "if variant.deep == 1:\n        y = x": ("variant.deep == 1", "deep is bool, not 1"),
     "if variant.thick:\n        y = x": ("variant.thick", "no field or property thick that is str"),
     "if variant.scale == 1.0:\n        y = x": ("variant.scale", "no field or property scale"),
-    "y = variant": ("variant", "is for static conditions, no value; branch on its fields, or pass"),
-    "y = variant.fog": ("variant.fog", "is for static conditions; compare it"),
-    "y = x + float(variant.taps)": ("variant.taps", "is for static conditions; compare it, as in"),
-    "y = half(variant)": ("variant", "no value"),
-    "y = taking(x, variant if n > 1 else variant)": ("variant if n > 1", "pass this shader's own"),
-    "y = taking(x, other)": ("other", "variant is Variant; pass this shader's own on"),
-    "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "pass this shader's own on"),
-    "y = taking(x)": ("taking(x)", "taking also takes variant"),
-    'y = "none"': ("'none'", "no text but in static conditions, as in `variant.fog_mode == "),
-    'if "none" == "none":\n        y = x': ("'none'", "no text but in static conditions"),
-    "variant = x": ("variant = x", "a parameter keeps its value"),
+    "y = variant": ("variant", "is not a value; branch on its fields"),
+    "y = variant.fog": ("variant.fog", "is not a value; compare it"),
+    "y = x + float(variant.taps)": ("variant.taps", "is not a value; compare it with a literal, as in"),
+    "y = half(variant)": ("variant", "is not a value"),
+    "y = taking(x, variant if n > 1 else variant)": ("variant if n > 1", "pass the one of this shader"),
+    "y = taking(x, other)": ("other", "variant is Variant; pass the one of this shader"),
+    "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "pass the one of this shader"),
+    "y = taking(x)": ("taking(x)", "taking needs an argument for variant"),
+    'y = "none"': ("'none'", "strings are for static conditions only, as in `variant.fog_mode == "),
+    'if "none" == "none":\n        y = x': ("'none'", "strings are for static conditions only"),
+    "variant = x": ("variant = x", "a parameter cannot be assigned to"),
     # of maps the edge is static, of heights the filter too
     'if f.edge == "clip":\n        y = x': (
-        "f.edge == 'clip'", "no such edge: 'clip'; the choices are wrap, clamp",
+        "f.edge == 'clip'", "there is no edge 'clip'; use one of wrap, clamp",
     ),
     'if f.filter == "fine":\n        y = x': ("f.filter", "sharp, smooth, mip, columns"),
     'if t.filter == "mip":\n        y = x': ("t.filter", "Texture has no field or property filter"),
-    "y = f.edge": ("f.edge", "is for static conditions; compare it, as in `f.edge == 'wrap'`"),
+    "y = f.edge": ("f.edge", "is not a value; compare it with a literal, as in `f.edge == 'wrap'`"),
     "y = f.levels": ("f.levels", "HeightField has no field or property levels"),
-    "y = float(levels(m))": ("m", "is for static conditions, no value"),
-    "y = turned(x, x)": ("x", "map is Map; pass this shader's own on"),
+    "y = float(levels(m))": ("m", "is not a value"),
+    "y = turned(x, x)": ("x", "map is Map; pass the one of this shader"),
     # both branches are checked
-    "if variant.deep:\n        y = x + n": ("x + n", "does not join float and int"),
-    "if not variant.deep:\n        y = unheard": ("unheard", "is not known here"),
-    "y = x if variant.deep else n": ("n", "the other choice is float, not int"),
-    "if variant.deep:\n        y = x\n    z = y": ("y", "no value on every path"),
+    "if variant.deep:\n        y = x + n": ("x + n", "does not apply to float and int"),
+    "if not variant.deep:\n        y = unheard": ("unheard", "is not defined"),
+    "y = x if variant.deep else n": ("n", "the other value is float, not int"),
+    "if variant.deep:\n        y = x\n    z = y": ("y", "may be unassigned"),
     "if variant.deep:\n        return x\n    else:\n        return -x\n    y = x": (
-        "y = x", "nothing gets here; remove it",
+        "y = x", "unreachable statement",
     ),
     "levels(f if variant.deep and x > 0.0 else f)": ("levels(", "an expression alone"),
     "y = levels(f if variant.deep and x > 0.0 else f)": (
-        "f if variant.deep and x > 0.0 else f", "cannot be selected but by a static condition",
+        "f if variant.deep and x > 0.0 else f", "only by a static condition",
     ),
 }  # fmt: skip
 HALF = "@shader\ndef half(x: float) -> float:\n    return x * 0.5\n\n"
@@ -461,10 +461,10 @@ HEADS = {
     "def wrong(x: float, variant: Variant) -> float:\n    if variant.deep:\n        return x": (
         "can end without a result"
     ),
-    "def wrong(variant: Variant) -> Variant:\n    return variant": "Variant is no type",
-    "def wrong(x: Holding) -> float:\n    return 1.0": "Variant is no type",
-    "def wrong(x: Buffer[Variant]) -> float:\n    return 1.0": "is no type",
-    "def wrong(x: Map) -> Map:\n    return x": "Map is no type",
+    "def wrong(variant: Variant) -> Variant:\n    return variant": "Variant is not a type",
+    "def wrong(x: Holding) -> float:\n    return 1.0": "Variant is not a type",
+    "def wrong(x: Buffer[Variant]) -> float:\n    return 1.0": "is not a type",
+    "def wrong(x: Map) -> Map:\n    return x": "Map is not a type",
 }
 
 
@@ -490,9 +490,9 @@ def test_a_branch_that_is_not_taken_is_checked_in_what_it_calls(folder: Path) ->
         "    return broken(x) if variant.deep else x\n",
     )
     shallow = module.Variant("none", "", False, 1)
-    with pytest.raises(ShaderError, match="calls itself; write a loop"):
+    with pytest.raises(ShaderError, match="calls itself; write a bounded loop"):
         analyse(module.odd, {}, vars(shallow).get)
-    with pytest.raises(ShaderError, match=r"`x \+ 1`: .* does not join float and int"):
+    with pytest.raises(ShaderError, match=r"`x \+ 1`: .* does not apply to float and int"):
         analyse(module.calling, {}, vars(shallow).get)
 
 

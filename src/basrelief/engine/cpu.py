@@ -210,4 +210,4 @@ def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
         last = max(0, len(value) - 1)
         return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
     height, width = value.shape
-    return _Resident(value.stored, [len(value.levels), 0, width, height, *value.firsts])
+    return _Resident(value.storage, [len(value.levels), 0, width, height, *value.offsets])
