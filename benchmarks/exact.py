@@ -274,7 +274,7 @@ def filtered(
 ) -> float:
     """Seconds of the march with the card's own filter, which weighs by 8 bits."""
     from basrelief.engine import gpu
-    from basrelief.lang.wgsl import print_wgsl
+    from basrelief.lang.targets.wgsl import print_wgsl
 
     program, settings = march
     text = print_wgsl(program.module, program.edge)

@@ -7,8 +7,8 @@ import re
 
 from basrelief.lang.library import Library
 from basrelief.lang.program import Program
+from basrelief.lang.targets.wgsl import ELSE, END, IF, THEN
 from basrelief.lang.tree import holds
-from basrelief.lang.wgsl import ELSE, END, IF, THEN
 
 _NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
 """A name that is used: not a field, nor the name of a parameter."""

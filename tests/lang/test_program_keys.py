@@ -172,7 +172,7 @@ import hashlib, sys
 import key_source as m
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 program = Program(m.entry, {m.choice: m.second})
 print(program.key)
 text = print_llvm(program.module, 8) + print_wgsl(program.module, program.edge)

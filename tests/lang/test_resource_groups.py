@@ -15,7 +15,7 @@ from basrelief.lang import Buffer, HeightField, ShaderError, Texture
 from basrelief.lang.frontend import analyse
 from basrelief.lang.library import library_of
 from basrelief.lang.program import Program
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from helpers.comparing import write_module
 from helpers.linking import linked
 

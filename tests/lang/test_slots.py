@@ -7,7 +7,7 @@ import pytest
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import IVec2, ShaderError, TypeSlot, Vec2, bound, shader, slot, struct, watched
 from basrelief.lang.program import Program
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 
 
 class Knobs(TypeSlot):

@@ -8,7 +8,7 @@ import pytest
 
 from basrelief.lang import Buffer
 from basrelief.lang.program import Program
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from helpers.comparing import write_module
 
 SOURCE = '''

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import depth_program_of, program_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed

@@ -13,7 +13,7 @@ from basrelief.engine import Planes, choose_device
 from basrelief.lang import Vec2
 from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering.programs import depth_program_of, own_values, program_of
 from basrelief.scene import LYING, Object, Orbit, Scene, placed, rotated

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from basrelief.lang import Vec3
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated

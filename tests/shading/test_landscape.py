@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from basrelief.lang import HeightField, Vec2
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import program_of

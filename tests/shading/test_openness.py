@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.lang import Vec3
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional

@@ -11,7 +11,7 @@ import pytest
 
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang.llvm import print_llvm
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import program_of

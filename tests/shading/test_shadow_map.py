@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.lang import Buffer, HeightField, IVec2, Vec2
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from basrelief.lang import HeightField, Vec2
-from basrelief.lang.wgsl import print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene

@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound, shader
 from basrelief.lang.program import Program
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.lang.types import leaf_values
-from basrelief.lang.wgsl import print_wgsl
 from basrelief.shading.intersection import Meeting, Placement
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import Intersection, ReliefParameters, displaced, move_of, relief_ray

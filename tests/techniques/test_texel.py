@@ -14,8 +14,8 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Vec2, Vec3, shader, struct
 from basrelief.lang.program import Program
+from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.lang.types import leaf_values
-from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material
 from basrelief.measure.columns import first_column_hits
 from basrelief.rendering.programs import program_of, values_of

@@ -25,7 +25,7 @@ from basrelief.errors import DeviceError
 from basrelief.lang.layout import align_and_size, pack
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
-from basrelief.lang.wgsl import GROUP, Binding, bindings, print_wgsl
+from basrelief.lang.targets.wgsl import GROUP, Binding, bindings, print_wgsl
 
 _LIMITS = (
     "max-storage-buffer-binding-size",

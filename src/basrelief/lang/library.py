@@ -18,9 +18,9 @@ from basrelief.lang.frontend import Bindings, analyse_library, bound_types
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import flatten_parameter
 from basrelief.lang.shader import Shader, accepted_parameters
+from basrelief.lang.targets.wgsl import Binding, WgslPrinter, bindings
 from basrelief.lang.tree import Condition
 from basrelief.lang.types import ShaderError
-from basrelief.lang.wgsl import Binding, ModulePrinter, bindings
 
 
 @dataclass
@@ -80,7 +80,7 @@ class _LibraryBuilder:
         self.functions = analyse_library(every)
         tops = [self.functions[entry] for entry in entries]
         self.check_slots()
-        self.printer = ModulePrinter(list(self.functions.values()), tops, None)
+        self.printer = WgslPrinter(list(self.functions.values()), tops, None)
         self.types = self.bound_records()
         for slot, records in self.types.items():
             self.printer.assign_name(slot, slot.__name__)
@@ -137,7 +137,7 @@ class _LibraryBuilder:
         slots = self.slot_texts()
         texts = {}
         # helpers last, because printing functions decides which are needed
-        for text in (*m.record_texts(), *m.function_texts(), *m.helper_texts()):
+        for text in (*m.record_texts(), *m.function_texts(), *m.needed_helper_texts()):
             if _declared_name(text) not in slots:
                 texts[_declared_name(text)] = text
         library.pieces, library.slots, library.conditions = texts, slots, list(m.conditions)

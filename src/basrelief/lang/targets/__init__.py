@@ -1,0 +1,1 @@
+"""Printers of the typed tree as text: a C-like base, and a child for each language."""
