@@ -27,7 +27,7 @@ class ModulePrinter:
     """Spelling of the types that are not records."""
     reserved_words: ClassVar[frozenset[str]]
     """Words of the language, and the names that its printer declares."""
-    helper_texts: ClassVar[Mapping[str, str]] = {}
+    helper_texts: Mapping[str, str]
     """Functions for what the language lacks, by name, callees before callers."""
     function_printer: type[FunctionPrinter]
 
