@@ -254,7 +254,8 @@ def test_colours_of_missed_hits_are_those_of_render_show(
 ) -> None:
     """Passed by the overshoot along the true ray, and tiles go round only where they repeat."""
     choices = {"technique": technique, "projection": projection, "edge": edge}
-    fresh.state(**choices, reference_height=1.0, show="missed")
+    choices["reference_height"] = 1.0
+    fresh.state(**choices, show="missed")
     fresh.draw()
     words = evaluate(
         fresh.page,
