@@ -175,7 +175,7 @@ def test_nothing_is_misspelt() -> None:
     assert (done.returncode, done.stdout) == (0, "")
 
 
-# --- the checks can fail ---------------------------------------------------------------------------
+# --- the checks can fail --------------------------------------------------------------------------
 
 
 def test_identifiers_are_found_where_they_are_defined() -> None:
