@@ -123,7 +123,7 @@ SCENE_NUMBERS = {
         "directional_occlusion": 0.7,
     },
     "shadowing": {"shadow_steps": 9, "shadow_softness": 5.0, "shadow_offset": 0.06},
-    "fog_mode": {
+    "fog": {
         "fog_color": (0.3, 0.4, 0.2),
         "fog_density": 0.45,
         "fog_start": 1.3,
