@@ -240,7 +240,7 @@ MENUS: dict[str, dict[str, Option]] = {
     "response": {"no-response": without("occlusion", "roughness", "metallic", "layer_mask")},
     "emission": {"emission": Option({"emission": exact_maps.emission()})},
     "transform": {
-        "rotated": Option(object={"transform": TURNED}),
+        "turned": Option(object={"transform": TURNED}),
         "stretched": Option(object={"transform": STRETCHED}),
     },
     "shadows": {
