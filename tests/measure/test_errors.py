@@ -23,7 +23,7 @@ from basrelief.measure.errors import (
     overshoot,
     uv_error,
 )
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.measure.timing import Timing, seconds_of
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import at_angle
@@ -79,7 +79,7 @@ def test_the_rays_of_the_truth_are_those_of_the_camera(level) -> None:
     fall = np.stack([along[..., 0], -along[..., 1]], -1)
     start = uv - fall * (1.0 - level)
     field = np.asarray(heights[:, :, 0], np.float32)
-    wanted = first_hits(field, start[met], fall[met])
+    wanted = intersect_height_field(field, start[met], fall[met])
     apart = np.linalg.norm((found.uv[met] - wanted.uv) * field.shape[::-1], axis=1)
     assert np.quantile(apart, 0.99) < 1e-3
     depth = (distance + (level - found.height) * 0.3 / -directions[..., 2])[met]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 
 
 def bilinear(heights, uv, edge: str) -> np.ndarray:
@@ -51,7 +51,7 @@ def rays(seed: int, count: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_a_plane_is_met_at_its_height(edge) -> None:
     uv, fall = rays(1, 50, 3.0)
-    hits = first_hits(np.full((5, 7), 0.375), uv, fall, edge)
+    hits = intersect_height_field(np.full((5, 7), 0.375), uv, fall, edge)
     np.testing.assert_allclose(hits.t, 0.625, atol=1e-15)
     np.testing.assert_allclose(hits.uv, uv + fall * 0.625, atol=1e-14)
     np.testing.assert_allclose(hits.height, 0.375, atol=1e-15)
@@ -65,7 +65,7 @@ def test_a_ramp_is_met_where_two_lines_cross() -> None:
     fall = np.array([[0.3, 0.0], [-0.4, 0.3], [0.05, 0.1]])
     # 1 − t = 0.2 + 0.6 (u + fall t)
     wanted = (0.8 - 0.6 * uv[:, 0]) / (1 + 0.6 * fall[:, 0])
-    hits = first_hits(ramp, uv, fall, "clamp")
+    hits = intersect_height_field(ramp, uv, fall, "clamp")
     np.testing.assert_allclose(hits.t, wanted, atol=1e-14)
 
 
@@ -73,7 +73,7 @@ def test_a_step_is_met_on_the_slope_between_two_texels() -> None:
     heights = np.zeros((4, 16))
     heights[:, 8:] = 1.0
     # centres of texels 7 and 8 at 7.5/16 and 8.5/16: between them the height rises by 16 a tile
-    hits = first_hits(heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp")
+    hits = intersect_height_field(heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp")
     t = (1 + 16 * (7.5 / 16 - 0.25)) / (1 + 16 * 0.5)
     np.testing.assert_allclose(hits.t, t, atol=1e-14)
 
@@ -82,7 +82,7 @@ def test_straight_down_the_height_is_read() -> None:
     heights = np.random.default_rng(2).random((7, 11))
     uv = np.random.default_rng(3).random((200, 2)) * 3 - 1
     for edge in ("wrap", "clamp"):
-        hits = first_hits(heights, uv, np.zeros((200, 2)), edge)
+        hits = intersect_height_field(heights, uv, np.zeros((200, 2)), edge)
         np.testing.assert_allclose(hits.height, bilinear(heights, uv, edge), atol=1e-12)
 
 
@@ -91,7 +91,7 @@ def test_a_saddle_hides_what_both_walls_of_a_cell_do_not() -> None:
     heights = np.array([[0.0, 1.0], [1.0, 0.0]])
     # from corner to corner of the one cell: h = 2 s (1 − s), which is ½ in the middle
     uv, fall = np.array([[0.25, 0.25]]), np.array([[0.5, 0.5]])
-    t = first_hits(heights, uv - fall * 0.8, fall * 1.6, "clamp").t
+    t = intersect_height_field(heights, uv - fall * 0.8, fall * 1.6, "clamp").t
     # the ray is at s = (t · 1.6 − 0.8); 1 − t = 2 s (1 − s)
     s = t * 1.6 - 0.8
     np.testing.assert_allclose(1 - t, 2 * s * (1 - s), atol=1e-12)
@@ -105,7 +105,7 @@ def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
     wave = 0.5 + 0.5 * np.sin(2 * np.pi * x / 64 * 3) * np.cos(2 * np.pi * y / 48 * 2)
     for heights in (cone, wave):
         uv, fall = rays(4, 60, 0.8)
-        got = first_hits(heights, uv, fall).t
+        got = intersect_height_field(heights, uv, fall).t
         np.testing.assert_allclose(got, brute(heights, uv, fall, "wrap"), atol=2e-5)
 
 
@@ -119,7 +119,7 @@ def test_on_noise_nothing_is_met_before_or_after_the_brute_search(h, w, seed, ed
     random = np.random.default_rng(seed)
     heights = random.random((h, w))
     uv, fall = rays(seed, 12, reach)
-    hits = first_hits(heights, uv, fall, edge)
+    hits = intersect_height_field(heights, uv, fall, edge)
     late = brute(heights, uv, fall, edge, 4001)
     assert (hits.t <= late + 1e-9).all()
     surface = bilinear(heights, hits.uv, edge)
@@ -134,16 +134,16 @@ def test_axis_parallel_rays_along_texel_centres_end() -> None:
     uv = np.stack(np.meshgrid(centres, centres), -1).reshape(-1, 2)
     for way in ([1, 0], [0, -1], [-1, -1]):
         fall = np.broadcast_to(np.array(way, float), uv.shape)
-        got = first_hits(heights, uv, fall).t
+        got = intersect_height_field(heights, uv, fall).t
         np.testing.assert_allclose(got, brute(heights, uv, fall, "wrap"), atol=1e-4)
 
 
 def test_what_is_no_height_map_is_refused() -> None:
     for heights in ([[0.5, 1.5]], [[np.nan]]):
         with pytest.raises(ValueError):
-            first_hits(heights, [[0, 0]], [[0, 0]])
+            intersect_height_field(heights, [[0, 0]], [[0, 0]])
     with pytest.raises(ValueError):
-        first_hits([[0.5]], [[0, np.inf]], [[0, 0]])
+        intersect_height_field([[0.5]], [[0, np.inf]], [[0, 0]])
 
 
 # --- segments that are not the whole ray: parts of one, rising, bent ------------------------------
@@ -176,7 +176,9 @@ def test_a_parabola_meets_a_plane(height: float, drop: float, bend: float) -> No
     """height − drop t − bend t (1 − t) = ½."""
     wanted = first_root(bend, -drop - bend, height - 0.5)
     uv, travel = rays(11, 20, 2.0)
-    hits = first_hits(np.full((6, 5), 0.5), uv, travel, height=height, drop=drop, bend=bend)
+    hits = intersect_height_field(
+        np.full((6, 5), 0.5), uv, travel, height=height, drop=drop, bend=bend
+    )
     assert (hits.found == (wanted is not None)).all()
     np.testing.assert_allclose(hits.t, 1.0 if wanted is None else wanted, atol=1e-9)
     np.testing.assert_allclose(hits.height, bent(hits.t, height, drop, bend), atol=1e-15)
@@ -189,7 +191,7 @@ def test_a_parabola_meets_a_ramp(height: float, drop: float, bend: float, along:
     columns = 64
     ramp = np.tile(0.2 + 0.6 * (np.arange(columns) + 0.5) / columns, (9, 1))
     for u in (0.35, 0.5, 0.65):
-        hits = first_hits(
+        hits = intersect_height_field(
             ramp, [[u, 0.5]], [[along, 0.1]], "clamp", height=height, drop=drop, bend=bend
         )
         over = height - 0.2 - 0.6 * u
@@ -203,7 +205,7 @@ def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> Non
     """Low to the left of u = 7.5 ÷ 16, high to the right of 8.5 ÷ 16, a slope of 16 between."""
     heights = np.full((4, 16), 0.1)
     heights[:, 8:] = 0.8
-    hits = first_hits(
+    hits = intersect_height_field(
         heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp", height=height, drop=drop, bend=bend
     )
 
@@ -220,11 +222,11 @@ def test_the_parts_of_a_ray_meet_what_the_whole_does() -> None:
     """Cut in three, each part going on where the one before found nothing."""
     heights = np.random.default_rng(6).random((23, 31)) * 0.7
     uv, travel = rays(12, 300, 0.8)
-    whole = first_hits(heights, uv, travel)
+    whole = intersect_height_field(heights, uv, travel)
     t, found = np.ones(len(uv)), np.zeros(len(uv), bool)
     for start in (0.0, 0.25, 0.6):
         length = {0.0: 0.25, 0.25: 0.35, 0.6: 0.4}[start]
-        part = first_hits(
+        part = intersect_height_field(
             heights, uv + travel * start, travel * length, height=1.0 - start, drop=length
         )
         first = part.found & ~found
@@ -239,7 +241,7 @@ def test_bent_rays_meet_noise_where_the_search_does(seed: int, reach: float, ben
     heights = random.random((7, 9)) * 0.8
     uv, travel = rays(seed, 12, reach)
     height, drop = random.uniform(0.5, 1.0, 12), random.uniform(-0.5, 1.0, 12)
-    hits = first_hits(heights, uv, travel, height=height, drop=drop, bend=bend)
+    hits = intersect_height_field(heights, uv, travel, height=height, drop=drop, bend=bend)
     t = np.linspace(0.0, 1.0, 20001)
     for k in range(12):
         clear = bent(t, height[k], drop[k], bend) - bilinear(

@@ -16,9 +16,9 @@ from basrelief.images import Picture
 from basrelief.lang import HeightField, Texture
 from basrelief.lang.types import leaf_values
 from basrelief.material import channels, sample
-from basrelief.measure.columns import first_column_hits
+from basrelief.measure.columns import intersect_columns
 from basrelief.measure.debug import SHOWN, debug_picture
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
@@ -247,8 +247,8 @@ def test_maps_refuse_an_unknown_edge(edge: Any) -> None:
     for make in (
         lambda: HeightField([heights], edge),
         lambda: Texture([np.zeros((2, 3, 4), np.uint16)], edge),
-        lambda: first_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
-        lambda: first_column_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: intersect_height_field(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: intersect_columns(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
     ):
         with pytest.raises(ValueError, match=f"edge is '{edge}': use wrap or clamp"):
             make()

@@ -29,7 +29,7 @@ class ColumnHits:
     side: NDArray[np.int64]
 
 
-def first_column_hits(
+def intersect_columns(
     heights: ArrayLike, uv: ArrayLike, travel: ArrayLike, edge: Edge = "wrap"
 ) -> ColumnHits:
     """The first place at which each ray is not above the box of the texel that it is over.

@@ -17,8 +17,8 @@ import numpy as np
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
-from basrelief.measure.columns import first_column_hits
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.columns import intersect_columns
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.measure.section import write_section
 from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
 from basrelief.rendering.programs import map_edge, values_of, variant_of
@@ -107,7 +107,7 @@ def _explained(
     with bound({displace: technique}), watched(notes.watch):
         hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
     travel = _numbers(ray.travel)
-    first = first_column_hits if technique.columns else first_hits
+    first = intersect_columns if technique.columns else intersect_height_field
     true = first(notes.heights, _numbers(ray.uv), travel, map_edge(obj))
     return Explanation(
         material=obj.material.name,

@@ -34,7 +34,7 @@ class Hits:
     found: NDArray[np.bool_]
 
 
-def first_hits(
+def intersect_height_field(
     heights: ArrayLike,
     uv: ArrayLike,
     travel: ArrayLike,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
 from basrelief.rendering.programs import map_edge, rays_of, values_of
 from basrelief.rendering.render import check_picture
@@ -106,6 +106,6 @@ def _met(
     uv, height = np.empty_like(start), np.empty(len(start))
     for first in range(0, len(start), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        hits = first_hits(heights, start[some], travel[some], edge)
+        hits = intersect_height_field(heights, start[some], travel[some], edge)
         uv[some], height[some] = hits.uv, hits.height
     return uv, height

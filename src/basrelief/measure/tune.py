@@ -36,7 +36,7 @@ from basrelief.scene import Scene
 from basrelief.scene.presets import Preset
 from basrelief.techniques import Technique
 
-__all__ = ["Tried", "Tuned", "tune"]
+__all__ = ["Tried", "TuneResult", "tune"]
 
 APART = 15.0
 """Degrees between the angles of a range that are measured."""
@@ -64,7 +64,7 @@ class Tried:
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned:
+class TuneResult:
     """What `tune` found: `chosen` is the cheapest that stays under the `bound` on `measure`
     ("missed" or "flip") at all `angles`; `nearest` the cheaper one that came nearest to it, None
     where nothing cheaper was tried; `others` what passed too, the fastest first."""
@@ -164,7 +164,7 @@ def tune(
     source: str | None = None,
     progress: Progress = lambda what, share: None,
     **options: Any,
-) -> Tuned:
+) -> TuneResult:
     """The cheapest technique and settings for a material that keep an error under a bound.
 
     Either `missed`, the share of missed hits (0 to 1), or `flip`, the mean FLIP error, is bounded,
@@ -212,7 +212,7 @@ def tune(
     cheaper = [each for each in timed if not each.passed and each.seconds < best.seconds]
     scene = ruler.scene(best.candidate, views[0])
     obj = scene.objects[0]
-    return Tuned(
+    return TuneResult(
         chosen=best,
         nearest=min(cheaper, key=lambda each: each.error, default=None),
         others=tuple(fit[1:]),
