@@ -45,10 +45,10 @@ from basrelief.scene.views import FILLED
 from basrelief.shading.lights import DIRECTIONAL, SPOT
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import place_of
 from basrelief.viewer.page import LARGEST
-from basrelief.viewer.shown import shown_scene
+from basrelief.viewer.shown import scene_from_state
 from basrelief.viewer.state import state_of
 from helpers.agreement import assert_agree
 from helpers.browser import PATIENCE, SOFTWARE, WORDS, chromium, evaluate, planes
@@ -311,7 +311,7 @@ def test_cameras_are_pythons(seen: Seen) -> None:
         Orbit(-130.0, 89.0, 0.7),
         Orbit(10.0, 20.0, 3.0, orthographic_height=1.5),
     ):
-        made = plain(camera.camera(SIZE))
+        made = json_value(camera.camera(SIZE))
         told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
         script = "async ([c, s]) => (await import('view/camera.js')).orbit(c, s)"
         found = seen.page.evaluate(script, [told, SIZE])
@@ -673,7 +673,7 @@ def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: 
         page.get_by_label(f"light 3 {label}", exact=True).fill(value)
     page.get_by_label("light 3 color").fill("#ff8000")
     page.get_by_role("button", name="Remove light 1").click()
-    scene = shown_scene(page.evaluate("viewer.state"), Scene((Object(material),)))
+    scene = scene_from_state(page.evaluate("viewer.state"), Scene((Object(material),)))
     assert [int(each.kind) for each in scene.lights] == [DIRECTIONAL, SPOT]
     assert [*scene.lights[1].color] == pytest.approx([4.0, 0.8632, 0.0], abs=1e-3)
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
@@ -834,7 +834,7 @@ def test_an_odd_link_is_held_to_what_can_be(
     fresh.page.evaluate("viewer.hashesRead = 0")
     state = fresh.page.evaluate("viewer.state")
     # what Python would refuse, or not survive, is not in it
-    scene = shown_scene(state, Scene((Object(material),)))
+    scene = scene_from_state(state, Scene((Object(material),)))
     assert scene.objects[0].relief_scale <= 10.0
     assert -1.0 < scene.objects[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))

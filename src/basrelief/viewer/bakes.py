@@ -13,7 +13,7 @@ from basrelief.lang import Shader
 from basrelief.techniques import BAKES, cone_bake, normal_bake
 from basrelief.techniques.exact_bake import FAR_REACH, REACH
 from basrelief.techniques.exact_records import BLOCK, FAR_BLOCK
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 
 PROGRAMS: tuple[Shader[..., Any], ...] = (
     normal_bake.normals,
@@ -35,7 +35,7 @@ def bake_numbers() -> dict[str, Any]:
         "cones": {
             "blocks": cone_bake.BLOCKS,
             "sectors": [
-                {"asked": plain(sector_of(k)), "ends": [plain(end) for end in ends_of(k)]}
+                {"asked": json_value(sector_of(k)), "ends": [json_value(end) for end in ends_of(k)]}
                 for k in range(SECTORS)
             ],
         },

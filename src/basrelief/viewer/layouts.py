@@ -45,7 +45,7 @@ def settings_of(record: type) -> list[dict[str, Any]]:
             "doc": each.metadata["doc"],
             "low": each.metadata["low"],
             "high": each.metadata["high"],
-            "default": plain(each.default),
+            "default": json_value(each.default),
             "whole": fields_of(record)[each.name] is int,
         }
         for each in fields(record)
@@ -53,14 +53,14 @@ def settings_of(record: type) -> list[dict[str, Any]]:
     ]
 
 
-def plain(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """A value of the subset as JSON has it: a number, a list of them, or a record as a mapping.
 
     Matrices are lists of nine, column by column.
     """
     t = type(value)
     if is_record(t):
-        return {name: plain(getattr(value, name)) for name in fields_of(t)}
+        return {name: json_value(getattr(value, name)) for name in fields_of(t)}
     if t.__name__ == "Mat3" or t in VECTORS:
         return [_short(leaf) for leaf in leaf_values(value, t)]
     return _short(value)

@@ -31,17 +31,17 @@ from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques.height import Smoothing
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 from basrelief.viewer.page import Progress, page_of
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.shown import camera_of, said_light, shown_scene, tiling_of
+from basrelief.viewer.shown import as_light_dict, camera_of, scene_from_state, tiling_of
 from basrelief.viewer.state import (
     SHOWS,
     Sources,
-    check_shown,
-    plain_tiling,
+    check_drawable,
     state_of,
     techniques_of,
+    tiling_to_dict,
 )
 
 try:
@@ -136,7 +136,7 @@ def _two_numbers(name: str, value: Any) -> Any:
 
 
 def _record(viewer: Viewer, name: str, value: Any) -> Any:
-    return plain(record_of(_RECORDS[name], value, f"the {name}"))
+    return json_value(record_of(_RECORDS[name], value, f"the {name}"))
 
 
 def _fog(viewer: Viewer, name: str, value: Any) -> Any:
@@ -146,7 +146,7 @@ def _fog(viewer: Viewer, name: str, value: Any) -> Any:
             f"fog from {fog.fog_start:g} to {fog.fog_end:g}: "
             "give a fog_end no nearer than fog_start"
         )
-    return plain(fog)
+    return json_value(fog)
 
 
 def _settings(viewer: Viewer, name: str, value: Any) -> Any:
@@ -168,7 +168,7 @@ def _all_surface_parameters(viewer: Viewer, name: str, value: Any) -> dict[str, 
 
 
 def _surface_parameters_checked(surface: str, value: Any) -> Any:
-    return plain(record_of(SURFACES[surface], value, f"the {surface} surface"))
+    return json_value(record_of(SURFACES[surface], value, f"the {surface} surface"))
 
 
 def _each(
@@ -202,7 +202,7 @@ def _background(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _tiling(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return plain_tiling(tiling_of(value))
+    return tiling_to_dict(tiling_of(value))
 
 
 def _tilings(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
@@ -214,7 +214,7 @@ def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
         value = (value,)
     if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
         raise InputError(f"lights is {value!r}: give several, as (basrelief.directional(),)")
-    return [said_light(each) for each in value]
+    return [as_light_dict(each) for each in value]
 
 
 def _camera(viewer: Viewer, name: str, value: Any) -> Orbit:
@@ -308,7 +308,7 @@ class Viewer(anywidget.AnyWidget):
         **settings: Any,
     ) -> None:
         scene = scene_of(what, settings)
-        check_shown(scene)
+        check_drawable(scene)
         texels = _whole("texels", texels, 1, None)
         height = _whole("height", height, 100, 10_000)
         obj = scene.objects[0]
@@ -354,10 +354,10 @@ class Viewer(anywidget.AnyWidget):
         names = state_of(self._began, self._began.objects[0])
         state = {name: getattr(self, name) for name in names}
         both = {"settings": self.settings_of, "surface_parameters": self.all_surface_parameters}
-        return shown_scene({**state, **both}, self._began)
+        return scene_from_state({**state, **both}, self._began)
 
     def _settings_checked(self, technique: str, value: Any) -> Any:
-        return plain(record_of(self._techniques[technique].settings, value, technique))
+        return json_value(record_of(self._techniques[technique].settings, value, technique))
 
     def set_state(self, sync_data: Mapping[str, Any]) -> None:
         """Take what the page says; what cannot be is told back to it as it is here."""

@@ -27,10 +27,10 @@ from basrelief.scene import Object, Scene
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
-from basrelief.viewer.printed import printed
-from basrelief.viewer.state import Sources, check_shown, manifest, techniques_of
+from basrelief.viewer.printed import program_library
+from basrelief.viewer.state import Sources, check_drawable, manifest, techniques_of
 
-__all__ = ["View", "write_view"]
+__all__ = ["ViewerPage", "write_view"]
 
 LARGEST = 12 * 1000**2
 """Bytes of a page at most, its maps scaled until it fits."""
@@ -53,7 +53,7 @@ _MODULES = (
 
 
 @dataclass(frozen=True)
-class View:
+class ViewerPage:
     """A page: its `html`, and the size, (width, height), that its maps were scaled to, or None."""
 
     html: str
@@ -68,7 +68,7 @@ def write_view(
     sources: Sources | None = None,
     device: str | Engine = "auto",
     progress: Progress | None = None,
-) -> View:
+) -> ViewerPage:
     """Write a page that shows the first object of a scene, whole or not at all.
 
     Maps are scaled to at most `texels` a side, and further until the page has at most 12 MB.
@@ -78,7 +78,7 @@ def write_view(
     """
     file = Path(path)
     check_ours(file, GENERATOR, "a page of the viewer")
-    check_shown(scene)
+    check_drawable(scene)
     made = page_of(
         scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
     )
@@ -88,11 +88,11 @@ def write_view(
 
 def page_of(
     scene: Scene, texels: int, sources: Sources, device: str | Engine, progress: Progress
-) -> View:
+) -> ViewerPage:
     """The page of a scene."""
     obj = scene.objects[0]
     progress("printing the programs", 0.0)
-    programs = printed(techniques_of(obj))
+    programs = program_library(techniques_of(obj))
     engine = engine_of(device)
     stills = list(_stills(scene, engine, progress))
     whole = max((max(one.width, one.height) for one in _all_maps(obj)), default=1)
@@ -107,11 +107,11 @@ def page_of(
     maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills), engine)
     scaled = shown_size(shown) if most < whole else None
     data = {
-        "programs": programs.told(),
+        "programs": programs.to_dict(),
         "records": layouts(programs.library.names),
         **manifest(replace(scene, objects=(shown,)), sources, scaled),
     }
-    return View(_html(obj.material.name, data, maps, stills), scaled)
+    return ViewerPage(_html(obj.material.name, data, maps, stills), scaled)
 
 
 def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:

@@ -35,13 +35,13 @@ Techniques = Mapping[str, Technique[..., Any]]
 
 
 @dataclass(frozen=True)
-class Printed:
+class ProgramLibrary:
     """The library of all programs, and what its slots are bound to: `bound[menu][name]`."""
 
     library: Library
     bound: dict[str, dict[str, dict[str, str]]]
 
-    def told(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Both as JSON has them."""
         made = self.library
         return {
@@ -66,7 +66,7 @@ class Printed:
         }
 
 
-def printed(techniques: Techniques = TECHNIQUES) -> Printed:
+def program_library(techniques: Techniques = TECHNIQUES) -> ProgramLibrary:
     """Every program that a page can choose, with these techniques by name.
 
     Raises ShaderError for a technique that is outside the subset.
@@ -80,7 +80,7 @@ def printed(techniques: Techniques = TECHNIQUES) -> Printed:
         menu: {name: library.bound_names({slot: made}) for name, made in options.items()}
         for menu, (slot, options) in chosen.items()
     }
-    return Printed(library, bound)
+    return ProgramLibrary(library, bound)
 
 
 def _type_name(t: Any, names: Mapping[Any, str]) -> str:

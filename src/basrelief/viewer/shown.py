@@ -12,7 +12,7 @@ from basrelief.scene.checks import one_of, within
 from basrelief.scene.lights import LIGHTS, MAKERS, numbers_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.state import plain_camera, plain_light, techniques_of
+from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
 
 _SHARED = (
     *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading",
@@ -21,7 +21,7 @@ _SHARED = (
 """The settings that an object or a scene has by the same names."""
 
 
-def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
+def scene_from_state(state: Mapping[str, Any], scene: Scene) -> Scene:
     """The scene that a page of `scene` shows in a state, with the material of `scene`.
 
     Raises InputError for values out of range.
@@ -87,7 +87,7 @@ def camera_of(said: Any) -> Orbit:
         said = Orbit(**said)
     try:
         said.camera((16, 9))
-        plain = plain_camera(said)
+        plain = camera_to_dict(said)
     except (TypeError, ValueError):
         raise InputError(f"camera is {said!r}: give it finite numbers") from None
     return Orbit(**{**plain, "target": tuple(plain["target"])})
@@ -105,20 +105,20 @@ def light_of(said: Mapping[str, Any]) -> Light:
     return LIGHTS[said["kind"]](**{name: numbers[name] for name in names})
 
 
-def said_light(given: Any) -> dict[str, Any]:
+def as_light_dict(given: Any) -> dict[str, Any]:
     """A page's light from a light, or from a mapping of what a page's light has.
 
     What a mapping leaves out is as the kind's own function has it. Raises InputError for what
     makes no light.
     """
     if isinstance(given, Light):
-        return plain_light(given)
+        return light_to_dict(given)
     if not isinstance(given, Mapping):
         raise InputError(f"a light is {given!r}: give one made by {MAKERS}")
     kind = given.get("kind", "directional")
     one_of("the kind of a light", kind, tuple(LIGHTS))
     place = {"position": (0.0, 1.0, 0.0)} if "position" in numbers_of(kind) else {}
-    usual = plain_light(LIGHTS[kind](**place))
+    usual = light_to_dict(LIGHTS[kind](**place))
     for name in given:
         one_of("a light's number", name, tuple(usual))
     made = {**usual, **given}

@@ -32,7 +32,7 @@ from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
-from basrelief.viewer.layouts import plain, settings_of
+from basrelief.viewer.layouts import json_value, settings_of
 from basrelief.viewer.names import names
 from basrelief.viewer.printed import MENUS
 
@@ -190,7 +190,7 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
     # a scene's own transform is that of its own shape
     placed = obj.transform if shape == obj.shape else None
     stands = Object(obj.material, shape=shape, technique="flat", transform=placed)
-    placement = plain(stands.placement())
+    placement = json_value(stands.placement())
     facts = SHAPES[shape]
     return {
         "origin": placement["origin"],
@@ -233,25 +233,25 @@ def state_of(
         "tiling": list(map(float, obj.tiles)),
         "shift": list(map(float, obj.shift)),
         "apart": bool(obj.tilings),
-        "tilings": {each: plain_tiling(obj.tilings.get(each, main)) for each in OWN_TILINGS},
+        "tilings": {each: tiling_to_dict(obj.tilings.get(each, main)) for each in OWN_TILINGS},
         "layer": obj.layer is not None,
-        "layer_tiling": plain_tiling(obj.layer.tiling if obj.layer else Tiling((10.0, 10.0))),
+        "layer_tiling": tiling_to_dict(obj.layer.tiling if obj.layer else Tiling((10.0, 10.0))),
         "settings": {name: _defaults(each) for name, each in techniques.items()},
-        "surface_parameters": {name: plain(record()) for name, record in SURFACES.items()},
-        "smoothing": plain(obj.smoothing),
-        "shading": plain(scene.shading),
-        "shadowing": plain(scene.shadowing),
-        "fog": plain(scene.fog),
+        "surface_parameters": {name: json_value(record()) for name, record in SURFACES.items()},
+        "smoothing": json_value(obj.smoothing),
+        "shading": json_value(scene.shading),
+        "shadowing": json_value(scene.shadowing),
+        "fog": json_value(scene.fog),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
-        "lights": [plain_light(each) for each in scene.lights],
-        "camera": plain_camera(scene.camera),
+        "lights": [light_to_dict(each) for each in scene.lights],
+        "camera": camera_to_dict(scene.camera),
     }
-    made["settings"][name] = plain(obj.settings)
-    made["surface_parameters"][obj.surface] = plain(obj.surface_parameters)
+    made["settings"][name] = json_value(obj.settings)
+    made["surface_parameters"][obj.surface] = json_value(obj.surface_parameters)
     return made
 
 
-def plain_tiling(tiling: Tiling) -> dict[str, Any]:
+def tiling_to_dict(tiling: Tiling) -> dict[str, Any]:
     """A tiling as a page has it."""
     return {"tiles": list(map(float, tiling.tiles)), "shift": list(map(float, tiling.shift))}
 
@@ -273,7 +273,7 @@ def _defaults(made: Any) -> dict[str, Any]:
     return {each["name"]: each["default"] for each in settings_of(made.settings)}
 
 
-def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
+def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
     """The camera as an orbit; one that stands somewhere is taken for the orbit it lies on."""
     if isinstance(camera, LookAt):
         camera.camera((1, 1))  # one that stands where it looks is told
@@ -297,9 +297,9 @@ def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
     }
 
 
-def plain_light(light: Light) -> dict[str, Any]:
+def light_to_dict(light: Light) -> dict[str, Any]:
     """A light with its strength apart from its colour, its direction and its cone as angles."""
-    said = plain(light)
+    said = json_value(light)
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
     # a light without a cone has the one that it would get as a spot
@@ -344,7 +344,7 @@ def _layer_of(obj: Object) -> str | None:
     return None if obj.layer is None else obj.layer.material.name
 
 
-def check_shown(scene: Scene) -> None:
+def check_drawable(scene: Scene) -> None:
     """Raise InputError for a scene that a page's programs cannot draw."""
     if not scene.objects:
         raise InputError("there is nothing in the scene to show")
