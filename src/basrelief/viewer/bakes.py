@@ -1,6 +1,6 @@
-"""What a page needs to bake as the library does: the programs, and the numbers of their steps.
+"""Data for baking in a page: the programs, and the parameters of their steps.
 
-The steps are those of `baking.exact` and `baking.cone`; `web/bakes.js` goes through them.
+The steps are those of `baking.exact` and `baking.cone`; `web/bakes.js` runs them.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ PROGRAMS: tuple[Shader[..., Any], ...] = (
     normal_bake.normals,
     *dict.fromkeys(program for bake in BAKES.values() for program in bake.programs),
 )
-"""The programs that bake something; a page finds them by their names."""
+"""The programs that bake; a page finds them by name."""
 
 
 def bake_numbers() -> dict[str, Any]:
-    """The numbers of the steps: widths and margins in cells and blocks, sectors as directions."""
+    """Parameters of the steps: widths and margins in cells and blocks, sectors as directions."""
     return {
         "bounds": {
             "block": BLOCK,
@@ -35,7 +35,10 @@ def bake_numbers() -> dict[str, Any]:
         "cones": {
             "blocks": cone_bake.BLOCKS,
             "sectors": [
-                {"asked": json_value(sector_of(k)), "ends": [json_value(end) for end in ends_of(k)]}
+                {
+                    "record": json_value(sector_of(k)),
+                    "ends": [json_value(end) for end in ends_of(k)],
+                }
                 for k in range(SECTORS)
             ],
         },
