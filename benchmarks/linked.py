@@ -24,7 +24,7 @@ from basrelief.rendering.programs import program_of, values_of
 from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import TECHNIQUES
-from basrelief.viewer.printed import Printed, printed
+from basrelief.viewer.printed import ProgramLibrary, program_library
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from helpers.linking import linked
@@ -47,7 +47,7 @@ def scenes(techniques: Iterable[str], texels: int) -> dict[str, basrelief.Scene]
 
 
 def jobs(
-    engine: GpuEngine, made: Printed, scene: basrelief.Scene, size: tuple[int, int]
+    engine: GpuEngine, made: ProgramLibrary, scene: basrelief.Scene, size: tuple[int, int]
 ) -> tuple[dict[str, Job], Any]:
     """The engine's program and the linked one, and the seconds that each took to make."""
     obj = scene.objects[0]
@@ -82,7 +82,7 @@ def main() -> None:
     engine = GpuEngine()
     print(f"{engine.adapter}, {size[0]} × {size[1]}, soft shadows, {texels}² maps, ms a dispatch")
     began = time.perf_counter()
-    made = printed()
+    made = program_library()
     print(f"the library: {len(made.library.pieces)} pieces, {time.perf_counter() - began:.2f} s")
     ratios, differing = {}, 0
     for name, scene in scenes(techniques, texels).items():

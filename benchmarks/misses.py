@@ -34,7 +34,7 @@ from basrelief.lang import (
     tan,
 )
 from basrelief.lang.program import Program
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import Nothing, exact
 from basrelief.techniques.exact import (
     Clearance,
@@ -177,7 +177,7 @@ def apart(planes: Any, heights: np.ndarray, edge: Any) -> tuple[np.ndarray, int]
 
     def behind(surface: np.ndarray, some: Any) -> np.ndarray:
         falls = {name: flat[name][some] for name in ("height", "drop", "bend")}
-        wanted = first_hits(surface, uv[some], travel[some], edge, **falls).t
+        wanted = intersect_height_field(surface, uv[some], travel[some], edge, **falls).t
         return (flat["t"][some] - wanted) * texels[some]
 
     off = behind(heights, slice(None))

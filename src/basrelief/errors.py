@@ -36,6 +36,8 @@ RENAMED = {
     "air": "fog",
     "shadow_map": "shadow_map_size",
     "turned": "rotated",
+    "Tuned": "TuneResult",
+    "View": "ViewerPage",
 }
 """The new name of each renamed option (with its dashes), keyword, setting, preset key and Python
 name. The old name is refused with a hint to the new one. CHANGELOG.md has the same table."""

@@ -32,7 +32,7 @@ from basrelief.scene.objects import technique_named
 from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import displace
-from basrelief.viewer.printed import printed
+from basrelief.viewer.printed import program_library
 from helpers.linking import linked
 from helpers.variants import random_programs
 
@@ -129,7 +129,7 @@ def _gpu() -> Any:
 
 @pytest.mark.gpu
 def test_every_option_and_condition_compiles() -> None:
-    made = printed().library
+    made = program_library().library
     gpu = _gpu()
     left: set[Any] = {(slot_, each) for slot_, options in made.slots.items() for each in options}
     # that of a bake's step is in no pixel
@@ -168,7 +168,7 @@ def {name}(field: HeightField, ray: Ray, settings: Settings) -> Hit:
 def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -> None:
     (tmp_path / "own.py").write_text(OWN.replace("{name}", name).replace("{helper}", helper))
     own = technique_named(f"{tmp_path / 'own.py'}:{name}")
-    made = printed({"own": own})
+    made = program_library({"own": own})
     ((_, program),) = random_programs(1, 4)
     bindings = {**program.bindings, displace: own}
     text = linked(made.library, replace(program, bindings=bindings))
@@ -194,7 +194,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
     scene = basrelief.Scene((obj,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog_mode="linear")
     engine, size = GpuEngine(), (64, 48)
     program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
-    made = printed()
+    made = program_library()
     text = linked(made.library, program)
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]

@@ -17,7 +17,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import Material
-from basrelief.measure.columns import first_column_hits
+from basrelief.measure.columns import intersect_columns
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import LookAt, Object, Scene, directional
 from basrelief.shading.brdf import Shading
@@ -78,7 +78,7 @@ def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dic
 def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
     heights = np.asarray(heights, np.float32)
     got = boxed_rays(engine, heights, edge, reach)
-    wanted = first_column_hits(heights, got["uv"], got["fall"], edge)
+    wanted = intersect_columns(heights, got["uv"], got["fall"], edge)
     texels = np.array(heights.shape[::-1])
     late = np.abs((1.0 - got["height"]) - wanted.t)
     moved = np.abs((got["met"] - wanted.uv) * texels).max(axis=1)
@@ -111,7 +111,7 @@ def test_the_ruler_can_fail() -> None:
     """Boxes are not met where the bilinear surface is, nor beyond the edge where tiles repeat."""
     heights = MAPS["steps"].astype(np.float32)
     got = boxed_rays(CpuEngine(), heights, "wrap", 0.8)
-    other = first_column_hits(heights, got["uv"], got["fall"], "clamp")
+    other = intersect_columns(heights, got["uv"], got["fall"], "clamp")
     assert (np.abs((1.0 - got["height"]) - other.t) > 1e-5).mean() > 0.1
 
 
@@ -231,7 +231,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
     _, directions = rays(camera)
     shape = uv.shape[:2]
     start, fall = uv.reshape(-1, 2), fall_of(directions).reshape(-1, 2)
-    hits = first_column_hits(TOWN, start, fall, "clamp")
+    hits = intersect_columns(TOWN, start, fall, "clamp")
     normals = np.column_stack([hits.side * [1, -1], 1 - np.abs(hits.side).sum(1)])
     light = unit(towards)
     shade = np.maximum(normals @ light, 0.0)
@@ -239,7 +239,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
         # the way back from the light, from where it comes in at the top
         back = np.broadcast_to(fall_of(-light), fall.shape)
         before = hits.uv + hits.side * 1e-6
-        met = first_column_hits(TOWN, before - back * hits.t[:, None], back, "clamp")
+        met = intersect_columns(TOWN, before - back * hits.t[:, None], back, "clamp")
         shade = shade * (met.t >= hits.t - 1e-5)
     # within the polygon's outline, and where the ray ends too
     places = np.concatenate([start, hits.uv], axis=1)
