@@ -1,4 +1,4 @@
-"""How often `exact` ends late: millions of rays against the oracle in float64.
+"""Rays that `exact` ends late, of millions, against the oracle in float64.
 
     python benchmarks/misses.py            on the CPU
     python benchmarks/misses.py --gpu      on a GPU

@@ -253,7 +253,7 @@ class Writer:
                 return f"IVec2({pick(_INTS)}, {pick(_INTS)})"
             case "Pair":
                 return f"Pair(Vec3({pick(_FLOATS)}), {pick(_INTS)})"
-        return self.of_Found(lambda kind: self.leaf(kind))
+        return self.of_Result(lambda kind: self.leaf(kind))
 
     def of_float(self, e) -> str:
         return self.random.choice((
@@ -315,6 +315,6 @@ class Writer:
     def of_Pair(self, e) -> str:  # noqa: N802
         return f"Pair({e('Vec3')}, {e('int')})"
 
-    def of_Found(self, e) -> str:  # noqa: N802
+    def of_Result(self, e) -> str:  # noqa: N802
         parts = ("float", "int", "bool", "Vec3", "Vec2", "IVec2", "Pair")
         return f"Result({', '.join(e(t) for t in parts)})"

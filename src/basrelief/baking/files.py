@@ -79,8 +79,8 @@ def _table(name: str, about: str) -> BakeOption:
     def make(baking: BakeInput) -> BakeResult:
         from basrelief.techniques import BAKES
 
-        made = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
-        return BakeResult({name.removesuffix("_map"): made})
+        pixels = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
+        return BakeResult({name.removesuffix("_map"): pixels})
 
     return BakeOption(about, make)
 
@@ -93,12 +93,12 @@ def _horizon(baking: BakeInput) -> BakeResult:
         raise InputError(
             f"--directions {baking.directions}: must be a multiple of 4, as a file stores four"
         )
-    made = cached(
+    pixels = cached(
         horizon_map, baking.heights(), baking.edge, baking.engine,
         scale=baking.scale, directions=baking.directions,
     )  # fmt: skip
     return BakeResult(
-        {f"horizon_{k // 4}": made[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
+        {f"horizon_{k // 4}": pixels[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
     )
 
 
@@ -106,24 +106,24 @@ def _occlusion(baking: BakeInput) -> BakeResult:
     from basrelief.baking import ambient_occlusion
     from basrelief.baking.cache import cached
 
-    made = cached(
+    pixels = cached(
         ambient_occlusion, baking.heights(), baking.edge, baking.engine, scale=baking.scale
     )
-    return BakeResult({"ao": baking.codes(made[:, :, None])})
+    return BakeResult({"ao": baking.codes(pixels[:, :, None])})
 
 
 def _normal(baking: BakeInput) -> BakeResult:
     from basrelief.baking import normal_map
 
-    made = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
+    pixels = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
     match baking.green:
         case "gl":
             pass
         case "dx":
-            made[:, :, 1] *= -1.0
+            pixels[:, :, 1] *= -1.0
         case _:
             assert_never(baking.green)
-    return BakeResult({f"normal_{baking.green}": baking.codes(made * 0.5 + 0.5)})
+    return BakeResult({f"normal_{baking.green}": baking.codes(pixels * 0.5 + 0.5)})
 
 
 def _height(baking: BakeInput) -> BakeResult:
@@ -135,16 +135,17 @@ def _height(baking: BakeInput) -> BakeResult:
             f"{baking.material.name}: has no normal map to make heights from; "
             "name one with --normal-map FILE"
         )
-    made = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
-    note = f"scale {made.scale:.4g}; its normals are {made.residual:.2g}° off the input (rms)"
-    return BakeResult({"height": baking.codes(made.heights[:, :, None])}, note)
+    integrated = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
+    residual = f"its normals are {integrated.residual:.2g}° off the input (rms)"
+    note = f"scale {integrated.scale:.4g}; {residual}"
+    return BakeResult({"height": baking.codes(integrated.heights[:, :, None])}, note)
 
 
 OPTIONS: dict[str, BakeOption] = {
     "normal": BakeOption("Normals, from heights.", _normal),
     "height": BakeOption("Heights, from normals.", _height),
-    "occlusion": BakeOption("Ambient occlusion: the sky that each texel sees.", _occlusion),
-    "horizon": BakeOption("The elevation of the horizon in 8 directions.", _horizon),
+    "occlusion": BakeOption("Ambient occlusion, from heights.", _occlusion),
+    "horizon": BakeOption("Horizon map: the elevation of the horizon in 8 directions.", _horizon),
     **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
 }
 """Bakes of `basrelief bake`, by the name of the option."""

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from basrelief.techniques import Bake
 
 TABLES: dict[str, tuple[str, str]] = {
-    "cone_map": ("cone", "Cones that the surface does not rise into."),
-    "relaxed_cone_map": ("cone", "Wider cones, for a search after each leap."),
-    "bounds": ("exact", "What the technique exact goes by."),
+    "cone_map": ("cone", "Cone map: cones above the surface that are free of it."),
+    "relaxed_cone_map": ("cone", "Relaxed cone map: wider cones, for a search within each step."),
+    "bounds": ("exact", "Bounds of the heights, for the technique exact."),
 }
 """By the name of the declaration: the module of this package with the function of the same name,
 which bakes heights (h, w) float32 with an edge on a device to (rows, columns, 4); a description."""
