@@ -1,8 +1,8 @@
-// The march of 32 steps as one would write it by hand: parallax occlusion, bilinear heights from
-// four gathered texels, a map that repeats. Bound as the generated program is.
+// A march of 32 steps written by hand: parallax occlusion, bilinear heights from four gathered texels,
+// a map that repeats. Its bindings are those of the generated program.
 
 struct Run { width: u32, first_row: u32, last_row: u32, plane_stride: u32 }
-struct Sweep { origin: vec2f, right: vec2f, down: vec2f, fall: vec2f, fall_right: vec2f, fall_down: vec2f }
+struct Sweep { origin: vec2f, right: vec2f, down: vec2f, travel: vec2f, travel_right: vec2f, travel_down: vec2f }
 struct March { min_steps: i32, max_steps: i32, steps_per_texel: f32 }
 
 @group(0) @binding(0) var<uniform> run: Run;
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   if (id.x >= run.width || id.y + run.first_row >= run.last_row) { return; }
   let pixel = vec2f(f32(id.x), f32(id.y + run.first_row));
   let start = sweep.origin + sweep.right * pixel.x + sweep.down * pixel.y;
-  let fall = sweep.fall + sweep.fall_right * pixel.x + sweep.fall_down * pixel.y;
+  let travel = sweep.travel + sweep.travel_right * pixel.x + sweep.travel_down * pixel.y;
   let size = vec2i(textureDimensions(heights));
   let steps = march.max_steps;
   let step = 1.0 / f32(steps);
@@ -37,14 +37,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     ray_before = ray;
     surface_before = surface;
     ray = 1.0 - f32(k) * step;
-    surface = height(start + fall * (1.0 - ray), size);
+    surface = height(start + travel * (1.0 - ray), size);
   }
   if (ray <= surface) {
     let before = ray_before - surface_before;
     let after = surface - ray;
     ray = mix(ray_before, ray, clamp(before / max(before + after, 1e-9), 0.0, 1.0));
   }
-  let uv = start + fall * (1.0 - ray);
+  let uv = start + travel * (1.0 - ray);
   let place = id.y * run.width + id.x;
   planes[place] = bitcast<u32>(uv.x);
   planes[place + run.plane_stride] = bitcast<u32>(uv.y);

@@ -1,9 +1,9 @@
-"""basrelief: parallax mapping, every technique from one texture read up, written once in Python.
+"""basrelief: parallax mapping with every technique, from one texture read to exact hits.
 
     import basrelief
     basrelief.render("materials/rock", technique="relief").save("rock.png")
 
-Names are imported when first used, so that `import basrelief` costs nothing.
+Names are imported on first use, so that `import basrelief` is fast.
 """
 
 from __future__ import annotations

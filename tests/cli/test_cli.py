@@ -445,7 +445,7 @@ def test_device_auto_takes_a_real_gpu_alone(
 
     monkeypatch.setattr(gpu, "_has_device", lambda: True)
     monkeypatch.setattr(gpu, "_request_adapter", Adapter)
-    monkeypatch.setattr(gpu, "real_gpu", gpu.real_gpu.__wrapped__)
+    monkeypatch.setattr(gpu, "has_hardware_gpu", gpu.has_hardware_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
     monkeypatch.setattr("basrelief.engine.select.choose_device", fresh_choice)
     name = "cpu" if kind == "CPU" else "gpu"
@@ -459,10 +459,10 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(gpu, "_request_adapter", started)
     monkeypatch.setattr(gpu.sys, "platform", "linux")
     monkeypatch.setattr(gpu, "_DEVICES", ("no-such-device*",))
-    assert not gpu.real_gpu.__wrapped__()
+    assert not gpu.has_hardware_gpu.__wrapped__()
     monkeypatch.setattr(gpu, "_DEVICES", ("null",))
     with pytest.raises(AssertionError, match="was started"):
-        gpu.real_gpu.__wrapped__()
+        gpu.has_hardware_gpu.__wrapped__()
 
 
 def fresh_choice(name: str) -> Any:

@@ -29,7 +29,7 @@ def linked(library: Library, program: Program) -> str:
 
     @functools.cache
     def truth(number: int) -> bool:
-        return holds(library.conditions[number], program.known)
+        return holds(library.conditions[number], program.static_value)
 
     texts = [decided(library.entries[program.entry.name])]
     found: set[str] = set()

@@ -11,7 +11,7 @@ import random
 
 RECORDS = """
 @struct
-class Given:
+class Input:
     a: float
     b: float
     i: int
@@ -26,7 +26,7 @@ class Pair:
 
 
 @struct
-class Found:
+class Result:
     x: float
     n: int
     q: bool
@@ -61,13 +61,13 @@ class Writer:
                 self.random.choice(self.parameter_types) for _ in range(self.random.randint(1, 3))
             ]
             self.function(f"part_{number}", parameters, self.random.choice(self.types))
-        self.function("whole", ["float", "float", "int", "int", "bool"], "Found", self.size)
+        self.function("whole", ["float", "float", "int", "int", "bool"], "Result", self.size)
         flag = "g.p"
         if self.exact:
             flag = "g.i < g.j"
         self.lines += [
             "@shader",
-            "def entry(pixel: IVec2, items: Buffer[Given]) -> Found:",
+            "def entry(pixel: IVec2, items: Buffer[Input]) -> Result:",
             "    g = items[pixel.x]",
             f"    return whole(g.a, g.b, g.i, g.j, {flag})",
         ]
@@ -229,7 +229,7 @@ class Writer:
         if calls and self.random.random() < 0.3 and self.rounds < 30:
             name, parameters, _ = self.random.choice(calls)
             return f"{name}({', '.join(self.expression(p, depth - 1) for p in parameters)})"
-        if self.random.random() < 0.12 and not (self.exact and t == "Found"):
+        if self.random.random() < 0.12 and not (self.exact and t == "Result"):
             test = self.expression("bool", depth - 1)
             return (
                 f"({self.expression(t, depth - 1)} if {test} else {self.expression(t, depth - 1)})"
@@ -253,7 +253,7 @@ class Writer:
                 return f"IVec2({pick(_INTS)}, {pick(_INTS)})"
             case "Pair":
                 return f"Pair(Vec3({pick(_FLOATS)}), {pick(_INTS)})"
-        return self.of_Found(lambda kind: self.leaf(kind))
+        return self.of_Result(lambda kind: self.leaf(kind))
 
     def of_float(self, e) -> str:
         return self.random.choice((
@@ -315,6 +315,6 @@ class Writer:
     def of_Pair(self, e) -> str:  # noqa: N802
         return f"Pair({e('Vec3')}, {e('int')})"
 
-    def of_Found(self, e) -> str:  # noqa: N802
+    def of_Result(self, e) -> str:  # noqa: N802
         parts = ("float", "int", "bool", "Vec3", "Vec2", "IVec2", "Pair")
-        return f"Found({', '.join(e(t) for t in parts)})"
+        return f"Result({', '.join(e(t) for t in parts)})"

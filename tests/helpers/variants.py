@@ -26,7 +26,7 @@ def _program(rng: random.Random) -> tuple[dict[str, Any], Program]:
     edge = rng.choice(get_args(Edge))
     filter = "columns" if technique.columns else rng.choice(technique.takes_heights)
     chosen: dict[str, Any] = {
-        each: rng.choice(field.menu or (False, True))
+        each: rng.choice(field.choices or (False, True))
         for each, field in static_fields(Variant).items()
     }
     # what a technique says of itself, it alone decides

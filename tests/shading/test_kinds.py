@@ -261,7 +261,7 @@ def test_bakes_refuse_an_unknown_edge(name: str) -> None:
     given = np.full((2, 3, 3), 0.5) if name == "height_map" else np.zeros((2, 3), np.float32)
     more = {"scale": 0.1} if name in scaled else {}
     line = refusal(lambda: getattr(baking, name)(given, "clip", **more))
-    assert line == "what lies beyond baked heights is wrap or clamp, not clip"
+    assert line == "the edge of a bake must be wrap or clamp, not clip"
 
 
 def test_an_unknown_channel_is_refused() -> None:

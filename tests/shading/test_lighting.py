@@ -75,7 +75,7 @@ def light(kind, **changed):
 def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(model):
     analyse(model)
     variant = Variant(shading_model=model.name)
-    module = analyse(reflectance, known=lambda name: getattr(variant, name))
+    module = analyse(reflectance, static_value=lambda name: getattr(variant, name))
     others = {each.name for each in MODELS if each is not model}
     names = {function.name for function in module.functions}
     assert model.name in names

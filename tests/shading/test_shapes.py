@@ -134,7 +134,7 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(surface):
 
 def names_in(function, variant):
     """The names of all functions that a shader's variant needs."""
-    module = analyse(function, known=lambda name: getattr(variant, name))
+    module = analyse(function, static_value=lambda name: getattr(variant, name))
     return {each.name for each in module.functions}
 
 

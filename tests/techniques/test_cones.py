@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from basrelief import baking
-from basrelief.baking.tables import function_of
+from basrelief.baking.tables import bake_function
 from basrelief.engine import choose_device
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
@@ -287,7 +287,7 @@ def test_a_relaxed_cone_reaches_through_a_slope_to_its_crest() -> None:
 
 @functools.cache
 def baked_of(engine: Any, bake: Any, name: str, edge: str) -> np.ndarray:
-    return function_of(bake)(np.asarray(maps()[name], np.float32), edge, engine)
+    return bake_function(bake)(np.asarray(maps()[name], np.float32), edge, engine)
 
 
 @functools.cache

@@ -43,7 +43,7 @@ def read(field: HeightField, u: float, v: float) -> np.float32:
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_the_shader_is_in_the_subset(edge: str) -> None:
-    assert analyse(sharp, known=lambda name: edge).entry.name == "sharp"
+    assert analyse(sharp, static_value=lambda name: edge).entry.name == "sharp"
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])

@@ -474,7 +474,7 @@ def bake(
     **values: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
-    from basrelief.baking.files import OPTIONS, Baking, bake_to
+    from basrelief.baking.files import OPTIONS, BakeInput, bake_to
 
     names = [name for name in OPTIONS if values.pop(name)]
     if not names:
@@ -499,7 +499,7 @@ def bake(
             number for number in (scale, material.scale, DEFAULT_SCALE) if number is not None
         )
         engine = choose_device(device)
-        baking = Baking(material, engine, edge, height_scale, bits, green, directions)  # type: ignore[arg-type]
+        baking = BakeInput(material, engine, edge, height_scale, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         files = bake_to(folder, names, baking, overwrite=overwrite)
     for file, note in files:

@@ -1,11 +1,11 @@
-"""The shader subset of Python: write a function once, run it anywhere.
+"""The shader subset of Python, and its compilers: shaders run as Python, on the CPU and on the GPU.
 
-`@shader` marks a function, `@struct` a record, `@slot` a function that is chosen when a program
-is made, `@static` a record on which shaders branch then, `@resources` a group of maps. Types and
+`@shader` marks a function, `@struct` a record, `@slot` a function whose body is bound when a
+program is made, `@static` a record of static conditions, `@resources` a group of maps. Types and
 intrinsics are imported from here. `CONVENTIONS.md` states the rules.
 """
 
-import basrelief.lang.elementary  # noqa: F401  (gives the elementary intrinsics their bodies)
+import basrelief.lang.elementary  # noqa: F401  (defines the elementary functions)
 from basrelief.lang.intrinsics import (
     acos,
     asin,

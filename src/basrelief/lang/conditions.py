@@ -1,7 +1,8 @@
-"""Conditions of the typed tree that are static, wholly or in part.
+"""Boolean expressions of the typed tree, with their static parts moved outwards.
 
-One that is static in part becomes a choice, by its static part, between two that are not static, so
-that a program has nothing of the other. So do the `if` and the conditional expression on it.
+A condition that is static in part becomes a selection, by the static part, between two conditions
+that are not static. A program then contains only one of them. An `if` and a conditional expression
+on such a condition are split in the same way.
 """
 
 from __future__ import annotations
@@ -11,13 +12,13 @@ from typing import TypeVar
 
 from basrelief.lang import tree
 
-Leaves = bool | tree.Condition
-"""Whether every path through statements leaves them, or under which static condition."""
+Terminates = bool | tree.Condition
+"""Whether every path through a block leaves it, or the static condition under which it does."""
 _TRUE, _FALSE = tree.Literal(bool, True), tree.Literal(bool, False)
 _T = TypeVar("_T")
 
 
-def both(a: Leaves, b: Leaves) -> Leaves:
+def conjunction(a: Terminates, b: Terminates) -> Terminates:
     """`a and b`."""
     if isinstance(a, bool):
         return a and b
@@ -26,7 +27,7 @@ def both(a: Leaves, b: Leaves) -> Leaves:
     return ("and", a, b)
 
 
-def either(a: Leaves, b: Leaves) -> Leaves:
+def disjunction(a: Terminates, b: Terminates) -> Terminates:
     """`a or b`."""
     if isinstance(a, bool):
         return a or b
@@ -35,13 +36,13 @@ def either(a: Leaves, b: Leaves) -> Leaves:
     return ("or", a, b)
 
 
-def negated(a: tree.Expression) -> tree.Expression:
+def negation(a: tree.Expression) -> tree.Expression:
     """`not a`."""
     match a:
         case tree.Static(_, condition):
             return tree.Static(bool, ("not", condition))
         case tree.Select(_, tree.Static() as test, then, otherwise):
-            return tree.Select(bool, test, negated(then), negated(otherwise))
+            return tree.Select(bool, test, negation(then), negation(otherwise))
         case tree.Literal(_, value):
             return tree.Literal(bool, not value)
     return tree.Unary(bool, "not", a)
@@ -51,36 +52,36 @@ def logic(word: str, a: tree.Expression, b: tree.Expression) -> tree.Expression:
     """`a and b` or `a or b`."""
     if isinstance(a, tree.Static) and isinstance(b, tree.Static):
         return tree.Static(bool, (word, a.condition, b.condition))
-    for one, other in ((a, b), (b, a)):
-        match one:
+    for known, other in ((a, b), (b, a)):
+        match known:
             case tree.Literal(_, value):
-                return other if value == (word == "and") else one
+                return other if value == (word == "and") else known
             case tree.Static():
-                one = tree.Select(bool, one, _TRUE, _FALSE)
-        match one:
+                known = tree.Select(bool, known, _TRUE, _FALSE)
+        match known:
             case tree.Select(_, tree.Static() as test, then, otherwise):
                 then, otherwise = logic(word, then, other), logic(word, otherwise, other)
                 return tree.Select(bool, test, then, otherwise)
     return tree.Logic(bool, word, a, b)
 
 
-def split(
-    test: tree.Expression, yes: _T, no: _T, joined: Callable[[tree.Expression, _T, _T], _T]
+def hoist_static(
+    test: tree.Expression, a: _T, b: _T, join: Callable[[tree.Expression, _T, _T], _T]
 ) -> _T:
-    """`yes` and `no` joined by a test; by its static part first, where it has one."""
+    """`join(test, a, b)`, with the static part of the test, if it has one, outermost."""
 
-    def side(test: tree.Expression) -> _T:
+    def joined(test: tree.Expression) -> _T:
         if isinstance(test, tree.Literal):
-            return yes if test.value else no
-        return split(test, yes, no, joined)
+            return a if test.value else b
+        return hoist_static(test, a, b, join)
 
     match test:
         case tree.Select(_, tree.Static() as static, then, otherwise):
-            return joined(static, side(then), side(otherwise))
-    return joined(test, yes, no)
+            return join(static, joined(then), joined(otherwise))
+    return join(test, a, b)
 
 
-def choice(test: tree.Expression, a: tree.Expression, b: tree.Expression) -> tree.Expression:
+def select(test: tree.Expression, a: tree.Expression, b: tree.Expression) -> tree.Expression:
     """`a if test else b`."""
     return tree.Select(a.type, test, a, b)
 
@@ -90,10 +91,10 @@ def branch(test: tree.Expression, a: tree.Block, b: tree.Block) -> tree.Block:
     return tree.Block([tree.If(test, a, b)])
 
 
-def left(test: tree.Expression, a: Leaves, b: Leaves) -> Leaves:
-    """Whether every path through an `if` leaves it, when its branches do so."""
+def if_terminates(test: tree.Expression, a: Terminates, b: Terminates) -> Terminates:
+    """Whether every path through an `if` leaves it, given the same of its branches."""
     if a is True and b is True:
         return True
     if isinstance(test, tree.Static):
-        return either(both(test.condition, a), both(("not", test.condition), b))
-    return both(a, b)
+        return disjunction(conjunction(test.condition, a), conjunction(("not", test.condition), b))
+    return conjunction(a, b)

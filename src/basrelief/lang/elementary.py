@@ -1,8 +1,8 @@
-"""The functions no processor has an instruction for, as shaders: exp2, log2, sin, atan2 and so on.
+"""Elementary functions as shaders: exp2, log2, sin, atan2 and so on.
 
-Python and the CPU run these very functions, so they agree to the last bit; a GPU uses its own.
-Errors against the exact result, in units in the last place, over the stated domain, are measured
-in `tests/lang/test_elementary.py`. Polynomials after S. L. Moshier, Cephes Mathematical
+Python and the CPU run these functions, so that they agree to the last bit; a GPU uses most of its
+own. The stated errors against the exact result, over the stated domains, are tested in
+`tests/lang/test_elementary.py`. Polynomials after S. L. Moshier, Cephes Mathematical
 Library, single precision, 1992.
 """
 
@@ -18,15 +18,14 @@ QUARTER_PI = 0.785398163397448
 
 @shader
 def times_power_of_two(x: float, n: int) -> float:
-    """x · 2ⁿ for −252 ≤ n ≤ 254, by one half after the other: where 2ⁿ itself is beyond the range
-    x · 2ⁿ may be within."""
+    """x · 2ⁿ for −252 ≤ n ≤ 254, in two factors: 2ⁿ may be out of range where x · 2ⁿ is not."""
     half = n >> 1
     return x * bits_float((half + 127) << 23) * bits_float((n - half + 127) << 23)
 
 
 @shader
 def exponential_series(r: float) -> float:
-    """eʳ for |r| up to ½ ln 2."""
+    """Polynomial of eʳ for |r| up to ½ ln 2."""
     p = 1.9875691500e-4
     p = p * r + 1.3981999507e-3
     p = p * r + 8.3334519073e-3
@@ -38,28 +37,28 @@ def exponential_series(r: float) -> float:
 
 @shader
 def exp(x: float) -> float:
-    """eˣ: to 2 units in the last place."""
-    held = min(max(x, -105.0), 89.0)
-    n = floor(held * 1.44269504088896 + 0.5)
+    """Exponential eˣ: to 2 units in the last place."""
+    clamped = min(max(x, -105.0), 89.0)
+    n = floor(clamped * 1.44269504088896 + 0.5)
     # ln 2 in two parts, the first short enough for n · part to be exact
-    r = held - n * 0.693359375 + n * 2.12194440e-4
+    r = clamped - n * 0.693359375 + n * 2.12194440e-4
     return times_power_of_two(exponential_series(r), int(n))
 
 
 @shader
 def exp2(x: float) -> float:
-    """2ˣ: to 2 units in the last place."""
-    held = min(max(x, -152.0), 129.0)
-    n = floor(held + 0.5)
-    r = (held - n) * 0.693147180559945
+    """Exponential 2ˣ: to 2 units in the last place."""
+    clamped = min(max(x, -152.0), 129.0)
+    n = floor(clamped + 0.5)
+    r = (clamped - n) * 0.693147180559945
     return times_power_of_two(exponential_series(r), int(n))
 
 
 @shader
 def log2(x: float) -> float:
-    """The logarithm to base 2 of a positive normal number: to 3 units in the last place.
+    """Logarithm to base 2 of a positive normal number: to 3 units in the last place.
 
-    0 and below give a large negative number, never an infinity.
+    For 0 and below the result is a large negative number, never an infinity.
     """
     bits = float_bits(max(x, 1.17549435e-38))
     # the exponent that leaves a mantissa between sqrt ½ and sqrt 2
@@ -77,13 +76,13 @@ def log2(x: float) -> float:
 
 @shader
 def log(x: float) -> float:
-    """The natural logarithm of a positive normal number: to 4 units in the last place."""
+    """Natural logarithm of a positive normal number: to 4 units in the last place."""
     return log2(x) * 0.693147180559945
 
 
 @shader
 def pow(x: float, y: float) -> float:
-    """xʸ for x ≥ 0: relative error at most 2e-7 · (1 + |y · log2 x|); 0 to a power but 0 is 0."""
+    """Power xʸ for x ≥ 0: relative error at most 2e-7 · (1 + |y · log2 x|); 0ʸ is 0, 0⁰ is 1."""
     return exp2(y * log2(x)) if x > 0.0 else (1.0 if y == 0.0 else 0.0)
 
 
@@ -109,25 +108,25 @@ def sine_and_quarter(x: float, quarter: int) -> float:
 
 @shader
 def sin(x: float) -> float:
-    """The sine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
+    """Sine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
     return sine_and_quarter(x, 0)
 
 
 @shader
 def cos(x: float) -> float:
-    """The cosine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
+    """Cosine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
     return sine_and_quarter(x, 1)
 
 
 @shader
 def tan(x: float) -> float:
-    """sin(x) / cos(x)."""
+    """Tangent, sin(x) / cos(x)."""
     return sin(x) / cos(x)
 
 
 @shader
 def atan(x: float) -> float:
-    """The arc tangent, −π/2 to π/2: to 3 units in the last place."""
+    """Arc tangent, −π/2 to π/2: to 3 units in the last place."""
     a = abs(x)
     base = 0.0
     r = a
@@ -147,7 +146,7 @@ def atan(x: float) -> float:
 
 @shader
 def atan2(y: float, x: float) -> float:
-    """The angle of the point (x, y), −π to π: absolute error at most 4e-7; 0 at the origin."""
+    """Angle of the point (x, y), −π to π: absolute error at most 4e-7; 0 at the origin."""
     a = abs(x)
     b = abs(y)
     larger = max(a, b)
@@ -161,7 +160,7 @@ def atan2(y: float, x: float) -> float:
 
 @shader
 def arc_sine_series(x: float, z: float) -> float:
-    """asin(x) for 0 ≤ x ≤ ½, z = x²."""
+    """Polynomial of asin(x) for 0 ≤ x ≤ ½, z = x²."""
     p = 4.2163199048e-2
     p = p * z + 2.4181311049e-2
     p = p * z + 4.5470025998e-2
@@ -172,7 +171,7 @@ def arc_sine_series(x: float, z: float) -> float:
 
 @shader
 def asin(x: float) -> float:
-    """The arc sine of −1 … 1: absolute error at most 3e-7; beyond, that of the nearest end."""
+    """Arc sine of x clamped to −1 … 1: absolute error at most 3e-7."""
     a = min(abs(x), 1.0)
     z = (1.0 - a) * 0.5 if a > 0.5 else a * a
     r = sqrt(z) if a > 0.5 else a
@@ -182,7 +181,7 @@ def asin(x: float) -> float:
 
 @shader
 def acos(x: float) -> float:
-    """The arc cosine of −1 … 1: absolute error at most 4e-7; beyond, that of the nearest end."""
+    """Arc cosine of x clamped to −1 … 1: absolute error at most 4e-7."""
     a = min(abs(x), 1.0)
     z = (1.0 - a) * 0.5 if a > 0.5 else a * a
     r = sqrt(z) if a > 0.5 else a

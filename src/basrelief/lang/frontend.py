@@ -1,7 +1,8 @@
-"""From the syntax tree of shaders to the typed tree: names resolved, types inferred, rules kept.
+"""The front end: Python syntax trees of shaders → typed trees, with names resolved and types
+inferred.
 
-What is outside the subset is refused with file, line, the offending text and what to write
-instead. The rules are those of the design: values only, one type a name, loops that end.
+Source outside the subset is refused with file, line, the offending text and what to write instead.
+Everything is a value, each name has one type, and every loop terminates.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ from basrelief.lang.resources import (
     MAPS,
     Map,
     buffer_record,
-    conditions_on,
-    flat_names,
-    flattened,
+    condition_fields,
+    flatten_parameter,
+    flatten_parameters,
     is_erased,
     is_handle,
     members_of,
 )
-from basrelief.lang.shader import Shader, taken_parameters
-from basrelief.lang.specialize import specialized, unspecialized
+from basrelief.lang.shader import Shader, accepted_parameters
+from basrelief.lang.specialize import library_functions, specialize
 from basrelief.lang.types import (
     SCALARS,
     VECTORS,
@@ -40,8 +41,8 @@ from basrelief.lang.types import (
     fields_of,
     is_record,
     is_type_slot,
+    type_name,
 )
-from basrelief.lang.types import type_name as named
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
 
 Bindings = Mapping[Shader[..., Any], Shader[..., Any]]
@@ -56,91 +57,91 @@ _COMPARE = {
 }  # fmt: skip
 
 
-LARGEST_FLOAT = 3.4028235e38
+_MAX_FLOAT = 3.4028235e38
 
 
 def analyse(
     entry: Shader[..., Any],
     bindings: Bindings | None = None,
-    known: Callable[[str], Any] = lambda name: None,
+    static_value: Callable[[str], Any] = lambda name: None,
 ) -> tree.Module:
-    """The typed tree of a program: the entry, and what it calls with the slots bound.
+    """Typed tree of a program: the entry and all functions that it calls, with its slots bound.
 
-    `known` gives the values that its static conditions read, by name. Raises ShaderError for
-    anything outside the subset, in branches that are not taken too.
+    `static_value` gives the value of each static field by name. Raises ShaderError for source
+    outside the subset, also in branches that are not taken.
     """
     bindings = bindings or {}
     types = bound_types(bindings)
-    functions = _reached([entry], bindings)
-    return specialized(_resolved(entry, bindings), functions, bindings, types, known)
+    functions = _reachable([entry], bindings)
+    return specialize(_resolve_slot(entry, bindings), functions, bindings, types, static_value)
 
 
-def analyse_apart(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
-    """Typed functions of shaders, slots among them, and of all that they call; nothing is bound.
+def analyse_library(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
+    """Typed functions of shaders and of all their callees, unspecialized.
 
-    A slot is called by its own name and has no body; a type slot stays one; static conditions stay;
-    every parameter is kept, whether or not anything reads it.
+    A slot becomes a function of its own name without a body. Type slots, static conditions and
+    unread parameters remain.
     """
-    return unspecialized(_reached(shaders, None))
+    return library_functions(_reachable(shaders, None))
 
 
 @functools.cache
 def elementary_functions() -> dict[str, tree.Function]:
-    """The typed functions of `lang.elementary`, by name."""
+    """Typed functions of `lang.elementary`, by name."""
     shaders = [s for s in vars(elementary).values() if isinstance(s, Shader)]
-    return {function.name: function for function in analyse_apart(shaders).values()}
+    return {function.name: function for function in analyse_library(shaders).values()}
 
 
 @dataclass(frozen=True)
-class _Typed:
-    """A shader's typed function, the shaders that it calls, and what the names in it stood for."""
+class _Analysis:
+    """Typed function of a shader, the shaders that it calls, and the values of its global names."""
 
     function: tree.Function
     calls: tuple[Shader[..., Any], ...]
     names: Mapping[str, Any]
 
 
-def _typed(shader: Shader[..., Any]) -> _Typed:
-    """A shader analysed for whatever program it will be in, anew where a name in it has changed."""
-    known: _Typed | None = shader.typed
-    if known is None or any(shader.find(name) is not value for name, value in known.names.items()):
-        known = shader.typed = _FunctionAnalysis(shader).run()
-    return known
+def _analysis_of(shader: Shader[..., Any]) -> _Analysis:
+    """Analysis of a shader, independent of programs; repeated when a global name has changed."""
+    cached: _Analysis | None = shader.analysis
+    if cached is None or any(shader.find(name) is not v for name, v in cached.names.items()):
+        cached = shader.analysis = _FunctionAnalysis(shader).run()
+    return cached
 
 
-def _reached(
+def _reachable(
     shaders: Iterable[Shader[..., Any]], bindings: Bindings | None
 ) -> dict[Shader[..., Any], tree.Function]:
-    """Typed functions of shaders and of all that they call, callees before callers.
+    """Typed functions of shaders and of all their callees, callees before callers.
 
-    Where there are bindings a slot is the shader bound to it. Raises ShaderError for recursion.
+    With bindings, a slot is replaced by the shader bound to it. Raises ShaderError for recursion.
     """
-    found: dict[Shader[..., Any], tree.Function] = {}
-    under_way: list[Shader[..., Any]] = []
+    functions: dict[Shader[..., Any], tree.Function] = {}
+    visiting: list[Shader[..., Any]] = []
 
     def visit(shader: Shader[..., Any]) -> None:
         if bindings is not None:
-            shader = _resolved(shader, bindings)
-        if shader in found:
+            shader = _resolve_slot(shader, bindings)
+        if shader in functions:
             return
-        if shader in under_way:
+        if shader in visiting:
             raise ShaderError(
-                f"{shader.location}: {shader.name} calls itself; write a loop with a bound"
+                f"{shader.location}: {shader.name} calls itself; write a bounded loop"
             )
-        under_way.append(shader)
-        typed = _typed(shader)
-        for callee in typed.calls:
+        visiting.append(shader)
+        analysis = _analysis_of(shader)
+        for callee in analysis.calls:
             visit(callee)
-        under_way.pop()
-        found[shader] = typed.function
+        visiting.pop()
+        functions[shader] = analysis.function
 
     for shader in shaders:
         visit(shader)
-    return found
+    return functions
 
 
-def _resolved(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., Any]:
-    """The shader itself, or what is bound to it where it is a slot."""
+def _resolve_slot(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., Any]:
+    """The shader itself, or the shader bound to it if it is a slot."""
     while shader.is_slot:
         if shader not in bindings:
             raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
@@ -149,42 +150,45 @@ def _resolved(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., Any]:
 
 
 def bound_types(bindings: Bindings) -> dict[type, Any]:
-    """What each type slot stands for, read off the shaders that are bound; signatures compared."""
-    found: dict[type, Any] = {}
+    """Types of the type slots, from the signatures of the bound shaders.
+
+    Raises ShaderError for a shader that does not fit its slot.
+    """
+    types: dict[type, Any] = {}
     for slot, shader in bindings.items():
-        wanted, wanted_result = slot.signature
-        given, given_result = shader.signature
-        taken = taken_parameters(slot, shader)
-        offered = [wanted[name] for name in taken or ()]
-        pairs = [*zip(offered, given.values(), strict=False), (wanted_result, given_result)]
-        fits = taken is not None
-        for w, g in pairs:
-            if is_type_slot(w) and g is not w:
-                fits = fits and found.setdefault(w, g) is g
+        parameters, result = slot.signature
+        bound_parameters, bound_result = shader.signature
+        accepted = accepted_parameters(slot, shader)
+        declared = [parameters[name] for name in accepted or ()]
+        pairs = [*zip(declared, bound_parameters.values(), strict=False), (result, bound_result)]
+        fits = accepted is not None
+        for slot_type, t in pairs:
+            if is_type_slot(slot_type) and t is not slot_type:
+                fits = fits and types.setdefault(slot_type, t) is t
             else:
-                fits = fits and w == g
+                fits = fits and slot_type == t
         if not fits:
             raise ShaderError(
                 f"{shader.location}: {shader.name}{_signature_text(shader)} does not fit the slot "
                 f"{slot.name}; its signature is {_signature_text(slot)}"
             )
-    return found
+    return types
 
 
 def _signature_text(shader: Shader[..., Any]) -> str:
     parameters, result = shader.signature
-    inside = ", ".join(f"{name}: {named(t)}" for name, t in parameters.items())
-    return f"({inside}) -> {named(result)}"
+    inside = ", ".join(f"{name}: {type_name(t)}" for name, t in parameters.items())
+    return f"({inside}) -> {type_name(result)}"
 
 
 class _FunctionAnalysis:
-    """One shader's body, statement by statement."""
+    """Analysis of one shader, statement by statement."""
 
     def __init__(self, shader: Shader[..., Any]) -> None:
         self.shader = shader
         self.source = shader.source
         self.parameters, self.result = shader.signature
-        self.check_form()
+        self.check_signature()
         for name, t in [*self.parameters.items(), ("return", self.result)]:
             self.check_type(t, name)
         self.locals: dict[str, Any] = {}
@@ -194,12 +198,12 @@ class _FunctionAnalysis:
         self.names: dict[str, Any] = {}
         self.block = tree.Block()
 
-    def check_form(self) -> None:
+    def check_signature(self) -> None:
         code = self.shader.function.__code__
         if not len(self.parameters) == code.co_argcount == len(self.source.tree.args.args):
             raise ShaderError(
                 f"{self.shader.location}: {self.shader.name}: parameters with * or / are outside "
-                "the subset; name each one"
+                "the subset; write plain parameters"
             )
         for name in (self.shader.name, *code.co_varnames):
             self.check_name(name)
@@ -207,15 +211,15 @@ class _FunctionAnalysis:
             for member in members_of(t):
                 if f"{name}_{member}" in code.co_varnames:
                     raise ShaderError(
-                        f"{self.shader.location}: {self.shader.name}: {name}_{member} is what "
-                        f"{name}.{member} is called in a program; use another name"
+                        f"{self.shader.location}: {self.shader.name}: {name}_{member} is the name "
+                        f"of {name}.{member} in a program; use another name"
                     )
 
     def check_name(self, name: str) -> None:
         if not name.isascii():
             raise ShaderError(
-                f"{self.shader.location}: {self.shader.name}: the name {name} is beyond ASCII, "
-                "which shading languages do not take; write another"
+                f"{self.shader.location}: {self.shader.name}: the name {name} is not ASCII, "
+                "which shading languages require; rename it"
             )
 
     def check_type(self, t: Any, name: str) -> None:
@@ -224,58 +228,60 @@ class _FunctionAnalysis:
             for field, inner in fields_of(record).items():
                 self.check_name(field)
                 self.check_type(inner, "return")
-        value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
+        is_value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
         handle = is_handle(t) and (record is t or is_record(record))
-        given = handle or is_erased(t) or members_of(t)
-        if not value and not (given and name != "return"):
+        is_parameter = handle or is_erased(t) or members_of(t)
+        if not is_value and not (is_parameter and name != "return"):
             raise ShaderError(
-                f"{self.shader.location}: {self.shader.name}: {named(t)} is no type of the "
-                "subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
+                f"{self.shader.location}: {self.shader.name}: {type_name(t)} is not a type of "
+                "the subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
             )
 
-    def run(self) -> _Typed:
+    def run(self) -> _Analysis:
         if not self.shader.is_slot:
-            leaves = self.block_into(self.block, self.source.tree.body)
-            if leaves is not True:
+            terminates = self.analyse_block(self.block, self.source.tree.body)
+            if terminates is not True:
                 raise self.source.error(
                     self.source.tree.body[-1],
                     f"{self.shader.name} can end without a result; end every path with `return`",
                 )
         function = tree.Function(
             name=self.shader.name,
-            parameters=flattened(self.parameters),
+            parameters=flatten_parameters(self.parameters),
             result=self.result,
             body=self.block,
             doc=inspect.cleandoc(self.shader.__doc__ or ""),
             location=self.shader.location,
             locals=self.locals,
         )
-        return _Typed(function, tuple(self.calls), self.names)
+        return _Analysis(function, tuple(self.calls), self.names)
 
     # --- statements -------------------------------------------------------------------------
 
-    def block_into(self, block: tree.Block, statements: list[ast.stmt]) -> conditions.Leaves:
-        """Analyse statements into a block; whether every path through them leaves it."""
+    def analyse_block(self, block: tree.Block, statements: list[ast.stmt]) -> conditions.Terminates:
+        """Analyse statements into a block; returns whether every path leaves the block."""
         outer, self.block = self.block, block
-        leaves: conditions.Leaves = False
+        terminates: conditions.Terminates = False
         for index, node in enumerate(statements):
-            if leaves is True:
-                raise self.source.error(node, "nothing gets here; remove it")
-            if leaves is not False:
-                # the rest is done where no static condition has left
+            if terminates is True:
+                raise self.source.error(node, "unreachable statement; remove it")
+            if terminates is not False:
+                # the other statements run only where the static condition does not leave the block
                 rest = tree.Block()
-                self.emit(tree.If(tree.Static(bool, leaves), tree.Block(), rest))
-                leaves = conditions.either(leaves, self.block_into(rest, statements[index:]))
+                self.emit(tree.If(tree.Static(bool, terminates), tree.Block(), rest))
+                terminates = conditions.disjunction(
+                    terminates, self.analyse_block(rest, statements[index:])
+                )
                 break
             before = self.source.comments_before(node.lineno)
-            leaves = self.statement(node, before)
+            terminates = self.statement(node, before)
         self.block = outer
-        return leaves
+        return terminates
 
     def emit(self, statement: tree.Statement) -> None:
         self.block.statements.append(statement)
 
-    def statement(self, node: ast.stmt, comments: tuple[str, ...]) -> conditions.Leaves:
+    def statement(self, node: ast.stmt, comments: tuple[str, ...]) -> conditions.Terminates:
         match node:
             case ast.Expr(ast.Constant(str())):
                 return False
@@ -294,8 +300,8 @@ class _FunctionAnalysis:
             case ast.While(orelse=[]):
                 self.while_statement(node, comments)
             case ast.Break() | ast.Continue():
-                made = tree.Break if isinstance(node, ast.Break) else tree.Continue
-                self.emit(made(comments=comments))
+                kind = tree.Break if isinstance(node, ast.Break) else tree.Continue
+                self.emit(kind(comments=comments))
                 return True
             case ast.Return(ast.expr() as value):
                 result = self.expression(value)
@@ -305,46 +311,50 @@ class _FunctionAnalysis:
             case ast.Pass():
                 return False
             case _:
-                raise self.source.error(node, _instead_of_statement(node))
+                raise self.source.error(node, _statement_hint(node))
         return False
 
     def assign(
         self, node: ast.stmt, name: str, value: tree.Expression, comments: tuple[str, ...]
     ) -> None:
         if name in self.parameters:
-            raise self.source.error(node, "a parameter keeps its value; use a new name")
+            raise self.source.error(node, "a parameter cannot be assigned to; use a new name")
         if name in self.loop_names:
-            raise self.source.error(node, "a loop's counter is set by the loop alone")
+            raise self.source.error(node, "a loop counter cannot be assigned to; use a new name")
         if is_handle(value.type):
-            raise self.source.error(node, "a resource is passed on, not assigned")
-        known = self.locals.setdefault(name, value.type)
-        self.expect(node, value.type, known, f"{name}, which is a {named(known)},")
+            raise self.source.error(node, "a resource cannot be assigned; pass it as an argument")
+        first_type = self.locals.setdefault(name, value.type)
+        self.expect(node, value.type, first_type, f"the variable {name}")
         self.assigned.add(name)
         self.emit(tree.Assign(name, value, comments=comments))
 
-    def if_statement(self, node: ast.If, comments: tuple[str, ...]) -> conditions.Leaves:
+    def if_statement(self, node: ast.If, comments: tuple[str, ...]) -> conditions.Terminates:
         test = self.condition(node.test)
         then, otherwise = tree.Block(), tree.Block()
         before = set(self.assigned)
-        then_leaves = self.block_into(then, node.body)
+        then_terminates = self.analyse_block(then, node.body)
         after_then, self.assigned = self.assigned, set(before)
-        else_leaves = self.block_into(otherwise, node.orelse)
+        else_terminates = self.analyse_block(otherwise, node.orelse)
         after_else = self.assigned
-        if then_leaves is True or else_leaves is True:
-            self.assigned = after_else if then_leaves is True else after_then
+        if then_terminates is True or else_terminates is True:
+            self.assigned = after_else if then_terminates is True else after_then
         else:
             self.assigned = after_then & after_else
-        (made,) = conditions.split(test, then, otherwise, conditions.branch).statements
-        made.comments = comments
-        self.emit(made)
-        return conditions.split(test, then_leaves, else_leaves, conditions.left)
+        (statement,) = conditions.hoist_static(test, then, otherwise, conditions.branch).statements
+        statement.comments = comments
+        self.emit(statement)
+        return conditions.hoist_static(
+            test, then_terminates, else_terminates, conditions.if_terminates
+        )
 
     def for_statement(self, node: ast.For, comments: tuple[str, ...]) -> None:
         assert isinstance(node.target, ast.Name)
         assert isinstance(node.iter, ast.Call)
         name = node.target.id
         if not 1 <= len(node.iter.args) <= 3:
-            raise self.source.error(node, "range takes stop, or start and stop, or a step too")
+            raise self.source.error(
+                node, "range takes (stop), (start, stop) or (start, stop, step)"
+            )
         bounds = [self.expression(a) for a in node.iter.args]
         for bound, text in zip(bounds, node.iter.args, strict=True):
             self.expect(text, bound.type, int, "a bound of range")
@@ -352,10 +362,12 @@ class _FunctionAnalysis:
         stop = bounds[1] if len(bounds) > 1 else bounds[0]
         step = bounds[2] if len(bounds) > 2 else tree.Literal(int, 1)
         if not isinstance(step, tree.Literal) or step.value <= 0:
-            raise self.source.error(node, "the step of a range is a positive number written out")
-        counting = name in self.loop_names and name != "_"
-        if counting or name in self.parameters or name in self.locals:
-            raise self.source.error(node, f"{name} is a variable already; count with a new name")
+            raise self.source.error(node, "the step of a range must be a positive literal")
+        is_counter = name in self.loop_names and name != "_"
+        if is_counter or name in self.parameters or name in self.locals:
+            raise self.source.error(
+                node, f"{name} is already a variable; use a new name for the counter"
+            )
         self.loop_names.add(name)
         inner = self.loop_body(node, name)
         self.loop_names.discard(name)
@@ -363,10 +375,10 @@ class _FunctionAnalysis:
 
     def while_statement(self, node: ast.While, comments: tuple[str, ...]) -> None:
         test = self.condition(node.test)
-        if not _ends(node):
+        if not _is_counted_loop(node):
             raise self.source.error(
                 node.test,
-                "this loop cannot be seen to end; count in it (`k < n and …`, with `k = k + 1` "
+                "this loop may not terminate; count in it (`k < n and …`, with `k = k + 1` "
                 "last in the body), or write `for k in range(n)` with a `break`",
             )
         inner = self.loop_body(node, None)
@@ -377,18 +389,19 @@ class _FunctionAnalysis:
         before = set(self.assigned)
         if counter:
             self.assigned.add(counter)
-        self.block_into(inner, node.body)
+        self.analyse_block(inner, node.body)
         self.assigned = before
         return inner
 
     # --- expressions ------------------------------------------------------------------------
 
-    def expect(self, node: ast.AST, given: Any, wanted: Any, what: str) -> None:
-        if given != wanted:
+    def expect(self, node: ast.AST, actual: Any, expected: Any, what: str) -> None:
+        if actual != expected:
             hint = ""
-            if (given, wanted) == (int, float):
+            if (actual, expected) == (int, float):
                 hint = "; write 1.0 for 1, or float(…)"
-            raise self.source.error(node, f"{what} is {named(wanted)}, not {named(given)}{hint}")
+            message = f"{what} is {type_name(expected)}, not {type_name(actual)}{hint}"
+            raise self.source.error(node, message)
 
     def condition(self, node: ast.expr) -> tree.Expression:
         test = self.expression(node)
@@ -413,17 +426,17 @@ class _FunctionAnalysis:
                 return self.comparison(node)
             case ast.IfExp(test, then, otherwise):
                 a, b = self.expression(then), self.expression(otherwise)
-                chosen = self.condition(test)
-                if is_handle(a.type) and not isinstance(chosen, tree.Static):
+                condition = self.condition(test)
+                if is_handle(a.type) and not isinstance(condition, tree.Static):
                     raise self.source.error(
-                        node, "a texture or buffer cannot be selected but by a static condition; "
+                        node, "a texture or buffer can be selected only by a static condition; "
                         "select between the values read"
                     )  # fmt: skip
-                self.expect(otherwise, b.type, a.type, "the other choice")
-                return conditions.split(chosen, a, b, conditions.choice)
+                self.expect(otherwise, b.type, a.type, "the other value")
+                return conditions.hoist_static(condition, a, b, conditions.select)
             case ast.Attribute(operand, name):
                 if self.static_fields_of(operand):
-                    return self.flag(node)
+                    return self.static_bool(node)
                 if members_of(self.parameter_type(operand)):
                     return self.member(node, operand)
                 return self.attribute(node, self.expression(operand), name)
@@ -431,23 +444,25 @@ class _FunctionAnalysis:
                 buffer = self.expression(operand)
                 record = buffer_record(buffer.type)
                 if record is None:
-                    raise self.source.error(node, "only a Buffer is indexed; name components")
+                    raise self.source.error(
+                        node, "only a Buffer can be indexed; name components, as in `v.x`"
+                    )
                 position = self.expression(index)
                 self.expect(index, position.type, int, "an index")
                 return tree.Item(record, buffer, position)
             case ast.Call():
                 return self.call(node)
-        raise self.source.error(node, _instead_of_expression(node))
+        raise self.source.error(node, _expression_hint(node))
 
     def literal(self, node: ast.AST, value: Any) -> tree.Expression:
         if type(value) is int and not -(2**31) <= value < 2**31:
-            raise self.source.error(node, "an int has 32 bits; this number has more")
-        if type(value) is float and LARGEST_FLOAT < abs(value) < math.inf:
-            raise self.source.error(node, "a float has 32 bits, at most 3.4028235e38")
+            raise self.source.error(node, "an int has 32 bits; this number needs more")
+        if type(value) is float and _MAX_FLOAT < abs(value) < math.inf:
+            raise self.source.error(node, "a float has 32 bits; its maximum is 3.4028235e38")
         if type(value) not in SCALARS:
             raise self.source.error(
                 node,
-                "numbers and bools only; the subset has no text but in static conditions, as in "
+                "write a number or a bool; strings are for static conditions only, as in "
                 '`variant.fog_mode == "linear"`',
             )
         return tree.Literal(type(value), value)
@@ -456,12 +471,11 @@ class _FunctionAnalysis:
         if is_erased(self.parameters.get(name)):
             raise self.source.error(
                 node,
-                f"{name} is for static conditions, no value; branch on its fields, or pass it on "
-                "to a shader",
+                f"{name} is not a value; branch on its fields, or pass it to a shader",
             )
         if members_of(self.parameters.get(name)):
             raise self.source.error(
-                node, f"{name} is a group of resources; name one, or pass it on to a shader"
+                node, f"{name} is a group of resources; name a member, or pass it to a shader"
             )
         if name in self.parameters:
             return tree.Local(self.parameters[name], name)
@@ -470,61 +484,65 @@ class _FunctionAnalysis:
         if name in self.locals:
             if name not in self.assigned:
                 raise self.source.error(
-                    node, f"{name} has no value on every path to here; set it before the branch"
+                    node, f"{name} may be unassigned here; assign it before the branch"
                 )
             return tree.Local(self.locals[name], name)
         value = self.lookup(node, name)
         if type(value) in SCALARS:
             return self.literal(node, value)
         raise self.source.error(
-            node, f"{name} is no number, shader or value here; pass it as a parameter"
+            node, f"{name} is not a number or a value of this shader; pass it as a parameter"
         )
 
     def lookup(self, node: ast.AST, name: str) -> Any:
-        """What a global or enclosing name stands for; a name that the shader sets is not one."""
+        """Value of a global or enclosing name, which the shader must not assign to."""
         if name in self.shader.function.__code__.co_varnames:
             raise self.source.error(
                 node,
-                f"{name} is set in this shader and has no value here; use one name for one thing",
+                f"{name} is assigned in this shader and has no value here; use another name",
             )
         try:
             self.names[name] = self.shader.lookup(name)
         except KeyError:
-            raise self.source.error(
-                node, f"{name} is not known here; define or import it"
-            ) from None
+            raise self.source.error(node, f"{name} is not defined; define or import it") from None
         return self.names[name]
 
     def unary(self, node: ast.UnaryOp) -> tree.Expression:
         operand = self.expression(node.operand)
         if isinstance(node.op, ast.Not):
-            self.expect(node.operand, operand.type, bool, "what `not` turns")
-            return conditions.negated(operand)
+            self.expect(node.operand, operand.type, bool, "the operand of `not`")
+            return conditions.negation(operand)
         number = operand.type in (float, int) or operand.type in VECTORS
         if not isinstance(node.op, ast.USub) or not number:
-            raise self.source.error(node, "write `-x` of a number or vector, or `not x` of a bool")
+            raise self.source.error(
+                node, "write `-x` for a number or vector, or `not x` for a bool"
+            )
         if isinstance(operand, tree.Literal) and operand.type is int:
-            return tree.Literal(int, _folded("-", 0, int(operand.value)))
+            return tree.Literal(int, _fold_ints("-", 0, int(operand.value)))
         return tree.Unary(operand.type, "-", operand)
 
     def binary(self, node: ast.BinOp) -> tree.Expression:
         left, right = self.expression(node.left), self.expression(node.right)
         symbol = _BINARY.get(type(node.op))
         if symbol is None:
-            raise self.source.error(node, "write pow(x, y), or x * x")
+            raise self.source.error(
+                node, "there is no such operator; for a power write pow(x, y), or x * x"
+            )
         result = _binary_type(symbol, left, right)
         if result is None:
             raise self.source.error(
                 node,
-                f"`{symbol}` does not join {named(left.type)} and {named(right.type)}"
+                f"`{symbol}` does not apply to {type_name(left.type)} and {type_name(right.type)}"
                 + _binary_hint(symbol, left, right),
             )
         if isinstance(left, tree.Literal) and isinstance(right, tree.Literal) and result is int:
-            # targets compute expressions of literals in a way of their own: leave them none
-            return tree.Literal(int, _folded(symbol, int(left.value), int(right.value)))
+            # targets fold expressions of literals with rules of their own: leave them none
+            return tree.Literal(int, _fold_ints(symbol, int(left.value), int(right.value)))
         if isinstance(left, tree.Literal) and isinstance(right, tree.Literal) and result is float:
             with np.errstate(all="ignore"):
-                number = float(_FOLD[symbol](np.float32(left.value), np.float32(right.value)))
+                number = float(
+                    _FOLDED_OPERATORS[symbol](np.float32(left.value), np.float32(right.value))
+                )
             if math.isfinite(number):
                 return tree.Literal(float, number)
         return tree.Binary(result, symbol, left, right)
@@ -538,9 +556,8 @@ class _FunctionAnalysis:
             symbol = _COMPARE.get(type(compared))
             same = a.type == b.type and a.type in SCALARS
             if symbol is None or not same or (a.type is bool and symbol not in ("==", "!=")):
-                raise self.source.error(
-                    node, f"compare two floats or two ints, not {named(a.type)} and {named(b.type)}"
-                )
+                types = f"{type_name(a.type)} and {type_name(b.type)}"
+                raise self.source.error(node, f"compare two floats or two ints, not {types}")
             parts.append(tree.Compare(bool, symbol, a, b))
         return functools.reduce(functools.partial(tree.Logic, bool, "and"), parts)
 
@@ -556,12 +573,12 @@ class _FunctionAnalysis:
             return tree.Swizzle(Vec3, operand, ("xyz".index(name),))
         elif is_record(t) and name in fields_of(t):
             return tree.Member(fields_of(t)[name], operand, name)
-        raise self.source.error(node, f"{named(t)} has no field {name}")
+        raise self.source.error(node, f"{type_name(t)} has no field {name}")
 
     # --- static conditions ---------------------------------------------------------------------
 
     def parameter_type(self, node: ast.AST) -> Any:
-        """The type of the parameter that a node names, or of a member of a group; else None."""
+        """Type of the parameter or member of a group that a node names; None for other nodes."""
         match node:
             case ast.Name(name):
                 return self.parameters.get(name)
@@ -570,72 +587,70 @@ class _FunctionAnalysis:
         return None
 
     def member(self, node: ast.Attribute, group: ast.expr) -> tree.Expression:
-        """A member of a group of resources."""
+        """Member of a group of resources."""
         t = self.parameter_type(node)
         if t is None:
             kind = self.parameter_type(group)
+            members = ", ".join(members_of(kind))
             raise self.source.error(
-                node, f"{named(kind)} has no {node.attr}; it holds {', '.join(members_of(kind))}"
+                node, f"{type_name(kind)} has no member {node.attr}; it has {members}"
             )
         return tree.Local(t, f"{ast.unparse(group)}_{node.attr}")
 
     def static_fields_of(self, node: ast.AST) -> Mapping[str, StaticField]:
-        """What conditions on a node can read, where it is a static record or a map."""
-        return conditions_on(self.parameter_type(node))
+        """Fields that conditions can read of a static record or a map, by name; else none."""
+        return condition_fields(self.parameter_type(node))
 
     def static_field(self, node: ast.AST) -> StaticField | None:
-        """The field of a static record or map that a node reads; None for anything else."""
+        """Field of a static record or map that a node reads; None for anything else."""
         fields = self.static_fields_of(node.value) if isinstance(node, ast.Attribute) else {}
         if not fields:
             return None
         assert isinstance(node, ast.Attribute)
         if node.attr not in fields:
+            kind = type_name(self.parameter_type(node.value))
             raise self.source.error(
-                node,
-                f"{named(self.parameter_type(node.value))} has no field or property {node.attr} "
-                "that is str, bool or int",
+                node, f"{kind} has no field or property {node.attr} that is str, bool or int"
             )
         return fields[node.attr]
 
-    def flag(self, node: ast.Attribute) -> tree.Expression:
-        """A static bool; text and ints are not values."""
+    def static_bool(self, node: ast.Attribute) -> tree.Expression:
+        """Static field as a condition. Raises ShaderError unless it is a bool."""
         field = self.static_field(node)
         assert field is not None
         if field.kind is not bool:
-            example = repr(field.menu[0]) if field.menu else "…"
+            example = repr(field.choices[0]) if field.choices else "…"
             raise self.source.error(
                 node,
-                f"{node.attr} is for static conditions; compare it, as in "
+                f"{node.attr} is not a value; compare it with a literal, as in "
                 f"`{ast.unparse(node)} == {example}`",
             )
         return tree.Static(bool, (field.name, (True,)))
 
     def static_comparison(self, node: ast.Compare) -> tree.Expression:
-        """A static field against one literal, or several."""
+        """Comparison of a static field with one or more literals."""
         field, values = self.static_field(node.left), self.literals(node)
         if field is None or values is None:
             raise self.source.error(
                 node,
-                "compare one static field with a literal, by `==`, `!=`, or with several, by "
-                "`in (…)`, `not in (…)`",
+                "compare a static field with a literal, by `==` or `!=`, or with several, by "
+                "`in (…)` or `not in (…)`",
             )
         assert isinstance(node.left, ast.Attribute)
         name = node.left.attr
         for value in values:
             if type(value) is not field.kind:
-                raise self.source.error(node, f"{name} is {named(field.kind)}, not {value!r}")
-            if field.menu and value not in field.menu:
-                choices = ", ".join(map(str, field.menu))
-                raise self.source.error(
-                    node, f"no such {name}: {value!r}; the choices are {choices}"
-                )
+                raise self.source.error(node, f"{name} is {type_name(field.kind)}, not {value!r}")
+            if field.choices and value not in field.choices:
+                choices = ", ".join(map(str, field.choices))
+                raise self.source.error(node, f"there is no {name} {value!r}; use one of {choices}")
         condition = tree.Static(bool, (field.name, values))
         if isinstance(node.ops[0], ast.NotEq | ast.NotIn):
-            return conditions.negated(condition)
+            return conditions.negation(condition)
         return condition
 
     def literals(self, node: ast.Compare) -> tuple[Any, ...] | None:
-        """What the right side of a comparison lists."""
+        """Literals on the right side of a comparison; None for anything else."""
         match node.ops, node.comparators:
             case [ast.Eq() | ast.NotEq()], [ast.Constant(value)]:
                 return (value,)
@@ -660,7 +675,7 @@ class _FunctionAnalysis:
             intrinsic = BY_FUNCTION[target]
         except (KeyError, TypeError):
             raise self.source.error(
-                node, f"{node.func.id} is no shader; mark it with @shader"
+                node, f"{node.func.id} is not a shader; mark it with @shader"
             ) from None
         arguments = self.positional(node)
         try:
@@ -675,35 +690,37 @@ class _FunctionAnalysis:
         return tuple(self.expression(a) for a in node.args)
 
     def arguments(self, node: ast.Call, names: list[str]) -> dict[str, ast.expr]:
-        """Arguments by parameter, given by position or by name."""
+        """Arguments of a call, by the names of its parameters."""
         if len(node.args) > len(names) or any(isinstance(a, ast.Starred) for a in node.args):
             raise self.source.error(node, f"takes {len(names)} arguments: {', '.join(names)}")
-        given = dict(zip(names, node.args, strict=False))
+        by_name = dict(zip(names, node.args, strict=False))
         for keyword in node.keywords:
-            if keyword.arg not in names or keyword.arg in given:
-                raise self.source.error(node, f"there is no parameter {keyword.arg} left to set")
-            given[keyword.arg] = keyword.value
-        return given
+            if keyword.arg not in names:
+                raise self.source.error(node, f"there is no parameter {keyword.arg}")
+            if keyword.arg in by_name:
+                raise self.source.error(node, f"the parameter {keyword.arg} is given twice")
+            by_name[keyword.arg] = keyword.value
+        return by_name
 
     def shader_call(self, node: ast.Call, target: Shader[..., Any]) -> tree.Expression:
         parameters, result = target.signature
-        given = self.arguments(node, list(parameters))
+        by_name = self.arguments(node, list(parameters))
         arguments: list[tree.Expression] = []
         for name, t in parameters.items():
-            if name not in given:
-                raise self.source.error(node, f"{target.name} also takes {name}")
+            if name not in by_name:
+                raise self.source.error(node, f"{target.name} needs an argument for {name}")
             if is_erased(t) or members_of(t):
-                passed = self.parameter_type(given[name])
+                passed = self.parameter_type(by_name[name])
                 if passed is not t and not (t is Map and passed in MAPS):
                     raise self.source.error(
-                        given[name], f"{name} is {named(t)}; pass this shader's own on"
+                        by_name[name], f"{name} is {type_name(t)}; pass the one of this shader"
                     )
-                # of what is erased there is one in the whole program, and nothing is passed
-                flat = flat_names(ast.unparse(given[name]), t)
-                arguments += [tree.Local(kind, each) for each, kind in flat.items()]
+                # an erased parameter is the same in the whole program and is not passed
+                flat = flatten_parameter(ast.unparse(by_name[name]), t)
+                arguments += [tree.Local(member, path) for path, member in flat.items()]
                 continue
-            argument = self.expression(given[name])
-            self.expect(given[name], argument.type, t, name)
+            argument = self.expression(by_name[name])
+            self.expect(by_name[name], argument.type, t, name)
             arguments.append(argument)
         self.calls[target] = None
         return tree.ShaderCall(result, target, tuple(arguments))
@@ -717,22 +734,22 @@ class _FunctionAnalysis:
             widths = [_width(p.type, component) for p in parts]
             fits = 0 not in widths and (sum(widths) == size or widths == [1])
         if not fits:
-            given = ", ".join(named(p.type) for p in parts)
-            raise self.source.error(node, f"a {named(target)} cannot be made of ({given})")
+            types = ", ".join(type_name(p.type) for p in parts)
+            raise self.source.error(node, f"cannot make a {type_name(target)} from ({types})")
         return tree.Construct(target, parts)
 
     def construct_record(self, node: ast.Call, target: Any) -> tree.Expression:
         fields = fields_of(target)
-        given = self.arguments(node, list(fields))
+        by_name = self.arguments(node, list(fields))
         parts: list[tree.Expression] = []
         for name, t in fields.items():
-            if name in given:
-                part = self.expression(given[name])
+            if name in by_name:
+                part = self.expression(by_name[name])
             elif hasattr(target, name) and type(getattr(target, name)) in SCALARS:
                 part = self.literal(node, getattr(target, name))
             else:
-                raise self.source.error(node, f"{named(target)} also takes {name}")
-            self.expect(node, part.type, t, f"{named(target)}.{name}")
+                raise self.source.error(node, f"{type_name(target)} needs a value for {name}")
+            self.expect(node, part.type, t, f"{type_name(target)}.{name}")
             parts.append(part)
         return tree.Construct(target, tuple(parts))
 
@@ -750,11 +767,11 @@ def _width(t: Any, component: Any) -> int:
 def _vector_type(component: Any, count: int) -> Any:
     if count == 1:
         return component
-    return next((t for t, made in VECTORS.items() if made == (component, count)), None)
+    return next((t for t, shape in VECTORS.items() if shape == (component, count)), None)
 
 
 def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> Any:
-    """The type of `left symbol right`, None where they do not go together."""
+    """Type of `left symbol right`; None where the operator does not apply."""
     a, b = left.type, right.type
     if symbol == "@":
         return Vec3 if (a, b) == (Mat3, Vec3) else None
@@ -763,8 +780,8 @@ def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> 
     if symbol in ("<<", ">>"):
         fits = isinstance(right, tree.Literal) and 0 <= right.value < 32
         return int if (a, b) == (int, int) and fits else None
-    whole = a is int or VECTORS.get(a, (None,))[0] is int
-    if symbol == "/" and whole:
+    is_integer = a is int or VECTORS.get(a, (None,))[0] is int
+    if symbol == "/" and is_integer:
         return None
     if a == b and (a in (float, int) or a in VECTORS):
         return a
@@ -774,7 +791,7 @@ def _binary_type(symbol: str, left: tree.Expression, right: tree.Expression) -> 
     return None
 
 
-_FOLD: dict[str, Callable[[Any, Any], Any]] = {
+_FOLDED_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
     "//": operator.floordiv, "%": operator.mod, "&": operator.and_, "|": operator.or_,
     "^": operator.xor,
@@ -782,28 +799,28 @@ _FOLD: dict[str, Callable[[Any, Any], Any]] = {
 }  # fmt: skip
 
 
-def _folded(symbol: str, a: int, b: int) -> int:
-    """An operation on two int literals, in 32 bits."""
+def _fold_ints(symbol: str, a: int, b: int) -> int:
+    """Result of an operation on two int literals, in 32 bits."""
     with np.errstate(all="ignore"):
-        return int(_FOLD[symbol](np.int32(a), np.int32(b)))
+        return int(_FOLDED_OPERATORS[symbol](np.int32(a), np.int32(b)))
 
 
 def _binary_hint(symbol: str, left: tree.Expression, right: tree.Expression) -> str:
     types = {left.type, right.type}
     if symbol in ("<<", ">>"):
-        return "; shift an int by a number from 0 to 31, written out"
+        return "; shift an int by a literal from 0 to 31"
     if symbol == "/" and types == {int}:
-        return "; write // for whole numbers, or float(a) / float(b)"
+        return "; write // for an int quotient, or float(a) / float(b)"
     if symbol in ("//", "%"):
-        return "; of floats take floor(a / b) or fract"
+        return "; for floats use floor(a / b) or fract"
     if types == {int, float}:
         return "; write 1.0 for 1, or float(…)"
     return ""
 
 
-def _ends(node: ast.While) -> bool:
-    """Whether a while loop counts: `k < n` in its condition, `k = k + 1` always done in its body,
-    n never set there."""
+def _is_counted_loop(node: ast.While) -> bool:
+    """Whether a while loop terminates by a counter: its condition has `k < n`, its body always runs
+    `k = k + 1` and never assigns n."""
     tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
     if isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or):
         return False
@@ -821,12 +838,12 @@ def _ends(node: ast.While) -> bool:
     }
     if any(isinstance(n, ast.Continue) for n in ast.walk(node)):
         return False
-    counted = [s for s in node.body if _counts_up(s) in counters]
-    return any(names.count(_counts_up(s) or "") == 1 for s in counted)
+    increments = [s for s in node.body if _incremented_name(s) in counters]
+    return any(names.count(_incremented_name(s) or "") == 1 for s in increments)
 
 
-def _counts_up(statement: ast.stmt) -> str | None:
-    """The name in `k = k + 1` or `k += 1`, with any positive int; else None."""
+def _incremented_name(statement: ast.stmt) -> str | None:
+    """The name in `k = k + 1` or `k += 1`, for any positive int; None for other statements."""
     match statement:
         case ast.Assign([ast.Name(a)], ast.BinOp(ast.Name(b), ast.Add(), ast.Constant(int(n)))):
             return a if a == b and n > 0 else None
@@ -835,26 +852,28 @@ def _counts_up(statement: ast.stmt) -> str | None:
     return None
 
 
-def _instead_of_statement(node: ast.stmt) -> str:
+def _statement_hint(node: ast.stmt) -> str:
     match node:
         case ast.For():
-            return "loop over `range(…)`, without else; the subset has no other iterables"
+            return "loop over `range(…)`, without `else`; there are no other iterables"
         case ast.While():
-            return "a loop has no else here"
+            return "a loop cannot have an `else`"
         case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
-            return "assign to one plain name; records and vectors are built anew, not changed"
+            return "assign to one plain name; records and vectors are immutable, so make new ones"
         case ast.Return():
             return "return a value"
         case ast.FunctionDef() | ast.ClassDef():
-            return "define shaders and records at the top of a file"
+            return "define shaders and records at the top level of a file"
         case ast.Try() | ast.Raise() | ast.Assert():
-            return "the subset has no exceptions; return a record that says so"
+            return "the subset has no exceptions; return a record with a status"
         case ast.Expr():
-            return "an expression alone does nothing; assign or return it"
-    return "this statement is outside the subset: assign, if, for … in range, while, return"
+            return "an expression alone has no effect; assign or return it"
+    return (
+        "this statement is outside the subset; use assignments, if, for … in range, while, return"
+    )
 
 
-def _instead_of_expression(node: ast.expr) -> str:
+def _expression_hint(node: ast.expr) -> str:
     match node:
         case ast.List() | ast.Tuple() | ast.Dict() | ast.Set():
             return "the subset has no containers; use Vec2 … Vec4 or a @struct"
@@ -863,5 +882,5 @@ def _instead_of_expression(node: ast.expr) -> str:
         case ast.ListComp() | ast.GeneratorExp() | ast.DictComp() | ast.SetComp():
             return "the subset has no comprehensions; write a loop"
         case ast.JoinedStr():
-            return "the subset has no text"
+            return "the subset has no strings"
     return "this expression is outside the subset"

@@ -1,9 +1,9 @@
-"""The functions that every target provides, as plain Python, with the rule that types each call.
+"""Built-in functions of the subset: each in plain Python, with its typing rule.
 
-What Python computes here is the meaning; printers reproduce it. Componentwise functions take a
-float or a float vector; further scalar arguments are spread over the components. `min` and `max`
-return their first argument unless the second is strictly beyond it, as Python's own do, so a NaN
-stays only where it came first.
+The Python code defines the result, which printers reproduce. Componentwise functions take a float
+or a float vector; further scalar arguments are broadcast. `min` and `max` return their first
+argument unless the second is strictly smaller or larger, as in Python, so that a NaN is returned
+only if it came first.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _N = TypeVar("_N", Vec2, Vec3, Vec4)
 
 @dataclass(frozen=True)
 class Intrinsic:
-    """One function that targets provide: its name, meaning, and the type of a call's result."""
+    """Built-in function: its name, its definition in Python, and the type of a call's result."""
 
     name: str
     python: Callable[..., Any]
@@ -34,15 +34,15 @@ class Intrinsic:
 
 
 INTRINSICS: dict[str, Intrinsic] = {}
-"""Every intrinsic by name, the built-ins `abs`, `min`, `max`, `float`, `int` and `len` included."""
+"""Intrinsics by name, among them Python's `abs`, `min`, `max`, `float`, `int` and `len`."""
 BY_FUNCTION: dict[Any, Intrinsic] = {}
-"""The same, found by the object that a shader's source names."""
+"""Intrinsics by the function object that a shader names."""
 
 
 def _intrinsic(rule: Callable[[tuple[Any, ...]], Any]) -> Callable[[_F], _F]:
     def register(function: _F) -> _F:
-        made = Intrinsic(function.__name__, function, rule)
-        INTRINSICS[made.name] = BY_FUNCTION[function] = made
+        intrinsic = Intrinsic(function.__name__, function, rule)
+        INTRINSICS[intrinsic.name] = BY_FUNCTION[function] = intrinsic
         return function
 
     return register
@@ -51,45 +51,45 @@ def _intrinsic(rule: Callable[[tuple[Any, ...]], Any]) -> Callable[[_F], _F]:
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 
-def _refuse(wanted: str, given: tuple[Any, ...]) -> TypeError:
-    return TypeError(f"takes {wanted}, not ({', '.join(map(type_name, given))})")
+def _refuse(expected: str, types: tuple[Any, ...]) -> TypeError:
+    return TypeError(f"takes {expected}, not ({', '.join(map(type_name, types))})")
 
 
-def _fixed(result: Any, *wanted: Any) -> Callable[[tuple[Any, ...]], Any]:
-    """Exactly these argument types."""
+def _fixed(result: Any, *expected: Any) -> Callable[[tuple[Any, ...]], Any]:
+    """Rule for exactly these argument types."""
 
-    def rule(given: tuple[Any, ...]) -> Any:
-        if given != wanted:
-            raise _refuse(f"({', '.join(map(type_name, wanted))})", given)
+    def rule(types: tuple[Any, ...]) -> Any:
+        if types != expected:
+            raise _refuse(f"({', '.join(map(type_name, expected))})", types)
         return result
 
     return rule
 
 
 def _componentwise(count: int) -> Callable[[tuple[Any, ...]], Any]:
-    """A float or float vector; further arguments of the same type, or float."""
+    """Rule for a float or float vector, and further arguments of the same type or float."""
 
-    def rule(given: tuple[Any, ...]) -> Any:
-        first: Any = given[0] if given else None
+    def rule(types: tuple[Any, ...]) -> Any:
+        first: Any = types[0] if types else None
         floats = first is float or (first in VECTORS and VECTORS[first][0] is float)
-        if len(given) != count or not floats or any(t not in (first, float) for t in given[1:]):
-            raise _refuse(f"{count} floats or float vectors", given)
+        if len(types) != count or not floats or any(t not in (first, float) for t in types[1:]):
+            raise _refuse(f"{count} floats or float vectors", types)
         return first
 
     return rule
 
 
 def _vectors(count: int, result: Any = None) -> Callable[[tuple[Any, ...]], Any]:
-    """Float vectors of one size; the result is of that type unless told otherwise."""
+    """Rule for float vectors of one size, with a result of the same type or of type `result`."""
 
-    def rule(given: tuple[Any, ...]) -> Any:
+    def rule(types: tuple[Any, ...]) -> Any:
         if (
-            len(given) != count
-            or len(set(given)) != 1
-            or VECTORS.get(given[0], (None,))[0] is not float
+            len(types) != count
+            or len(set(types)) != 1
+            or VECTORS.get(types[0], (None,))[0] is not float
         ):
-            raise _refuse(f"{count} float vectors of one size", given)
-        return result or given[0]
+            raise _refuse(f"{count} float vectors of one size", types)
+        return result or types[0]
 
     return rule
 
@@ -112,7 +112,7 @@ def _max(a: Any, b: Any) -> Any:
 
 
 def _saturating_int(x: Any) -> Any:
-    """Towards zero; beyond the range the nearest end, NaN to 0."""
+    """Conversion to int32: truncated and clamped to the range; NaN becomes 0."""
     if isinstance(x, bool | np.bool_ | int | np.integer):
         return np.int32(x)
     if x != x:
@@ -120,33 +120,33 @@ def _saturating_int(x: Any) -> Any:
     return np.int32(min(max(np.trunc(np.float64(x)), -2147483648.0), 2147483647.0))
 
 
-def _scalar_pair(given: tuple[Any, ...]) -> Any:
-    if given in ((float, float), (int, int)):
-        return given[0]
-    raise _refuse("two floats or two ints (minimum and maximum take vectors)", given)
+def _scalar_pair_rule(types: tuple[Any, ...]) -> Any:
+    if types in ((float, float), (int, int)):
+        return types[0]
+    raise _refuse("two floats or two ints (minimum and maximum take vectors)", types)
 
 
-def _one_number(result: Any = None, *extra: Any) -> Callable[[tuple[Any, ...]], Any]:
-    def rule(given: tuple[Any, ...]) -> Any:
-        if len(given) != 1 or given[0] not in (float, int, *extra):
-            raise _refuse("one number", given)
-        return result or given[0]
+def _number_rule(result: Any = None, *extra: Any) -> Callable[[tuple[Any, ...]], Any]:
+    def rule(types: tuple[Any, ...]) -> Any:
+        if len(types) != 1 or types[0] not in (float, int, *extra):
+            raise _refuse("one number", types)
+        return result or types[0]
 
     return rule
 
 
-def _length_rule(given: tuple[Any, ...]) -> Any:
-    if len(given) != 1 or getattr(given[0], "__origin__", None) is not Buffer:
-        raise _refuse("a Buffer", given)
+def _length_rule(types: tuple[Any, ...]) -> Any:
+    if len(types) != 1 or getattr(types[0], "__origin__", None) is not Buffer:
+        raise _refuse("a Buffer", types)
     return int
 
 
 for _builtin, _python, _rule in (
-    (abs, abs, _one_number()),
-    (min, _min, _scalar_pair),
-    (max, _max, _scalar_pair),
-    (float, _f32, _one_number(float, bool)),
-    (int, _saturating_int, _one_number(int, bool)),
+    (abs, abs, _number_rule()),
+    (min, _min, _scalar_pair_rule),
+    (max, _max, _scalar_pair_rule),
+    (float, _f32, _number_rule(float, bool)),
+    (int, _saturating_int, _number_rule(int, bool)),
     (len, lambda buffer: np.int32(len(buffer)), _length_rule),
 ):
     INTRINSICS[_builtin.__name__] = BY_FUNCTION[_builtin] = Intrinsic(
@@ -156,13 +156,13 @@ for _builtin, _python, _rule in (
 
 @_intrinsic(_componentwise(1))
 def sqrt(x: _V) -> _V:
-    """The square root, correctly rounded."""
+    """Square root, correctly rounded."""
     return _map(np.sqrt, x)
 
 
 @_intrinsic(_componentwise(1))
 def floor(x: _V) -> _V:
-    """The largest whole number not above x."""
+    """Largest integer not above x."""
     return _map(np.floor, x)
 
 
@@ -174,13 +174,13 @@ def fract(x: _V) -> _V:
 
 @_intrinsic(_componentwise(2))
 def minimum(a: _V, b: _V | float) -> _V:
-    """The smaller, component by component."""
+    """Minimum, component by component."""
     return _map(_min, a, b)
 
 
 @_intrinsic(_componentwise(2))
 def maximum(a: _V, b: _V | float) -> _V:
-    """The larger, component by component."""
+    """Maximum, component by component."""
     return _map(_max, a, b)
 
 
@@ -192,26 +192,26 @@ def clamp(x: _V, low: _V | float, high: _V | float) -> _V:
 
 @_intrinsic(_componentwise(1))
 def saturate(x: _V) -> _V:
-    """x held to 0 … 1."""
+    """x clamped to 0 … 1."""
     return _map(lambda c: _min(_max(c, _f32(0)), _f32(1)), x)
 
 
 @_intrinsic(_componentwise(3))
 def mix(a: _V, b: _V | float, t: _V | float) -> _V:
-    """a · (1 − t) + b · t: a at 0, b at 1, both exactly."""
+    """Linear interpolation a · (1 − t) + b · t; exact at t = 0 and t = 1."""
     return _map(lambda p, q, s: p * (_f32(1) - s) + q * s, a, b, t)
 
 
 @_intrinsic(_fixed(float, float, float, float))
 def smoothstep(low: float, high: float, x: float) -> float:
-    """0 below low, 1 above high, 3t² − 2t³ between."""
+    """Smooth step: 0 below low, 1 above high, 3t² − 2t³ between."""
     t = saturate((x - low) / (high - low))
     return t * t * (_f32(3) - _f32(2) * t)
 
 
 @_intrinsic(_fixed(float, float, float))
 def copysign(x: float, sign: float) -> float:
-    """|x| with the sign of the other, that of a zero included."""
+    """|x| with the sign of the other argument, signed zeros included."""
     return np.copysign(_f32(x), _f32(sign))
 
 
@@ -220,7 +220,7 @@ def copysign(x: float, sign: float) -> float:
 
 @_intrinsic(_vectors(2, float))
 def dot(a: _N, b: _N) -> float:
-    """The sum of the products of the components, from the first on."""
+    """Dot product; components are added in order."""
     products = [p * q for p, q in zip(a, b, strict=True)]
     total = products[0]
     for product in products[1:]:
@@ -230,31 +230,31 @@ def dot(a: _N, b: _N) -> float:
 
 @_intrinsic(_vectors(1, float))
 def length(v: _N) -> float:
-    """sqrt(v · v)."""
+    """Length, sqrt(v · v)."""
     return np.sqrt(dot(v, v))
 
 
 @_intrinsic(_vectors(1))
 def normalize(v: _N) -> _N:
-    """v · (1 / length(v)); a zero vector gives NaN, so never pass one."""
+    """Unit vector v · (1 / length(v)); NaN for a zero vector, so never pass one."""
     return v * (_f32(1) / length(v))
 
 
 @_intrinsic(_fixed(Vec3, Vec3, Vec3))
 def cross(a: Vec3, b: Vec3) -> Vec3:
-    """The vector product, right-handed."""
+    """Cross product, right-handed."""
     return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @_intrinsic(_vectors(2))
 def reflect(incident: _N, normal: _N) -> _N:
-    """incident − normal · (2 · (incident · normal)); the normal is of unit length."""
+    """Reflection incident − normal · (2 · (incident · normal)), for a unit normal."""
     return incident - normal * (_f32(2) * dot(incident, normal))
 
 
 @_intrinsic(_fixed(Mat3, Mat3))
 def transpose(m: Mat3) -> Mat3:
-    """Rows for columns; the inverse of a rotation."""
+    """Transpose, which is the inverse of a rotation."""
     x, y, z = m.x, m.y, m.z
     return Mat3(Vec3(x.x, y.x, z.x), Vec3(x.y, y.y, z.y), Vec3(x.z, y.z, z.z))
 
@@ -264,30 +264,30 @@ def transpose(m: Mat3) -> Mat3:
 
 @_intrinsic(_fixed(int, float))
 def float_bits(x: float) -> int:
-    """The 32 bits of a float as an int."""
+    """Bits of a float, as an int."""
     return _f32(x).view(np.int32)
 
 
 @_intrinsic(_fixed(float, int))
 def bits_float(bits: int) -> float:
-    """The float whose 32 bits these are."""
+    """Float with these bits."""
     return _i32(bits).view(np.float32)
 
 
-# --- functions computed by shaders of our own where a target has none --------------------------
+# --- elementary functions, computed by our own shaders where a target has none -----------------
 
 
 _bodies: dict[str, Callable[..., Any]] = {}
 
 
 def define(**bodies: Callable[..., Any]) -> None:
-    """Give elementary functions their bodies: shaders, which are made of the intrinsics above."""
+    """Set the bodies of elementary functions: shaders that use the intrinsics above."""
     _bodies.update(bodies)
 
 
 def _elementary(name: str, arguments: int) -> Any:
-    def call(*given: float) -> Any:
-        return _bodies[name](*given)
+    def call(*values: float) -> Any:
+        return _bodies[name](*values)
 
     call.__name__ = name
     ELEMENTARY.append(name)
@@ -295,7 +295,7 @@ def _elementary(name: str, arguments: int) -> Any:
 
 
 ELEMENTARY: list[str] = []
-"""Intrinsics that Python and the CPU compute with the shaders of `elementary`."""
+"""Intrinsics that Python and the CPU compute by the shaders of `lang.elementary`."""
 
 exp: Callable[[float], float] = _elementary("exp", 1)
 exp2: Callable[[float], float] = _elementary("exp2", 1)
@@ -314,64 +314,65 @@ atan2: Callable[[float, float], float] = _elementary("atan2", 2)
 # --- resources -----------------------------------------------------------------------------------
 
 
-def _map_and(*rest: Any, result: Any, kind: Any = None) -> Callable[[tuple[Any, ...]], Any]:
-    def rule(given: tuple[Any, ...]) -> Any:
-        wanted = type_name(kind) if kind else "HeightField or Texture"
-        right = given and is_handle(given[0]) and given[1:] == rest
-        if not right or (kind is not None and given[0] is not kind):
-            raise _refuse(f"({', '.join([wanted, *map(type_name, rest)])})", given)
+def _map_rule(*rest: Any, result: Any, kind: Any = None) -> Callable[[tuple[Any, ...]], Any]:
+    def rule(types: tuple[Any, ...]) -> Any:
+        expected = type_name(kind) if kind else "HeightField or Texture"
+        fits = types and is_handle(types[0]) and types[1:] == rest
+        if not fits or (kind is not None and types[0] is not kind):
+            raise _refuse(f"({', '.join([expected, *map(type_name, rest)])})", types)
         return result
 
     return rule
 
 
-@_intrinsic(_map_and(result=int))
+@_intrinsic(_map_rule(result=int))
 def levels(map: HeightField | Texture) -> int:
-    """How many levels the map has."""
+    """Number of mip levels of a map."""
     return _i32(len(map.levels))
 
 
-@_intrinsic(_map_and(int, result=IVec2))
+@_intrinsic(_map_rule(int, result=IVec2))
 def size(map: HeightField | Texture, level: int) -> IVec2:
-    """Width and height of a level in texels; the level is held to those there are."""
+    """Width and height of a level in texels; the level is clamped to those of the map."""
     height, width = map.levels[min(max(int(level), 0), len(map.levels) - 1)].shape[:2]
     return IVec2(width, height)
 
 
-@_intrinsic(_map_and(IVec2, int, result=Vec4, kind=HeightField))
+@_intrinsic(_map_rule(IVec2, int, result=Vec4, kind=HeightField))
 def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
     """Heights of four texels: (x, y), (x+1, y), (x, y+1), (x+1, y+1).
 
-    The cell is held to −1 … count − 1, so that all four lie within the map and its border of one
-    texel, which repeats the far side (edge "wrap") or the near (edge "clamp"). Take texture
-    coordinates into the tile first: of cells further out a GPU makes what its sampler does.
+    The cell is clamped to −1 … count − 1, so that all four lie in the map and its border of one
+    texel, which repeats the opposite side (edge "wrap") or the same side (edge "clamp"). Take
+    texture coordinates into the tile first: for cells further out, the result on a GPU is that of
+    its sampler.
     """
     level = min(max(int(level), 0), len(field.levels) - 1)
     height, width = field.levels[level].shape
     x, y = (min(max(int(c), -1), n - 1) for c, n in ((cell.x, width), (cell.y, height)))
-    found = []
-    for beside in ((x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)):
-        k, row, column = field.texel_index(*beside, level)
-        found.append(field.levels[k][row, column])
-    return Vec4(*found)
+    heights = []
+    for corner in ((x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)):
+        k, row, column = field.texel_index(*corner, level)
+        heights.append(field.levels[k][row, column])
+    return Vec4(*heights)
 
 
-@_intrinsic(_map_and(IVec2, int, result=Vec4, kind=Texture))
+@_intrinsic(_map_rule(IVec2, int, result=Vec4, kind=Texture))
 def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
-    """The four channels of one texel in 65535ths; held to the map and its border of one texel.
+    """The four channels of a texel, 0 to 65535; the cell is clamped to the map and its border.
 
-    Not divided, so that a filter divides once and not for each texel that it reads.
+    Not divided by 65535, so that a filter divides once instead of for each texel.
     """
     k, row, column = texture.texel_index(cell.x, cell.y, level)
     return Vec4(*texture.levels[k][row, column])
 
 
-@_intrinsic(_map_and(IVec2, result=Vec4, kind=Texture))
+@_intrinsic(_map_rule(IVec2, result=Vec4, kind=Texture))
 def stored(texture: Texture, cell: IVec2) -> Vec4:
-    """Four numbers, 0 to 65535, of what is baked: a texel of the first level, with no edge.
+    """The four channels of a texel of level 0, 0 to 65535, of a baked table.
 
-    For tables, where each read counts: the cell must be one there is. Of one that is not, an engine
-    may make what it likes.
+    Nothing is clamped, to save time: the cell must be in the table. For others the result is
+    undefined.
     """
     _, row, column = texture.texel_index(cell.x, cell.y, 0)
     return Vec4(*texture.levels[0][row, column])

@@ -1,7 +1,8 @@
-"""Where the fields of a record lie in memory that a GPU reads: WGSL's host-shareable layout.
+"""Memory layout of records that a GPU reads: WGSL's host-shareable layout.
 
-The rules of the uniform address space are kept everywhere, so that one layout serves both: a
-record within a record starts at a multiple of 16 bytes (W3C, WebGPU Shading Language, 2024, §14.4).
+The rules of the uniform address space apply everywhere, so that one layout serves uniforms and
+storage: a record within a record starts at a multiple of 16 bytes (W3C, WebGPU Shading Language,
+2024, §14.4).
 """
 
 from __future__ import annotations
@@ -26,34 +27,36 @@ _ALIGN_AND_SIZE: dict[Any, tuple[int, int]] = {
 }
 
 
-def _up(offset: int, align: int) -> int:
+def _round_up(offset: int, align: int) -> int:
     return -(-offset // align) * align
 
 
 def align_and_size(t: Any) -> tuple[int, int]:
-    """Alignment and size of a type in bytes; raises ShaderError for a bool, which has neither."""
+    """Alignment and size of a type in bytes. Raises ShaderError for a bool, which has neither."""
     if is_record(t):
-        align, end = 16, 4  # a record without fields has some room all the same
+        align, end = 16, 4  # a record without fields has a dummy member
         for _, offset, field_type in offsets(t):
             end = offset + align_and_size(field_type)[1]
-        return align, _up(end, align)
+        return align, _round_up(end, align)
     if t not in _ALIGN_AND_SIZE:
-        raise ShaderError(f"a record that a GPU reads holds no {t.__name__}; use an int, 0 or 1")
+        raise ShaderError(
+            f"a record that a GPU reads cannot contain a {t.__name__}; use an int, 0 or 1"
+        )
     return _ALIGN_AND_SIZE[t]
 
 
 def offsets(record: type) -> Iterator[tuple[str, int, Any]]:
-    """Each field of a record: name, offset in bytes, type."""
+    """Fields of a record: name, offset in bytes, type."""
     offset = 0
     for name, t in fields_of(record).items():
         align, size = align_and_size(t)
-        offset = _up(offset, align)
+        offset = _round_up(offset, align)
         yield name, offset, t
         offset += size
 
 
 def words(t: Any, start: int = 0) -> Iterator[int]:
-    """The offset of each leaf of a type in 32-bit words, in the order of `leaves`."""
+    """Offsets of the scalars of a type in 32-bit words, in the order of `leaves`."""
     if is_record(t):
         for _, offset, field_type in offsets(t):
             yield from words(field_type, start + offset // 4)
@@ -64,7 +67,7 @@ def words(t: Any, start: int = 0) -> Iterator[int]:
 
 
 def pack(value: Any, t: Any) -> NDArray[np.int32]:
-    """A value of type t as the 32-bit words that a GPU reads."""
+    """A value of type t as 32-bit words in this layout."""
     packed = np.zeros(align_and_size(t)[1] // 4, np.int32)
     for word, leaf in zip(words(t), leaf_values(value, t), strict=True):
         packed[word] = leaf.view(np.int32) if isinstance(leaf, np.float32) else leaf

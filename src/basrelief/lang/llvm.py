@@ -1,16 +1,17 @@
-"""The typed tree printed as LLVM IR, one pixel a SIMD lane.
+"""LLVM IR printer of the typed tree: one SIMD lane for each pixel.
 
-Each scalar of the subset is a vector of L lanes, a Vec3 three of them. Which lanes are alive is a
-mask: `if` narrows it and skips a block that no lane enters, loops run until it is empty, `break`,
-`continue` and an early `return` take lanes out of it, and assignments to names that live outside
-the block are selects under it. After M. Pharr and W. R. Mark, ispc: A SPMD Compiler for
+Each scalar of the subset is a vector of L lanes, a Vec3 three of them. A mask holds the active
+lanes: `if` narrows it and skips a block that no lane enters; loops run until it is empty; `break`,
+`continue` and an early `return` remove lanes; assignments to variables of outer blocks are selects
+under it. After M. Pharr and W. R. Mark, ispc: A SPMD Compiler for
 High-Performance CPU Programming, 2012.
 
-No fast-math and no contraction: every lane computes what the same shader computes in plain Python,
-to the last bit, whatever the number of lanes.
+No fast-math and no contraction: every lane computes the same bits as the shader in plain Python,
+for any number of lanes.
 
 The compiled entry is `void run.rows(uniforms, resources, planes, plane_stride, row_stride, width,
-first_row, last_row)`; `engine/cpu.py` lays out what it reads, as this module's end says.
+first_row, last_row)`; the end of this module describes the memory layout, which `engine/cpu.py`
+produces.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from basrelief.lang.values import Mat3
 Leaves = list[str]
 """The scalars of a value in the order of `types.leaves`, each an SSA name or constant."""
 
-_CHEAP = 14
-"""A branch of at most so many operations is computed by all lanes rather than skipped."""
+_MAX_BRANCHLESS_COST = 14
+"""Operations up to which a branch is computed by all lanes instead of skipped."""
 
 _FLOAT_COMPARE = {"<": "olt", "<=": "ole", ">": "ogt", ">=": "oge", "==": "oeq", "!=": "une"}
 _INT_COMPARE = {"<": "slt", "<=": "sle", ">": "sgt", ">=": "sge", "==": "eq", "!=": "ne"}
@@ -45,8 +46,8 @@ _INT_OPERATION = {
 
 
 def print_llvm(module: tree.Module, lanes: int) -> str:
-    """LLVM IR of a program for a number of lanes."""
-    out = _Output(lanes)
+    """LLVM IR of a program, with vectors of `lanes`."""
+    out = _ModuleState(lanes)
     text = [_FunctionPrinter(out, function).text() for function in module.functions]
     printed: set[str] = set()
     while out.elementary - printed:
@@ -60,8 +61,8 @@ def print_llvm(module: tree.Module, lanes: int) -> str:
 _MATH = "math."
 
 
-class _Output:
-    """What all functions of a module share: the lanes, the declarations."""
+class _ModuleState:
+    """State that all functions of a module share: lanes, declarations, type names."""
 
     def __init__(self, lanes: int) -> None:
         self.lanes = lanes
@@ -77,27 +78,27 @@ class _Output:
         """A literal in every lane."""
         if t is float:
             bits: int = binary.unpack(">Q", binary.pack(">d", float(np.float32(value))))[0]
-            one = f"float 0x{bits:016X}"
+            scalar = f"float 0x{bits:016X}"
         elif t is int:
-            one = f"i32 {int(value)}"
+            scalar = f"i32 {int(value)}"
         else:
-            one = f"i1 {'true' if value else 'false'}"
-        return "<" + ", ".join([one] * self.lanes) + ">"
+            scalar = f"i1 {'true' if value else 'false'}"
+        return "<" + ", ".join([scalar] * self.lanes) + ">"
 
     def vector(self, t: Any) -> list[str]:
-        """The LLVM types of the leaves of t."""
+        """LLVM types of the scalars of t."""
         return [self.names[leaf] for _, leaf in leaves(t)]
 
     def result(self, t: Any) -> str:
-        """The LLVM type that a function of result t returns."""
+        """LLVM return type of a function with a result of type t."""
         parts = self.vector(t)
         return parts[0] if len(parts) == 1 else "{" + ", ".join(parts) + "}"
 
 
-class _Printer:
-    """Instructions, one after another, with fresh names."""
+class _InstructionPrinter:
+    """Appends instructions, with fresh names for their results."""
 
-    def __init__(self, out: _Output) -> None:
+    def __init__(self, out: _ModuleState) -> None:
         self.out = out
         self.lines: list[str] = []
         self.entry_lines: list[str] = []
@@ -110,7 +111,7 @@ class _Printer:
         self.count += 1
         return f"{hint}.{self.count}"
 
-    def make(self, instruction: str, hint: str = "v") -> str:
+    def define(self, instruction: str, hint: str = "v") -> str:
         name = f"%{self.fresh(hint)}"
         self.emit(f"{name} = {instruction}")
         return name
@@ -124,115 +125,117 @@ class _Printer:
         return name
 
     def load(self, pointer: str, t: type) -> str:
-        return self.make(f"load {self.out.names[t]}, ptr {pointer}")
+        return self.define(f"load {self.out.names[t]}, ptr {pointer}")
 
     def store(self, value: str, pointer: str, t: type) -> None:
         self.emit(f"store {self.out.names[t]} {value}, ptr {pointer}")
 
     def operation(self, name: str, a: str, b: str, t: type) -> str:
-        return self.make(f"{name} {self.out.names[t]} {a}, {b}")
+        return self.define(f"{name} {self.out.names[t]} {a}, {b}")
 
     def integer(self, name: str, a: str, b: str | int) -> str:
         right = b if isinstance(b, str) else self.out.constant(b, int)
         return self.operation(name, a, right, int)
 
-    def both(self, a: str, b: str) -> str:
+    def and_masks(self, a: str, b: str) -> str:
         return self.operation("and", a, b, bool)
 
-    def invert(self, mask: str) -> str:
+    def not_mask(self, mask: str) -> str:
         return self.operation("xor", mask, self.out.constant(True, bool), bool)
 
     def compare(self, symbol: str, a: str, b: str, t: type) -> str:
         if t is float:
-            return self.make(f"fcmp {_FLOAT_COMPARE[symbol]} {self.out.names[float]} {a}, {b}")
-        return self.make(f"icmp {_INT_COMPARE[symbol]} {self.out.names[t]} {a}, {b}")
+            return self.define(f"fcmp {_FLOAT_COMPARE[symbol]} {self.out.names[float]} {a}, {b}")
+        return self.define(f"icmp {_INT_COMPARE[symbol]} {self.out.names[t]} {a}, {b}")
 
     def select(self, test: str, a: str, b: str, t: type) -> str:
         names = self.out.names
-        return self.make(f"select {names[bool]} {test}, {names[t]} {a}, {names[t]} {b}")
+        return self.define(f"select {names[bool]} {test}, {names[t]} {a}, {names[t]} {b}")
 
     def intrinsic(self, name: str, result: type, *arguments: tuple[str, type]) -> str:
-        """Call an LLVM intrinsic that works on each lane."""
+        """Call an LLVM intrinsic on all lanes."""
         names = self.out.names
         types = [names[t] for _, t in arguments]
         self.out.declarations.add(f"declare {names[result]} @{name}({', '.join(types)})")
-        given = ", ".join(f"{names[t]} {a}" for a, t in arguments)
-        return self.make(f"call {names[result]} @{name}({given})")
+        passed = ", ".join(f"{names[t]} {a}" for a, t in arguments)
+        return self.define(f"call {names[result]} @{name}({passed})")
 
     def lane_function(self, name: str, *arguments: str) -> str:
         suffix = f"v{self.out.lanes}f32"
         return self.intrinsic(f"llvm.{name}.{suffix}", float, *((a, float) for a in arguments))
 
     def to_int(self, x: str) -> str:
-        """Towards zero, held to the range, NaN to 0; `llvm.fptosi.sat` takes a lane at a time."""
+        """Conversion to int: truncated, clamped, NaN to 0; `llvm.fptosi.sat` is not vectorized."""
         floats, least, most = self.out.names[float], -(2.0**31), 2.0**31 - 128
         zero = "zeroinitializer"
-        number = self.make(f"fcmp ord {floats} {x}, {zero}")
-        held = self.select(number, x, zero, float)
+        is_number = self.define(f"fcmp ord {floats} {x}, {zero}")
+        clamped = self.select(is_number, x, zero, float)
         for symbol, end in (("<", least), (">", most)):
             bound = self.out.constant(end, float)
-            held = self.select(self.compare(symbol, held, bound, float), bound, held, float)
-        whole = self.make(f"fptosi {floats} {held} to {self.out.names[int]}")
-        # between the largest float below 2³¹ and 2³¹ itself there is nothing
-        beyond = self.compare(">", x, self.out.constant(most, float), float)
-        return self.select(beyond, self.out.constant(2**31 - 1, int), whole, int)
+            clamped = self.select(
+                self.compare(symbol, clamped, bound, float), bound, clamped, float
+            )
+        integer = self.define(f"fptosi {floats} {clamped} to {self.out.names[int]}")
+        # no float lies between the largest one below 2³¹ and 2³¹
+        too_large = self.compare(">", x, self.out.constant(most, float), float)
+        return self.select(too_large, self.out.constant(2**31 - 1, int), integer, int)
 
     def to_float(self, x: str) -> str:
-        return self.make(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
+        return self.define(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
 
-    def bounded(self, which: str, value: str, bound: str | int) -> str:
-        """The smaller (smin, umin) or larger (smax) of two ints."""
+    def int_bound(self, which: str, value: str, bound: str | int) -> str:
+        """Minimum (smin, umin) or maximum (smax) of two ints."""
         right = bound if isinstance(bound, str) else self.out.constant(bound, int)
         return self.intrinsic(f"llvm.{which}.v{self.out.lanes}i32", int, (value, int), (right, int))
 
     def splat(self, scalar: str, t: type) -> str:
-        """The same scalar in every lane."""
+        """Vector with the same scalar in every lane."""
         name, count = self.out.names[t], self.out.lanes
         kind = name.split(" x ")[1][:-1]
-        one = self.make(f"insertelement {name} poison, {kind} {scalar}, i32 0")
+        first = self.define(f"insertelement {name} poison, {kind} {scalar}, i32 0")
         zeros = f"<{count} x i32> zeroinitializer"
-        return self.make(f"shufflevector {name} {one}, {name} poison, {zeros}")
+        return self.define(f"shufflevector {name} {first}, {name} poison, {zeros}")
 
     def gather(self, base: str, index: str, kind: str, element: str | None = None) -> list[str]:
-        """One scalar of LLVM type `kind` for each lane, from an array of `element`s."""
-        found = []
+        """Load one scalar of LLVM type `kind` for each lane, from an array of `element`s."""
+        result = []
         for lane in range(self.out.lanes):
-            one = self.make(f"extractelement {self.out.names[int]} {index}, i32 {lane}")
-            wide = self.make(f"zext i32 {one} to i64")
-            place = self.make(f"getelementptr {element or kind}, ptr {base}, i64 {wide}")
-            found.append(self.make(f"load {kind}, ptr {place}, align 4, !invariant.load !0"))
-        return found
+            narrow = self.define(f"extractelement {self.out.names[int]} {index}, i32 {lane}")
+            wide = self.define(f"zext i32 {narrow} to i64")
+            pointer = self.define(f"getelementptr {element or kind}, ptr {base}, i64 {wide}")
+            result.append(self.define(f"load {kind}, ptr {pointer}, align 4, !invariant.load !0"))
+        return result
 
-    def halves(self, pairs: Sequence[str], kind: str) -> list[str]:
-        """Two vectors from 64 bits for each lane: the lower and the upper 32 bits."""
+    def split_pairs(self, pairs: Sequence[str], kind: str) -> list[str]:
+        """Split 64 bits in each lane: vectors of the lower and of the upper 32 bits."""
         lanes = self.out.lanes
-        whole = self.assemble(pairs, "i64")
-        flat = self.make(f"bitcast <{lanes} x i64> {whole} to <{2 * lanes} x {kind}>")
-        found = []
+        wide = self.vector_of(pairs, "i64")
+        flat = self.define(f"bitcast <{lanes} x i64> {wide} to <{2 * lanes} x {kind}>")
+        result = []
         for side in (0, 1):
-            places = ", ".join(f"i32 {2 * lane + side}" for lane in range(lanes))
-            mask = f"<{lanes} x i32> <{places}>"
+            indices = ", ".join(f"i32 {2 * lane + side}" for lane in range(lanes))
+            mask = f"<{lanes} x i32> <{indices}>"
             pair = f"<{2 * lanes} x {kind}>"
-            found.append(self.make(f"shufflevector {pair} {flat}, {pair} poison, {mask}"))
-        return found
+            result.append(self.define(f"shufflevector {pair} {flat}, {pair} poison, {mask}"))
+        return result
 
-    def assemble(self, scalars: Sequence[str], kind: str) -> str:
-        """A vector of one scalar for each lane."""
+    def vector_of(self, scalars: Sequence[str], kind: str) -> str:
+        """Vector of one scalar for each lane."""
         vector = "poison"
         for lane, scalar in enumerate(scalars):
             name = f"<{self.out.lanes} x {kind}>"
-            vector = self.make(f"insertelement {name} {vector}, {kind} {scalar}, i32 {lane}")
+            vector = self.define(f"insertelement {name} {vector}, {kind} {scalar}, i32 {lane}")
         return vector
 
 
-class _FunctionPrinter(_Printer):
-    """One function: its statements under masks, its expressions leaf by leaf."""
+class _FunctionPrinter(_InstructionPrinter):
+    """Prints one function: statements under masks, expressions scalar by scalar."""
 
-    def __init__(self, out: _Output, function: tree.Function, prefix: str = "") -> None:
+    def __init__(self, out: _ModuleState, function: tree.Function, prefix: str = "") -> None:
         super().__init__(out)
         self.function = function
         self.prefix = prefix
-        self.places: dict[str, list[str]] = {}
+        self.pointers: dict[str, list[str]] = {}
         self.handles: dict[str, str] = {}
         self.counters: dict[str, str] = {}
         self.home: dict[str, tree.Block] = {}
@@ -242,11 +245,11 @@ class _FunctionPrinter(_Printer):
         self.results = [self.variable(leaf, "result") for _, leaf in leaves(function.result)]
         self.block = function.body
 
-    # --- the function around its statements ---------------------------------------------------
+    # --- parameters and results ---------------------------------------------------------------
 
     def text(self) -> str:
         function, out = self.function, self.out
-        # names with a dot are none of Python's, so no parameter or shader is called so
+        # a name with a dot cannot clash with those of parameters and shaders
         parameters = [f"{out.names[bool]} %active.lanes"]
         self.store("%active.lanes", self.mask, bool)
         self.store("zeroinitializer", self.returned, bool)
@@ -255,16 +258,16 @@ class _FunctionPrinter(_Printer):
                 self.handles[name] = f"%{name}"
                 parameters.append(f"ptr noalias readonly %{name}")
                 continue
-            self.places[name] = []
+            self.pointers[name] = []
             for path, leaf in leaves(t, name):
                 parameters.append(f"{out.names[leaf]} %arg.{path}")
-                place = self.variable(leaf, path)
-                self.store(f"%arg.{path}", place, leaf)
-                self.places[name].append(place)
+                pointer = self.variable(leaf, path)
+                self.store(f"%arg.{path}", pointer, leaf)
+                self.pointers[name].append(pointer)
         if self.early_returns:
-            # lanes that never return hold zeros, not whatever was there
-            for place, (_, leaf) in zip(self.results, leaves(function.result), strict=True):
-                self.store("zeroinitializer", place, leaf)
+            # lanes that never return hold zeros, not undefined values
+            for pointer, (_, leaf) in zip(self.results, leaves(function.result), strict=True):
+                self.store("zeroinitializer", pointer, leaf)
         self.body(function.body)
         self.return_results()
         doc = "".join(f"; {line}\n" for line in function.doc.splitlines())
@@ -277,14 +280,16 @@ class _FunctionPrinter(_Printer):
     def return_results(self) -> None:
         kinds = [leaf for _, leaf in leaves(self.function.result)]
         values = [self.load(p, t) for p, t in zip(self.results, kinds, strict=True)]
-        whole = self.out.result(self.function.result)
+        aggregate = self.out.result(self.function.result)
         if len(values) == 1:
-            self.emit(f"ret {whole} {values[0]}")
+            self.emit(f"ret {aggregate} {values[0]}")
             return
-        made = "poison"
+        result = "poison"
         for index, (value, t) in enumerate(zip(values, kinds, strict=True)):
-            made = self.make(f"insertvalue {whole} {made}, {self.out.names[t]} {value}, {index}")
-        self.emit(f"ret {whole} {made}")
+            result = self.define(
+                f"insertvalue {aggregate} {result}, {self.out.names[t]} {value}, {index}"
+            )
+        self.emit(f"ret {aggregate} {result}")
 
     # --- control --------------------------------------------------------------------------------
 
@@ -293,8 +298,8 @@ class _FunctionPrinter(_Printer):
 
     def any(self, mask: str) -> str:
         lanes = self.out.lanes
-        bits = self.make(f"bitcast {self.out.names[bool]} {mask} to i{lanes}")
-        return self.make(f"icmp ne i{lanes} {bits}, 0")
+        bits = self.define(f"bitcast {self.out.names[bool]} {mask} to i{lanes}")
+        return self.define(f"icmp ne i{lanes} {bits}, 0")
 
     def branch(self, condition: str, yes: str, no: str) -> None:
         self.emit(f"br i1 {condition}, label %{yes}, label %{no}")
@@ -303,19 +308,19 @@ class _FunctionPrinter(_Printer):
         self.emit(f"br label %{target}")
 
     def body(self, block: tree.Block) -> None:
-        """A block's statements; its hoisted variables start at zero."""
+        """Statements of a block; its hoisted variables start at zero."""
         outer, self.block = self.block, block
         for name, t in block.hoisted.items():
             self.declare(name, t)
-            for place, (_, leaf) in zip(self.places[name], leaves(t), strict=True):
-                self.store("zeroinitializer", place, leaf)
+            for pointer, (_, leaf) in zip(self.pointers[name], leaves(t), strict=True):
+                self.store("zeroinitializer", pointer, leaf)
         self.statements(block.statements)
         self.block = outer
 
     def statements(self, statements: Sequence[tree.Statement]) -> None:
         for index, statement in enumerate(statements):
             self.statement(statement)
-            if _may_leave(statement) and index + 1 < len(statements):
+            if _may_deactivate_lanes(statement) and index + 1 < len(statements):
                 rest, end = self.fresh("rest"), self.fresh("end")
                 self.branch(self.any(self.active()), rest, end)
                 self.label(rest)
@@ -353,109 +358,113 @@ class _FunctionPrinter(_Printer):
         self.store_leaves(
             values, self.results, self.function.result, mask if self.early_returns else None
         )
-        gone = self.operation("or", self.load(self.returned, bool), mask, bool)
-        self.store(gone, self.returned, bool)
+        returned = self.operation("or", self.load(self.returned, bool), mask, bool)
+        self.store(returned, self.returned, bool)
         self.store("zeroinitializer", self.mask, bool)
 
-    def store_leaves(self, values: Leaves, places: Sequence[str], t: Any, mask: str | None) -> None:
-        """Store a value of type t; where there is a mask, in its lanes alone."""
-        for place, value, (_, leaf) in zip(places, values, leaves(t), strict=True):
+    def store_leaves(
+        self, values: Leaves, pointers: Sequence[str], t: Any, mask: str | None
+    ) -> None:
+        """Store a value of type t, with a mask only in its lanes."""
+        for pointer, value, (_, leaf) in zip(pointers, values, leaves(t), strict=True):
             if mask is not None:
-                value = self.select(mask, value, self.load(place, leaf), leaf)
-            self.store(value, place, leaf)
+                value = self.select(mask, value, self.load(pointer, leaf), leaf)
+            self.store(value, pointer, leaf)
 
     @functools.cached_property
     def early_returns(self) -> bool:
-        """Whether some lanes may have their result before the last statement."""
-        return any(map(_may_leave, self.function.body.statements))
+        """Whether lanes may return before the last statement."""
+        return any(map(_may_deactivate_lanes, self.function.body.statements))
 
     def if_statement(self, node: tree.If) -> None:
         before = self.active()
         test = self.value(node.test)[0]
-        leaving = _may_leave(node)
+        deactivates = _may_deactivate_lanes(node)
         after: list[str] = []
         for block, lanes in ((node.body, test), (node.otherwise, None)):
-            if not block.statements and not leaving:
+            if not block.statements and not deactivates:
                 continue
-            mask = self.both(before, lanes or self.invert(test))
+            mask = self.and_masks(before, lanes or self.not_mask(test))
             self.store(mask, self.mask, bool)
             self.branch_body(block, mask)
             after.append(self.active())
-        if leaving:
+        if deactivates:
             before = self.operation("or", after[0], after[1], bool)
         self.store(before, self.mask, bool)
 
     def branch_body(self, block: tree.Block, mask: str) -> None:
-        if _cost(block) <= _CHEAP:
+        if _cost(block) <= _MAX_BRANCHLESS_COST:
             self.body(block)
             return
-        inside, past = self.fresh("then"), self.fresh("past")
-        self.branch(self.any(mask), inside, past)
-        self.label(inside)
+        body_label, end_label = self.fresh("then"), self.fresh("past")
+        self.branch(self.any(mask), body_label, end_label)
+        self.label(body_label)
         self.body(block)
-        self.jump(past)
-        self.label(past)
+        self.jump(end_label)
+        self.label(end_label)
 
     def for_statement(self, node: tree.For) -> None:
         start, stop = self.value(node.start)[0], self.value(node.stop)[0]
         if isinstance(node.start, tree.Literal):
-            # every lane counts alike: count once, so that what the counter indexes is uniform
+            # the counter is the same in all lanes: keep one scalar
             counter = f"%{self.fresh(node.name)}"
             self.entry_lines.append(f"  {counter} = alloca i32")
             self.emit(f"store i32 {int(node.start.value)}, ptr {counter}")
             self.counters[node.name] = counter
 
             def step() -> None:
-                now = self.make(f"load i32, ptr {counter}")
-                then = self.counted(now, node.step, "i32", "i32")
+                now = self.define(f"load i32, ptr {counter}")
+                then = self.increment(now, node.step, "i32", "i32")
                 self.emit(f"store i32 {then}, ptr {counter}")
         else:
-            place = self.variable(int, node.name)
-            self.places[node.name] = [place]
-            self.store(start, place, int)
+            pointer = self.variable(int, node.name)
+            self.pointers[node.name] = [pointer]
+            self.store(start, pointer, int)
 
             def step() -> None:
-                now, kind = self.load(place, int), self.out.names[int]
-                self.store(self.counted(now, node.step, kind, f"v{self.out.lanes}i32"), place, int)
+                now, kind = self.load(pointer, int), self.out.names[int]
+                self.store(
+                    self.increment(now, node.step, kind, f"v{self.out.lanes}i32"), pointer, int
+                )
 
         here = tree.Local(int, node.name)
         self.loop(lambda: self.compare("<", self.value(here)[0], stop, int), node.body, step)
         self.counters.pop(node.name, None)
 
-    def counted(self, now: str, step: int, kind: str, suffix: str) -> str:
-        """A counter's next value; steps that may pass the largest int stop there."""
+    def increment(self, now: str, step: int, kind: str, suffix: str) -> str:
+        """Next value of a counter, saturated at the largest int."""
         added = str(step) if kind == "i32" else self.out.constant(step, int)
         if step == 1:
-            return self.make(f"add {kind} {now}, {added}")
+            return self.define(f"add {kind} {now}, {added}")
         name = f"llvm.sadd.sat.{suffix}"
         self.out.declarations.add(f"declare {kind} @{name}({kind}, {kind})")
-        return self.make(f"call {kind} @{name}({kind} {now}, {kind} {added})")
+        return self.define(f"call {kind} @{name}({kind} {now}, {kind} {added})")
 
     def loop(self, test: Any, block: tree.Block, step: Any) -> None:
-        """Run a block while `test()` holds for any lane; `step()` ends each round."""
+        """Run a block while `test()` is true in any lane; `step()` ends each iteration."""
         before = self.active()
-        header, inside, past = self.fresh("loop"), self.fresh("body"), self.fresh("done")
+        header, body_label, end_label = self.fresh("loop"), self.fresh("body"), self.fresh("done")
         self.continued.append(self.variable(bool, "continued"))
         self.store("zeroinitializer", self.continued[-1], bool)
         self.jump(header)
         self.label(header)
-        mask = self.both(self.active(), test())
+        mask = self.and_masks(self.active(), test())
         self.store(mask, self.mask, bool)
-        self.branch(self.any(mask), inside, past)
-        self.label(inside)
+        self.branch(self.any(mask), body_label, end_label)
+        self.label(body_label)
         self.body(block)
         again = self.operation("or", self.active(), self.load(self.continued[-1], bool), bool)
         self.store(again, self.mask, bool)
         self.store("zeroinitializer", self.continued.pop(), bool)
         step()
         self.jump(header)
-        self.label(past)
+        self.label(end_label)
         if tree.contains(block, tree.Return):
-            before = self.both(before, self.invert(self.load(self.returned, bool)))
+            before = self.and_masks(before, self.not_mask(self.load(self.returned, bool)))
         self.store(before, self.mask, bool)
 
     def declare(self, name: str, t: Any) -> None:
-        self.places[name] = [self.variable(leaf, path) for path, leaf in leaves(t, name)]
+        self.pointers[name] = [self.variable(leaf, path) for path, leaf in leaves(t, name)]
         self.home[name] = self.block
 
     def assign(self, node: tree.Assign) -> None:
@@ -464,19 +473,19 @@ class _FunctionPrinter(_Printer):
             self.declare(node.name, node.value.type)
         own_block = self.home[node.name] is self.block
         mask = None if own_block else self.active()
-        self.store_leaves(values, self.places[node.name], node.value.type, mask)
+        self.store_leaves(values, self.pointers[node.name], node.value.type, mask)
 
     # --- expressions ----------------------------------------------------------------------------
 
     def value(self, node: tree.Expression) -> Leaves:
-        """The leaves of an expression."""
+        """Scalars of an expression."""
         match node:
             case tree.Literal(t, value):
                 return [self.out.constant(value, t)]
             case tree.Local(t, name):
                 return self.local(name, t)
             case tree.Unary(t, "not", operand):
-                return [self.invert(self.value(operand)[0])]
+                return [self.not_mask(self.value(operand)[0])]
             case tree.Unary(t, _, operand):
                 return [self.negate(v, _component(t)) for v in self.value(operand)]
             case tree.Binary():
@@ -488,9 +497,9 @@ class _FunctionPrinter(_Printer):
                 p, q = self.value(left)[0], self.value(right)[0]
                 return [self.operation(symbol, p, q, bool)]
             case tree.Select(t, test, then, otherwise):
-                chosen, a, b = map(self.value, (test, then, otherwise))
+                condition, a, b = map(self.value, (test, then, otherwise))
                 kinds = [leaf for _, leaf in leaves(t)]
-                return [self.select(chosen[0], *each) for each in zip(a, b, kinds, strict=True)]
+                return [self.select(condition[0], *args) for args in zip(a, b, kinds, strict=True)]
             case tree.Swizzle(_, operand, indices):
                 values = self.value(operand)
                 if operand.type is Mat3:
@@ -514,13 +523,13 @@ class _FunctionPrinter(_Printer):
 
     def local(self, name: str, t: Any) -> Leaves:
         if name in self.counters:
-            return [self.splat(self.make(f"load i32, ptr {self.counters[name]}"), int)]
+            return [self.splat(self.define(f"load i32, ptr {self.counters[name]}"), int)]
         kinds = [leaf for _, leaf in leaves(t)]
-        return [self.load(p, leaf) for p, leaf in zip(self.places[name], kinds, strict=True)]
+        return [self.load(p, leaf) for p, leaf in zip(self.pointers[name], kinds, strict=True)]
 
     def negate(self, value: str, t: type) -> str:
         if t is float:
-            return self.make(f"fneg {self.out.names[float]} {value}")
+            return self.define(f"fneg {self.out.names[float]} {value}")
         return self.operation("sub", "zeroinitializer", value, int)
 
     def member(self, operand: tree.Expression, name: str) -> Leaves:
@@ -545,17 +554,17 @@ class _FunctionPrinter(_Printer):
         return self.operation(_INT_OPERATION[symbol], a, b, int)
 
     def floor_division(self, a: str, b: str) -> tuple[str, str]:
-        """Quotient and remainder as Python has them; both 0 when dividing by 0."""
+        """Quotient and remainder rounded as in Python; both are 0 for a division by 0."""
         zero = self.compare("==", b, "zeroinitializer", int)
         minus_one = self.compare("==", b, self.out.constant(-1, int), int)
-        # lanes that the processor's division would trap on divide by 1
+        # lanes in which the processor's division would trap divide by 1
         trap = self.operation("or", zero, minus_one, bool)
         divisor = self.select(trap, self.out.constant(1, int), b, int)
         quotient = self.integer("sdiv", a, divisor)
         rest = self.integer("sub", a, self.integer("mul", quotient, divisor))
         uneven = self.compare("!=", rest, "zeroinitializer", int)
         signs = self.compare("<", self.integer("xor", rest, divisor), "zeroinitializer", int)
-        adjust = self.both(uneven, signs)
+        adjust = self.and_masks(uneven, signs)
         quotient = self.select(adjust, self.integer("sub", quotient, 1), quotient, int)
         rest = self.select(adjust, self.integer("add", rest, divisor), rest, int)
         quotient = self.select(minus_one, self.negate(a, int), quotient, int)
@@ -563,31 +572,33 @@ class _FunctionPrinter(_Printer):
         return self.select(zero, zeros, quotient, int), self.select(trap, zeros, rest, int)
 
     def transform(self, m: Leaves, v: Leaves) -> Leaves:
-        """Matrix times vector, columns added from the first on."""
+        """Matrix times vector; columns are added in order."""
         return [self.dot(m[row::3], v) for row in range(3)]
 
     def dot(self, a: Leaves, b: Leaves) -> str:
-        """The products added from the first on."""
+        """Dot product; products are added in order."""
         return self.sum([self.operation("fmul", x, y, float) for x, y in zip(a, b, strict=True)])
 
     def sum(self, terms: Leaves) -> str:
         return functools.reduce(lambda a, b: self.operation("fadd", a, b, float), terms)
 
     def call(self, name: str, t: Any, arguments: Sequence[tree.Expression]) -> Leaves:
-        """Call a function of the module, whose result is of type t, for the lanes at work."""
-        given = [f"{self.out.names[bool]} {self.active()}"]
+        """Call a function of the module, with a result of type t, for the active lanes."""
+        passed = [f"{self.out.names[bool]} {self.active()}"]
         for argument in arguments:
             if is_handle(argument.type):
-                given.append(f"ptr {self.handle(argument)}")
+                passed.append(f"ptr {self.handle(argument)}")
                 continue
             values = self.value(argument)
             types = self.out.vector(argument.type)
-            given.extend(f"{t} {v}" for t, v in zip(types, values, strict=True))
+            passed.extend(f"{t} {v}" for t, v in zip(types, values, strict=True))
         result = self.out.result(t)
-        whole = self.make(f"call fastcc {result} @{name}({', '.join(given)})")
+        aggregate = self.define(f"call fastcc {result} @{name}({', '.join(passed)})")
         if _width(t) == 1:
-            return [whole]
-        return [self.make(f"extractvalue {result} {whole}, {index}") for index in range(_width(t))]
+            return [aggregate]
+        return [
+            self.define(f"extractvalue {result} {aggregate}, {index}") for index in range(_width(t))
+        ]
 
     # --- resources ------------------------------------------------------------------------------
 
@@ -596,50 +607,50 @@ class _FunctionPrinter(_Printer):
         return self.handles[node.name]
 
     def header_word(self, handle: str, index: int) -> str:
-        """A 32-bit word of a resource's header, in every lane."""
-        place = self.make(f"getelementptr i32, ptr {handle}, i64 {index}")
-        return self.splat(self.make(f"load i32, ptr {place}, !invariant.load !0"), int)
+        """A 32-bit word of a resource header, in every lane."""
+        pointer = self.define(f"getelementptr i32, ptr {handle}, i64 {index}")
+        return self.splat(self.define(f"load i32, ptr {pointer}, !invariant.load !0"), int)
 
     def data(self, handle: str) -> str:
-        return self.make(f"load ptr, ptr {handle}, !invariant.load !0")
+        return self.define(f"load ptr, ptr {handle}, !invariant.load !0")
 
     def level(self, handle: str, level: str) -> dict[str, str]:
-        """The size and place of a level, held to the levels there are."""
+        """Size and offset of a level; the level is clamped to those of the map."""
         last = self.integer("sub", self.header_word(handle, 2), 1)
-        index = self.bounded("smin", self.bounded("smax", level, 0), last)
-        found = {}
-        for word, name in enumerate(("width", "height"), 4):
-            # each level is half the one before, which is cheaper worked out than looked up
-            halved = self.integer("lshr", self.header_word(handle, word), index)
-            found[name] = self.bounded("smax", halved, 1)
-        place = self.integer("add", index, _HEADER_WORDS)
-        found["first"] = self.assemble(self.gather(handle, place, "i32"), "i32")
-        found["stride"] = self.integer("add", found["width"], 2)
-        return found
+        index = self.int_bound("smin", self.int_bound("smax", level, 0), last)
+        info = {}
+        for field, name in enumerate(("width", "height"), 4):
+            # each level is half of the one before: a shift is cheaper than a load
+            halved = self.integer("lshr", self.header_word(handle, field), index)
+            info[name] = self.int_bound("smax", halved, 1)
+        word = self.integer("add", index, _HEADER_WORDS)
+        info["first"] = self.vector_of(self.gather(handle, word, "i32"), "i32")
+        info["stride"] = self.integer("add", info["width"], 2)
+        return info
 
-    def element(self, level: dict[str, str], cell: Leaves, beyond: int) -> str:
-        """The index of a cell's texel, held to −1 … count + beyond: the border is in memory."""
-        held = []
+    def element(self, level: dict[str, str], cell: Leaves, margin: int) -> str:
+        """Index of a cell's texel, clamped to −1 … count + margin; the border is in memory."""
+        position = []
         for c, count in zip(cell, (level["width"], level["height"]), strict=True):
-            most = self.integer("add", count, beyond)
-            held.append(self.bounded("smin", self.bounded("smax", c, -1), most))
-        index = self.integer("add", self.integer("mul", held[1], level["stride"]), held[0])
+            most = self.integer("add", count, margin)
+            position.append(self.int_bound("smin", self.int_bound("smax", c, -1), most))
+        index = self.integer("add", self.integer("mul", position[1], level["stride"]), position[0])
         return self.integer("add", index, level["first"])
 
     def item(self, record: Any, buffer: tree.Expression, index: str) -> Leaves:
         handle = self.handle(buffer)
         kinds = [leaf for _, leaf in leaves(record)]
-        # as unsigned numbers the smaller: keeps the index within memory, whatever it was
-        index = self.bounded("umin", index, self.header_word(handle, 3))
+        # an unsigned minimum, so that a negative index reads the last item too
+        index = self.int_bound("umin", index, self.header_word(handle, 3))
         first = self.integer("mul", index, len(kinds))
         base = self.data(handle)
         values = []
         for offset, t in enumerate(kinds):
-            place = self.integer("add", first, offset)
+            position = self.integer("add", first, offset)
             if t is float:
-                values.append(self.assemble(self.gather(base, place, "float"), "float"))
+                values.append(self.vector_of(self.gather(base, position, "float"), "float"))
                 continue
-            word = self.assemble(self.gather(base, place, "i32"), "i32")
+            word = self.vector_of(self.gather(base, position, "i32"), "i32")
             values.append(word if t is int else self.compare("!=", word, "zeroinitializer", int))
         return values
 
@@ -652,7 +663,7 @@ def _component(t: Any) -> type:
 
 
 def _spread(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Iterator[tuple[str, ...]]:
-    """The leaves of the arguments side by side, scalars repeated."""
+    """Scalars of the arguments, component by component, with scalars repeated."""
     columns = [p.value(a) for a in node.arguments]
     count = len(columns[0])
     return zip(*(c * (count // len(c)) for c in columns), strict=True)
@@ -666,11 +677,11 @@ def _maximum(p: _FunctionPrinter, a: str, b: str, t: type = float) -> str:
     return p.select(p.compare(">", b, a, t), b, a, t)
 
 
-def _held(p: _FunctionPrinter, x: str, low: str, high: str) -> str:
+def _clamp(p: _FunctionPrinter, x: str, low: str, high: str) -> str:
     return _minimum(p, _maximum(p, x, low), high)
 
 
-def _mixed(p: _FunctionPrinter, a: str, b: str, t: str) -> str:
+def _mix(p: _FunctionPrinter, a: str, b: str, t: str) -> str:
     rest = p.operation("fsub", p.out.constant(1.0, float), t, float)
     return p.sum([p.operation("fmul", a, rest, float), p.operation("fmul", b, t, float)])
 
@@ -679,13 +690,13 @@ def _fraction(p: _FunctionPrinter, x: str) -> str:
     return p.operation("fsub", x, p.lane_function("floor", x), float)
 
 
-def _each(one: Any) -> Any:
-    """An intrinsic that works on each component alone."""
-    return lambda p, node: [one(p, *arguments) for arguments in _spread(p, node)]
+def _componentwise(function: Any) -> Any:
+    """Intrinsic of one component of each argument, applied to all components."""
+    return lambda p, node: [function(p, *arguments) for arguments in _spread(p, node)]
 
 
-def _of_values(function: Any) -> Any:
-    """An intrinsic of the leaves of each argument."""
+def _of_leaves(function: Any) -> Any:
+    """Intrinsic of all scalars of each argument."""
     return lambda p, node: function(p, *map(p.value, node.arguments))
 
 
@@ -699,11 +710,11 @@ def _normalize(p: _FunctionPrinter, v: Leaves) -> Leaves:
 
 
 def _cross(p: _FunctionPrinter, a: Leaves, b: Leaves) -> Leaves:
-    def one(i: int, j: int) -> str:
+    def component(i: int, j: int) -> str:
         first = p.operation("fmul", a[i], b[j], float)
         return p.operation("fsub", first, p.operation("fmul", a[j], b[i], float), float)
 
-    return [one(1, 2), one(2, 0), one(0, 1)]
+    return [component(1, 2), component(2, 0), component(0, 1)]
 
 
 def _reflect(p: _FunctionPrinter, i: Leaves, n: Leaves) -> Leaves:
@@ -728,7 +739,7 @@ def _smoothstep(p: _FunctionPrinter, low: str, high: str, x: str) -> str:
 
 
 def _saturate(p: _FunctionPrinter, x: str) -> str:
-    return _held(p, x, p.out.constant(0.0, float), p.out.constant(1.0, float))
+    return _clamp(p, x, p.out.constant(0.0, float), p.out.constant(1.0, float))
 
 
 def _absolute(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
@@ -740,25 +751,25 @@ def _absolute(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _conversion(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    given = node.arguments[0].type
+    source_type = node.arguments[0].type
     x = p.value(node.arguments[0])[0]
-    if given is bool:
-        x = p.make(f"zext {p.out.names[bool]} {x} to {p.out.names[int]}")
-        given = int
-    if given is node.type:
+    if source_type is bool:
+        x = p.define(f"zext {p.out.names[bool]} {x} to {p.out.names[int]}")
+        source_type = int
+    if source_type is node.type:
         return [x]
     return [p.to_float(x) if node.type is float else p.to_int(x)]
 
 
-def _smaller_or_larger(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+def _min_or_max(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     a, b = p.value(node.arguments[0])[0], p.value(node.arguments[1])[0]
     choose = _minimum if node.name == "min" else _maximum
     return [choose(p, a, b, node.type)]
 
 
 def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    given, wanted = p.out.names[node.arguments[0].type], p.out.names[node.type]
-    return [p.make(f"bitcast {given} {p.value(node.arguments[0])[0]} to {wanted}")]
+    source, target = p.out.names[node.arguments[0].type], p.out.names[node.type]
+    return [p.define(f"bitcast {source} {p.value(node.arguments[0])[0]} to {target}")]
 
 
 def _elementary(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
@@ -776,60 +787,60 @@ def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """Two loads a lane, each of two neighbours."""
+    """Two 64-bit loads a lane, each of two adjacent texels."""
     handle = p.handle(node.arguments[0])
     cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
     index = p.element(level, cell, -1)
     below = p.integer("add", index, level["stride"])
     base = p.data(handle)
-    found = []
-    for place in (index, below):
-        pairs = p.gather(base, place, "i64", "float")
-        found += p.halves(pairs, "float")
-    return found
+    heights = []
+    for row in (index, below):
+        pairs = p.gather(base, row, "i64", "float")
+        heights += p.split_pairs(pairs, "float")
+    return heights
 
 
 def _texel(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """One 64-bit load a lane, four 16-bit channels unpacked from it."""
+    """One 64-bit load a lane, unpacked into four 16-bit channels."""
     handle = p.handle(node.arguments[0])
     cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
     index = p.element(level, cell, 0)
     channels = []
-    for word in p.halves(p.gather(p.data(handle), index, "i64", "i64"), "i32"):
+    for word in p.split_pairs(p.gather(p.data(handle), index, "i64", "i64"), "i32"):
         for bits in (p.integer("and", word, 0xFFFF), p.integer("lshr", word, 16)):
             channels.append(p.to_float(bits))
     return channels
 
 
 def _stored(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """As a texel of level 0."""
+    """A texel of level 0."""
     return _texel(
         p, tree.IntrinsicCall(node.type, "texel", (*node.arguments, tree.Literal(int, 0)))
     )
 
 
 _INTRINSICS: dict[str, Any] = {
-    "sqrt": _each(lambda p, x: p.lane_function("sqrt", x)),
-    "floor": _each(lambda p, x: p.lane_function("floor", x)),
-    "fract": _each(_fraction),
-    "minimum": _each(_minimum),
-    "maximum": _each(_maximum),
-    "clamp": _each(_held),
-    "saturate": _each(_saturate),
-    "mix": _each(_mixed),
-    "copysign": _each(lambda p, x, sign: p.lane_function("copysign", x, sign)),
-    "smoothstep": _each(_smoothstep),
-    "dot": _of_values(lambda p, a, b: [p.dot(a, b)]),
-    "length": _of_values(lambda p, v: [_length(p, v)]),
-    "normalize": _of_values(_normalize),
-    "cross": _of_values(_cross),
-    "reflect": _of_values(_reflect),
-    "transpose": _of_values(_transpose),
+    "sqrt": _componentwise(lambda p, x: p.lane_function("sqrt", x)),
+    "floor": _componentwise(lambda p, x: p.lane_function("floor", x)),
+    "fract": _componentwise(_fraction),
+    "minimum": _componentwise(_minimum),
+    "maximum": _componentwise(_maximum),
+    "clamp": _componentwise(_clamp),
+    "saturate": _componentwise(_saturate),
+    "mix": _componentwise(_mix),
+    "copysign": _componentwise(lambda p, x, sign: p.lane_function("copysign", x, sign)),
+    "smoothstep": _componentwise(_smoothstep),
+    "dot": _of_leaves(lambda p, a, b: [p.dot(a, b)]),
+    "length": _of_leaves(lambda p, v: [_length(p, v)]),
+    "normalize": _of_leaves(_normalize),
+    "cross": _of_leaves(_cross),
+    "reflect": _of_leaves(_reflect),
+    "transpose": _of_leaves(_transpose),
     "abs": _absolute,
-    "min": _smaller_or_larger,
-    "max": _smaller_or_larger,
+    "min": _min_or_max,
+    "max": _min_or_max,
     "float": _conversion,
     "int": _conversion,
     "float_bits": _reinterpret,
@@ -844,17 +855,17 @@ _INTRINSICS: dict[str, Any] = {
 }
 
 
-# --- costs and jumps -----------------------------------------------------------------------------
+# --- costs and exits -----------------------------------------------------------------------------
 
 
-def _may_leave(statement: tree.Statement) -> bool:
-    """Whether lanes may be gone after a statement that others come out of."""
+def _may_deactivate_lanes(statement: tree.Statement) -> bool:
+    """Whether some lanes may become inactive in a statement that contains others."""
     inner = not isinstance(statement, tree.Return | tree.Break | tree.Continue)
     return inner and tree.contains(tree.Block([statement]), tree.Return, tree.Break, tree.Continue)
 
 
 def _cost(block: tree.Block) -> int:
-    """Operations in a block; a call, a read or a loop makes it dear."""
+    """Estimated operations of a block; a call, a read or a loop makes it expensive."""
     total = 0
     for statement in block.statements:
         match statement:
@@ -863,7 +874,7 @@ def _cost(block: tree.Block) -> int:
             case tree.If(test=test, body=body, otherwise=otherwise):
                 total += _expression_cost(test) + _cost(body) + _cost(otherwise)
             case tree.For() | tree.While():
-                total += _CHEAP + 1
+                total += _MAX_BRANCHLESS_COST + 1
             case tree.Break() | tree.Continue():
                 pass
             case _:
@@ -872,7 +883,7 @@ def _cost(block: tree.Block) -> int:
 
 
 _FREE = {"float_bits", "bits_float", "transpose"}
-_DEAR = {*ELEMENTARY, "corners", "texel", "stored", "normalize"}
+_EXPENSIVE = {*ELEMENTARY, "corners", "texel", "stored", "normalize"}
 
 
 def _expression_cost(node: tree.Expression) -> int:
@@ -880,21 +891,23 @@ def _expression_cost(node: tree.Expression) -> int:
         case tree.Literal() | tree.Local():
             return 0
         case tree.Call() | tree.Item():
-            return _CHEAP + 1
+            return _MAX_BRANCHLESS_COST + 1
         case tree.Swizzle(operand=a) | tree.Member(operand=a):
             return _expression_cost(a)
         case tree.Construct(parts=parts):
             return sum(map(_expression_cost, parts))
         case tree.IntrinsicCall(name=name, arguments=arguments):
-            own = _CHEAP + 1 if name in _DEAR else 0 if name in _FREE else _width(node.type)
+            own = 0 if name in _FREE else _width(node.type)
+            if name in _EXPENSIVE:
+                own = _MAX_BRANCHLESS_COST + 1
             return own + sum(map(_expression_cost, arguments))
         case tree.Unary(operand=a):
             return 1 + _expression_cost(a)
         case tree.Select(test=a, then=b, otherwise=c):
             return _width(node.type) + sum(map(_expression_cost, (a, b, c)))
         case tree.Binary(left=a, right=b):
-            dear = 8 if node.operator in ("//", "%") else 1
-            return dear * _width(node.type) + _expression_cost(a) + _expression_cost(b)
+            weight = 8 if node.operator in ("//", "%") else 1
+            return weight * _width(node.type) + _expression_cost(a) + _expression_cost(b)
         case tree.Compare(left=a, right=b) | tree.Logic(left=a, right=b):
             return 1 + _expression_cost(a) + _expression_cost(b)
     raise AssertionError(node)
@@ -906,19 +919,19 @@ def _width(t: Any) -> int:
 
 # --- the entry -----------------------------------------------------------------------------------
 #
-# uniforms: the leaves of the entry's records, 32 bits each, in order.
-# resources: a pointer a handle, to a header: data pointer (8 bytes), then 32-bit words: how many
-# levels or items, the last item's index (0 for none), and four words a level: first element,
-# width, height, elements a row.
-# planes: a plane of 32-bit words for each leaf of the result, rows `row_stride` words apart.
+# uniforms: the scalars of the entry's records, 32 bits each, in order.
+# resources: a pointer for each handle, to a header. It has a data pointer (8 bytes), then 32-bit
+# words: the number of levels or items, the index of the last item (0 for none), and for a map the
+# width and height of level 0 and the offset of each level in elements.
+# planes: a plane of 32-bit words for each scalar of the result, rows `row_stride` words apart.
 
 _HEADER_WORDS = 6
 
 
-class _EntryPrinter(_Printer):
-    """The loop over pixels around the entry shader."""
+class _EntryPrinter(_InstructionPrinter):
+    """Prints the loop over pixels that calls the entry shader."""
 
-    def __init__(self, out: _Output, entry: tree.Function) -> None:
+    def __init__(self, out: _ModuleState, entry: tree.Function) -> None:
         super().__init__(out)
         self.entry = entry
 
@@ -926,26 +939,26 @@ class _EntryPrinter(_Printer):
         lanes = self.out.lanes
         names = self.out.names
         self.emit("%first = icmp slt i32 %first_row, %last_row")
-        given = self.arguments()
+        records = self.arguments()
         self.emit("br i1 %first, label %rows, label %leave")
         self.label("rows")
         self.emit("%y = phi i32 [%first_row, %start], [%next_y, %row_done]")
         y = self.splat("%y", int)
-        row = self.make("zext i32 %y to i64")
-        stride = self.make("zext i32 %row_stride to i64")
-        row_start = self.make(f"mul i64 {row}, {stride}")
+        row = self.define("zext i32 %y to i64")
+        stride = self.define("zext i32 %row_stride to i64")
+        row_start = self.define(f"mul i64 {row}, {stride}")
         self.emit("br label %pixels")
         self.label("pixels")
         self.emit("%x = phi i32 [0, %rows], [%next_x, %pixels]")
         counting = "<" + ", ".join(f"i32 {k}" for k in range(lanes)) + ">"
         x = self.integer("add", self.splat("%x", int), counting)
         mask = self.compare("<", x, self.splat("%width", int), int)
-        arguments = [f"{names[bool]} {mask}", f"{names[int]} {x}", f"{names[int]} {y}", *given]
+        arguments = [f"{names[bool]} {mask}", f"{names[int]} {x}", f"{names[int]} {y}", *records]
         result = self.out.result(self.entry.result)
-        whole = self.make(f"call fastcc {result} @{self.entry.name}({', '.join(arguments)})")
-        column = self.make("zext i32 %x to i64")
-        place = self.make(f"add i64 {row_start}, {column}")
-        self.store_planes(whole, result, place)
+        aggregate = self.define(f"call fastcc {result} @{self.entry.name}({', '.join(arguments)})")
+        column = self.define("zext i32 %x to i64")
+        position = self.define(f"add i64 {row_start}, {column}")
+        self.store_planes(aggregate, result, position)
         self.emit(f"%next_x = add i32 %x, {lanes}")
         self.emit("%more = icmp slt i32 %next_x, %width")
         self.emit("br i1 %more, label %pixels, label %row_done")
@@ -961,35 +974,35 @@ class _EntryPrinter(_Printer):
         return "\n".join([head, "start:", *self.lines, "leave:", "  ret void", "}", ""])
 
     def arguments(self) -> list[str]:
-        """The entry's records from the uniforms, and its handles; loaded once."""
-        given: list[str] = []
+        """Arguments of the entry: records from the uniforms, and handles; loaded once."""
+        passed: list[str] = []
         word = resource = 0
         for t in list(self.entry.parameters.values())[1:]:
             if is_handle(t):
-                slot = self.make(f"getelementptr ptr, ptr %resources, i64 {resource}")
-                given.append(f"ptr {self.make(f'load ptr, ptr {slot}')}")
+                slot = self.define(f"getelementptr ptr, ptr %resources, i64 {resource}")
+                passed.append(f"ptr {self.define(f'load ptr, ptr {slot}')}")
                 resource += 1
                 continue
             for _, leaf in leaves(t):
-                place = self.make(f"getelementptr i32, ptr %uniforms, i64 {word}")
+                pointer = self.define(f"getelementptr i32, ptr %uniforms, i64 {word}")
                 kind = "float" if leaf is float else "i32"
-                value = self.make(f"load {kind}, ptr {place}")
+                value = self.define(f"load {kind}, ptr {pointer}")
                 if leaf is bool:
-                    value = self.make(f"icmp ne i32 {value}, 0")
-                given.append(f"{self.out.names[leaf]} {self.splat(value, leaf)}")
+                    value = self.define(f"icmp ne i32 {value}, 0")
+                passed.append(f"{self.out.names[leaf]} {self.splat(value, leaf)}")
                 word += 1
-        return given
+        return passed
 
-    def store_planes(self, whole: str, result: str, place: str) -> None:
+    def store_planes(self, aggregate: str, result: str, position: str) -> None:
         kinds = [leaf for _, leaf in leaves(self.entry.result)]
         for index, t in enumerate(kinds):
-            value = whole
+            value = aggregate
             if len(kinds) > 1:
-                value = self.make(f"extractvalue {result} {whole}, {index}")
+                value = self.define(f"extractvalue {result} {aggregate}, {index}")
             if t is bool:
-                value = self.make(f"zext {self.out.names[bool]} {value} to {self.out.names[int]}")
-            skip = self.make(f"mul i64 %plane_stride, {index}")
-            offset = self.make(f"add i64 {place}, {skip}")
-            target = self.make(f"getelementptr i32, ptr %planes, i64 {offset}")
+                value = self.define(f"zext {self.out.names[bool]} {value} to {self.out.names[int]}")
+            skip = self.define(f"mul i64 %plane_stride, {index}")
+            offset = self.define(f"add i64 {position}, {skip}")
+            target = self.define(f"getelementptr i32, ptr %planes, i64 {offset}")
             kind = self.out.names[float if t is float else int]
             self.emit(f"store {kind} {value}, ptr {target}, align 4")

@@ -1,7 +1,7 @@
-"""A program: an entry shader, what its slots are bound to, and how its maps behave at their edges.
+"""A program: an entry shader, the bindings of its slots, and its static values.
 
-The entry's first parameter is the pixel, an `IVec2`; then come records (the uniforms) and resource
-handles; its result is a record, one plane of the picture for each of its leaves.
+The first parameter of the entry is the pixel, an `IVec2`; the others are records (the uniforms) and
+resource handles. The result is a record, with one plane of the picture for each scalar of it.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from basrelief.lang.resources import (
     Edge,
     Filter,
     buffer_record,
-    conditions_on,
-    flattened,
+    condition_fields,
+    flatten_parameters,
     members_of,
 )
-from basrelief.lang.shader import Shader, code_text
+from basrelief.lang.shader import Shader, canonical_code
 from basrelief.lang.types import (
     SCALARS,
     ShaderError,
@@ -37,49 +37,60 @@ from basrelief.lang.values import IVec2
 
 @dataclass(frozen=True)
 class Program:
-    """What an engine compiles and runs. Equal contents have equal `key`s."""
+    """Unit that an engine compiles and runs; programs with equal contents have equal `key`s.
+
+    Attributes
+    ----------
+    entry
+        The shader that runs for each pixel.
+    bindings
+        The shader bound to each slot.
+    edge, filter
+        The edge of all maps and the filter of all height fields.
+    variant
+        The value of the static record that the entry takes, None if it takes none.
+    """
 
     entry: Shader[..., Any]
     bindings: Mapping[Shader[..., Any], Shader[..., Any]] = field(default_factory=dict)
     edge: Edge = "wrap"
     filter: Filter = "sharp"
     variant: Any = None
-    """The value of the static record that the entry takes."""
 
     def __post_init__(self) -> None:
-        given, result = self.entry.signature
-        if next(iter(given.values()), None) is not IVec2 or not is_record(result):
+        parameters, result = self.entry.signature
+        if next(iter(parameters.values()), None) is not IVec2 or not is_record(result):
             raise ShaderError(
-                f"{self.entry.location}: the entry {self.entry.name} takes a pixel: IVec2 first "
-                "and returns a record"
+                f"{self.entry.location}: the entry {self.entry.name} must take a pixel: IVec2 "
+                "first and return a record"
             )
         self._check_parameters()
-        for name, t in given.items():
+        for name, t in parameters.items():
             if is_static(t) and not isinstance(self.variant, t):
                 raise ShaderError(
                     f"{self.entry.location}: the entry {self.entry.name} takes {name}: "
-                    f"{t.__name__}; give the program one as `variant`"
+                    f"{t.__name__}; pass one to Program as `variant`"
                 )
 
     def _check_parameters(self) -> None:
-        """Refuse what an engine could not tell apart: two lists of one record."""
+        """Raise ShaderError for two buffers of one record type."""
         seen: set[Any] = set()
         for name, t in self.parameters.items():
             record = buffer_record(t)
             if record is not None and record in seen:
                 raise ShaderError(
-                    f"{self.entry.location}: {name}: there is a Buffer[{record.__name__}] already; "
-                    "put what both hold into one"
+                    f"{self.entry.location}: {name}: there is already a Buffer[{record.__name__}]; "
+                    "merge the two"
                 )
             seen.add(record)
 
     @functools.cached_property
     def module(self) -> tree.Module:
-        """The typed tree; raises ShaderError where the source is outside the subset."""
-        return analyse(self.entry, self.bindings, self.known)
+        """The specialized typed tree. Raises ShaderError for source outside the subset."""
+        return analyse(self.entry, self.bindings, self.static_value)
 
-    def known(self, name: str) -> Any:
-        """What a static condition reads by name: of the program's maps, or of its variant."""
+    def static_value(self, name: str) -> Any:
+        """Value of a static field by its name, of the program's maps or of its variant."""
         match name:
             case "map.edge":
                 return self.edge
@@ -89,86 +100,86 @@ class Program:
 
     @functools.cached_property
     def parameters(self) -> dict[str, Any]:
-        """The entry's parameters after the pixel that an engine is given values for, with type
-        slots filled in."""
+        """Parameters of the entry after the pixel, for which an engine takes values; type slots are
+        replaced by their records."""
         types = bound_types(self.bindings)
-        given = dict(list(self.entry.signature[0].items())[1:])
-        return {name: types.get(t, t) for name, t in flattened(given).items()}
+        parameters = dict(list(self.entry.signature[0].items())[1:])
+        return {name: types.get(t, t) for name, t in flatten_parameters(parameters).items()}
 
     @property
     def planes(self) -> list[tuple[str, type]]:
-        """The leaves of the result: dotted name and type."""
+        """Planes of the picture, one for each scalar of the result: dotted name and type."""
         return list(leaves(self.entry.signature[1]))
 
     @functools.cached_property
     def key(self) -> str:
-        """A digest of all that the program is made of: code, numbers, types, bindings, and of the
-        variant what its shaders read."""
-        same = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
-        known = _keys.get(same)
-        if known is None or any(each.find(name) is not value for each, name, value in known.names):
+        """Digest of the program: code, numbers, types, bindings, and the fields of the variant that
+        its shaders read."""
+        identity = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
+        cached = _keys.get(identity)
+        if cached is None or any(s.find(name) is not value for s, name, value in cached.names):
             contents = _Contents(self)
             contents.visit(self.entry)
             digest = hashlib.sha256()
-            for part in contents.found:
+            for part in contents.parts:
                 digest.update(len(part).to_bytes(8, "little"))
                 digest.update(part)
-            known = _Key(digest.hexdigest(), contents.names)
-            if len(_keys) >= _MOST_KEYS:
+            cached = _Key(digest.hexdigest(), contents.names)
+            if len(_keys) >= _MAX_KEYS:
                 _keys.pop(next(iter(_keys)), None)
-            _keys[same] = known
-        return known.text
+            _keys[identity] = cached
+        return cached.text
 
 
 class _Key(NamedTuple):
-    """A program's key, and what the names in its shaders stood for."""
+    """Key of a program, and the values of the global names in its shaders."""
 
     text: str
     names: list[tuple[Shader[..., Any], str, Any]]
 
 
 _keys: dict[Any, _Key] = {}
-"""Keys by what programs are made of: a picture asks for them each time that it is drawn."""
-_MOST_KEYS = 256
+"""Keys by the contents of programs, cached because every picture reads them again."""
+_MAX_KEYS = 256
 
 
 class _Contents:
-    """Walks the shaders, numbers and records that a program can reach, in a fixed order."""
+    """Visits the shaders, numbers and records that a program can reach, in a fixed order."""
 
     def __init__(self, program: Program) -> None:
         self.program = program
         self.seen: dict[Any, int] = {}
-        self.found: list[bytes] = [program.edge.encode()]
+        self.parts: list[bytes] = [program.edge.encode()]
         self.names: list[tuple[Shader[..., Any], str, Any]] = []
 
     def visit(self, obj: Any) -> None:
         if isinstance(obj, Shader) or is_record(obj) or members_of(obj):
             if obj in self.seen:
-                self.found.append(f"the same as {self.seen[obj]}".encode())
+                self.parts.append(f"the same as {self.seen[obj]}".encode())
                 return
             self.seen[obj] = len(self.seen)
             if isinstance(obj, Shader):
                 self.shader(obj)
             elif members_of(obj):
                 for name, t in members_of(obj).items():
-                    self.found.append(name.encode())
+                    self.parts.append(name.encode())
                     self.visit(t)
             else:
                 self.record(obj)
         elif buffer_record(obj) is not None:
             self.visit(buffer_record(obj))
         elif is_type_slot(obj):
-            self.found.append(obj.__name__.encode())
+            self.parts.append(obj.__name__.encode())
         elif type(obj) in SCALARS:
-            self.found.append(repr(obj).encode())
+            self.parts.append(repr(obj).encode())
         else:
-            self.found.append(getattr(obj, "__name__", type(obj).__name__).encode())
+            self.parts.append(getattr(obj, "__name__", type(obj).__name__).encode())
 
     def shader(self, shader: Shader[..., Any]) -> None:
         parameters, result = shader.signature
-        self.found.append(shader.name.encode())
+        self.parts.append(shader.name.encode())
         for name, t in [*parameters.items(), ("return", result)]:
-            self.found.append(name.encode())
+            self.parts.append(name.encode())
             self.visit(t)
         if shader.is_slot:
             bound = self.program.bindings.get(shader)
@@ -177,24 +188,24 @@ class _Contents:
             self.visit(bound)
             return
         code = shader.function.__code__
-        for t in dict.fromkeys([*parameters.values(), *flattened(parameters).values()]):
-            for attribute, static in conditions_on(t).items():
-                # the field of another record may have the same name, and change the key in vain
+        for t in dict.fromkeys([*parameters.values(), *flatten_parameters(parameters).values()]):
+            for attribute, static in condition_fields(t).items():
+                # a field of another record with this name changes the key needlessly, no more
                 if attribute in code.co_names:
-                    value = self.program.known(static.name)
-                    self.found.append(f"{static.name} = {value!r}".encode())
-        self.found.append(code_text(code).encode())
+                    value = self.program.static_value(static.name)
+                    self.parts.append(f"{static.name} = {value!r}".encode())
+        self.parts.append(canonical_code(code).encode())
         for name in shader.names:
-            # None where it is unknown, which the front end reports
+            # None for an unknown name, which the front end reports
             value = shader.find(name)
             self.names.append((shader, name, value))
-            self.found.append(name.encode())
+            self.parts.append(name.encode())
             self.visit(value)
 
     def record(self, record: type) -> None:
-        self.found.append(record.__name__.encode())
+        self.parts.append(record.__name__.encode())
         for f in fields(record):
-            self.found.append(f.name.encode())
+            self.parts.append(f.name.encode())
             self.visit(fields_of(record)[f.name])
             if f.default is not MISSING:
-                self.found.append(repr(f.default).encode())
+                self.parts.append(repr(f.default).encode())

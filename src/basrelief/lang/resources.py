@@ -1,8 +1,8 @@
-"""Resource handles: the maps and lists that a program reads, as NumPy arrays.
+"""Resource handles: the maps and buffers that a program reads, as NumPy arrays.
 
-Shaders read them through intrinsics (`corners`, `texel`, `size`, `levels`) and, for a `Buffer`,
-through `len(buffer)` and `buffer[index]`. Engines take the arrays as they are. `@resources` makes
-a record of handles, which shaders pass on as one.
+Shaders read them by intrinsics (`corners`, `texel`, `size`, `levels`), and a `Buffer` by
+`len(buffer)` and `buffer[index]`. Engines use the arrays without conversion. `@resources` makes a
+group of handles, which shaders pass on as one.
 """
 
 from __future__ import annotations
@@ -34,29 +34,31 @@ _MEMBERS = "__members__"
 
 
 class Map:
-    """Levels of one map, the first the largest, each half of the one before, down to one texel.
+    """Map with mip levels: the largest first, each half the size of the one before, down to 1 × 1.
 
-    `edge` says what lies beyond the map; it is one for all maps of a program, so that shaders
-    branch on it as on a static record's field: `if map.edge == "wrap"`. A shader's parameter of
-    this type may be any map, and is there for that alone.
+    `edge` says how the map continues beyond its edges. It is the same for all maps of a program, so
+    shaders branch on it as on a static field: `if map.edge == "wrap"`. A shader parameter of this
+    type accepts any map, and is for such conditions only.
 
-    Levels are kept in one array, `stored`, each with a border of one texel around it, filled as the
-    edge says; `firsts` are the places of their texels (0, 0) in it. `levels` are views of it.
+    All levels are in one array, `storage`, each with a border of one texel that is filled according
+    to the edge; `offsets` are the indices of their texels (0, 0) in it. `levels` are views of it.
     """
 
     def __init__(self, levels: Sequence[NDArray[Any]], edge: Edge) -> None:
         if not levels:
-            raise ValueError("a map has at least one level")
+            raise ValueError("a map needs at least one level")
         if edge not in get_args(Edge):
-            raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
+            raise ValueError(f"edge is {edge!r}; use {' or '.join(get_args(Edge))}")
         self.edge: Edge = edge
         height, width = levels[0].shape[:2]
         for k, level in enumerate(levels):
             if level.shape[:2] != (max(height >> k, 1), max(width >> k, 1)):
-                raise ValueError(f"level {k} is {level.shape[:2]}; each is half of the one before")
+                raise ValueError(
+                    f"level {k} is {level.shape[:2]}; it must be half of the level before"
+                )
         count = sum((level.shape[0] + 2) * (level.shape[1] + 2) for level in levels)
-        self.stored = np.empty((count, *levels[0].shape[2:]), levels[0].dtype)
-        self.firsts: list[int] = []
+        self.storage = np.empty((count, *levels[0].shape[2:]), levels[0].dtype)
+        self.offsets: list[int] = []
         self._end = 0
         self.levels = tuple(self._store(level) for level in levels)
 
@@ -65,8 +67,8 @@ class Map:
         stride = width + 2
         start = self._end
         self._end += (height + 2) * stride
-        self.firsts.append(start + stride + 1)
-        block = self.stored[start : self._end].reshape(height + 2, stride, *level.shape[2:])
+        self.offsets.append(start + stride + 1)
+        block = self.storage[start : self._end].reshape(height + 2, stride, *level.shape[2:])
         block[1:-1, 1:-1] = level
         match self.edge:
             case "wrap":
@@ -81,27 +83,27 @@ class Map:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Height and width of the first level, in texels."""
+        """Height and width of level 0, in texels."""
         height, width = self.levels[0].shape[:2]
         return height, width
 
     def texel_index(self, x: int, y: int, level: int) -> tuple[int, int, int]:
-        """Level, row and column of the texel that a read lands on.
+        """Level, row and column of the texel that a read returns.
 
-        A map has a border of one texel, filled as its edge says: coordinates are held to
-        −1 … count, and −1 and count stand for the far side (wrap) or the near (clamp).
+        A map has a border of one texel: coordinates are clamped to −1 … count, where −1 and count
+        are the texels of the opposite side (wrap) or of the same side (clamp).
         """
         level = min(max(int(level), 0), len(self.levels) - 1)
         height, width = self.levels[level].shape[:2]
-        return level, self._beside(int(y), height), self._beside(int(x), width)
+        return level, self._border_index(int(y), height), self._border_index(int(x), width)
 
-    def _beside(self, index: int, count: int) -> int:
-        held = min(max(index, -1), count)
+    def _border_index(self, index: int, count: int) -> int:
+        clamped = min(max(index, -1), count)
         match self.edge:
             case "wrap":
-                return held % count
+                return clamped % count
             case "clamp":
-                return min(max(held, 0), count - 1)
+                return min(max(clamped, 0), count - 1)
             case _:
                 assert_never(self.edge)
 
@@ -109,8 +111,8 @@ class Map:
 class HeightField(Map):
     """Heights, 0 to 1, as float32: levels of shape (H, W).
 
-    `filter` says how the shaders of `techniques.height` read them; static too. A program has its
-    own, a field's is for shaders that run as plain Python.
+    `filter` says how the shaders of `techniques.height` read them, and is static too. A compiled
+    program has a filter of its own; the field's is for shaders that run as plain Python.
     """
 
     def __init__(
@@ -119,11 +121,11 @@ class HeightField(Map):
         super().__init__([np.asarray(level, np.float32) for level in levels], edge)
         self.filter: Filter = filter
 
-    def filtered(self, filter: Filter) -> HeightField:
-        """The same heights, to be read in another way."""
-        made = copy.copy(self)
-        made.filter = filter
-        return made
+    def with_filter(self, filter: Filter) -> HeightField:
+        """The same heights with another filter."""
+        field = copy.copy(self)
+        field.filter = filter
+        return field
 
 
 class Texture(Map):
@@ -136,15 +138,15 @@ class Texture(Map):
 
 
 class Buffer(Generic[_T]):
-    """A list of records of one type; a program has at most one buffer of each record type.
+    """List of records of one type; a program has at most one buffer for each record type.
 
-    An index that is outside it reads the last item; an empty one reads as zeros.
+    An index outside it reads the last item; an empty buffer reads zeros.
     """
 
     def __init__(self, items: Sequence[_T], record: type[_T] | None = None) -> None:
         if record is None:
             if not items:
-                raise ValueError("an empty buffer must be told its record type")
+                raise ValueError("an empty buffer needs the argument record")
             record = type(items[0])
         self.items = tuple(items)
         self.record: type[_T] = record
@@ -171,13 +173,13 @@ _STATIC_FIELDS: dict[Any, dict[str, StaticField]] = {
 }
 
 
-def conditions_on(t: Any) -> Mapping[str, StaticField]:
-    """What static conditions on a parameter of type t can read: of a map or a static record."""
+def condition_fields(t: Any) -> Mapping[str, StaticField]:
+    """Fields of a map or static record of type t that static conditions can read, by name."""
     return static_fields(t) if is_static(t) else _STATIC_FIELDS.get(t, {})
 
 
 def is_erased(t: Any) -> bool:
-    """Whether a parameter of type t is for static conditions alone, and nothing in a program."""
+    """Whether a parameter of type t is for static conditions only, and absent from a program."""
     return t is Map or is_static(t)
 
 
@@ -188,41 +190,46 @@ def is_handle(t: Any) -> bool:
 
 @dataclass_transform(frozen_default=True)
 def resources(cls: type[_T]) -> type[_T]:
-    """Make a group of resource handles: a shader takes it as one parameter and names its members,
-    as `maps.normal`; a program has each member by itself, as `maps_normal`.
+    """Class decorator: a group of resource handles.
 
-    Raises ShaderError for a field that is no handle.
+    A shader takes the group as one parameter and names its members, as in `maps.normal`. In a
+    program each member is a parameter of its own, as `maps_normal`.
+
+    Raises
+    ------
+    ShaderError
+        For a field that is not a handle.
     """
-    made: Any = dataclasses.dataclass(frozen=True)(cls)
-    members = typing.get_type_hints(made)
+    group: Any = dataclasses.dataclass(frozen=True)(cls)
+    members = typing.get_type_hints(group)
     for name, t in members.items():
         if not is_handle(t):
             raise ShaderError(
                 f"{cls.__module__}: {cls.__name__}.{name}: a group of resources holds handles: "
                 "HeightField, Texture or Buffer"
             )
-    setattr(made, _MEMBERS, members)
-    return made
+    setattr(group, _MEMBERS, members)
+    return group
 
 
 def members_of(t: Any) -> Mapping[str, Any]:
-    """The members of a group of resources, with their types; none of anything else."""
+    """Members of a group of resources by name, with their types; empty for other types."""
     return vars(t).get(_MEMBERS, {}) if isinstance(t, type) else {}
 
 
-def flat_names(name: str, t: Any) -> dict[str, Any]:
-    """A parameter as a program has it: each member of a group by itself, what is erased not."""
+def flatten_parameter(name: str, t: Any) -> dict[str, Any]:
+    """Parameters of a program for one of a shader: the members of a group, none if it is erased."""
     if is_erased(t):
         return {}
     members = members_of(t)
-    return {f"{name}_{each}": kind for each, kind in members.items()} or {name: t}
+    return {f"{name}_{member}": kind for member, kind in members.items()} or {name: t}
 
 
-def flattened(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """All parameters of a shader as a program has them."""
-    return {k: v for name, t in parameters.items() for k, v in flat_names(name, t).items()}
+def flatten_parameters(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters of a program for all parameters of a shader."""
+    return {k: v for name, t in parameters.items() for k, v in flatten_parameter(name, t).items()}
 
 
 def buffer_record(t: Any) -> type | None:
-    """The record type of a `Buffer[Record]` annotation, else None."""
+    """Record type of a `Buffer[Record]` annotation, None for other types."""
     return t.__args__[0] if getattr(t, "__origin__", None) is Buffer else None

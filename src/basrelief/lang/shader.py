@@ -1,7 +1,7 @@
-"""`@shader` and `@slot`: a Python function as a shader, run as it stands or handed to a printer.
+"""`@shader` and `@slot`: Python functions as shaders, run as plain Python or compiled.
 
-Called from Python, a shader runs as the function it is, in the file it is in, so a breakpoint
-stops in it; only its literals and conversions are made 32 bits wide, since Python's own are not.
+Called from Python, a shader runs as its own function in its own file, so that breakpoints work.
+Only its literals and conversions are rewritten to 32 bits, which Python's own are not.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from basrelief.lang.types import ShaderError, coerce, is_record, is_type_slot
 
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
-_running = threading.local()
+_context = threading.local()
 _LOAD_GLOBAL, _EXTENDED = dis.opmap["LOAD_GLOBAL"], dis.opmap["EXTENDED_ARG"]
 
 
 class Shader(Generic[P, R]):
-    """A function of the shader subset. Call it as a plain function, or compile a program of it."""
+    """Function of the shader subset: call it as a plain function, or compile a program of it."""
 
     def __init__(self, function: Callable[P, R], *, is_slot: bool = False) -> None:
         self.function = function
         self.name: str = function.__name__
         self.is_slot = is_slot
-        self.typed: Any = None
-        """What the front end found, kept for the next program."""
+        self.analysis: Any = None
+        """Result of the front end, cached for other programs."""
         functools.update_wrapper(self, function)
 
     def __repr__(self) -> str:
@@ -75,7 +75,7 @@ class Shader(Generic[P, R]):
         return f"{code.co_filename}:{code.co_firstlineno}"
 
     def lookup(self, name: str) -> Any:
-        """What a global or enclosing name stands for; raises KeyError where it is unknown."""
+        """Value of a global or enclosing name. Raises KeyError for an unknown one."""
         enclosing = self.function.__code__.co_freevars
         if name in enclosing:
             try:
@@ -87,7 +87,7 @@ class Shader(Generic[P, R]):
         return vars(__import__("builtins"))[name]
 
     def find(self, name: str) -> Any:
-        """What a name stands for, None where it is unknown."""
+        """Value of a global or enclosing name, None for an unknown one."""
         try:
             return self.lookup(name)
         except KeyError:
@@ -95,104 +95,104 @@ class Shader(Generic[P, R]):
 
     @functools.cached_property
     def names(self) -> tuple[str, ...]:
-        """The global and enclosing names that the function reads."""
+        """Global and enclosing names that the function reads."""
         code = self.function.__code__
-        found: dict[str, None] = {}
+        read: dict[str, None] = {}
         # `dis.get_instructions` takes a third of a millisecond, and there are a hundred shaders
         high = 0
         for operation, low in zip(code.co_code[::2], code.co_code[1::2], strict=True):
             if operation == _LOAD_GLOBAL:
-                found[code.co_names[(high | low) >> 1]] = None
+                read[code.co_names[(high | low) >> 1]] = None
             high = (high | low) << 8 if operation == _EXTENDED else 0
-        return (*found, *code.co_freevars)
+        return (*read, *code.co_freevars)
 
     @property
-    def _plain(self) -> Callable[..., Any]:
-        """The function in 32 bits, made anew where a number that it names has changed."""
-        made, numbers = self._made
-        if any(self.find(name) is not value for name, value in numbers.items()):
-            del self._made
-            made, _ = self._made
-        return made
+    def _function_32_bit(self) -> Callable[..., Any]:
+        """The function in 32 bits, rewritten again when a number that it reads has changed."""
+        function, captured = self._rewritten
+        if any(self.find(name) is not value for name, value in captured.items()):
+            del self._rewritten
+            function, _ = self._rewritten
+        return function
 
     @functools.cached_property
-    def _made(self) -> tuple[Callable[..., Any], dict[str, Any]]:
-        return _as_32_bits(self)
+    def _rewritten(self) -> tuple[Callable[..., Any], dict[str, Any]]:
+        return _rewrite_in_32_bits(self)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
-        watch = getattr(_running, "watch", None)
+        watch = getattr(_context, "watch", None)
         if watch is None:
             return self._run(*args, **kwargs)
-        given = inspect.signature(self.function).bind(*args, **kwargs).arguments
-        return watch(self, given, lambda: self._run(*args, **kwargs))
+        arguments = inspect.signature(self.function).bind(*args, **kwargs).arguments
+        return watch(self, arguments, lambda: self._run(*args, **kwargs))
 
     def _run(self, *args: Any, **kwargs: Any) -> R:
         if self.is_slot:
-            bound = getattr(_running, "bindings", {}).get(self)
+            bound = getattr(_context, "bindings", {}).get(self)
             if bound is None:
                 raise ShaderError(f"the slot {self.name} is not bound; use `with bound({{...}})`")
-            taken = taken_parameters(self, bound)
-            if taken is None or len(taken) == len(self.signature[0]):
+            accepted = accepted_parameters(self, bound)
+            if accepted is None or len(accepted) == len(self.signature[0]):
                 return bound(*args, **kwargs)
             named = inspect.signature(self.function).bind(*args, **kwargs).arguments
-            return bound(*(named[name] for name in taken))
-        if getattr(_running, "inside", False):
-            return self._plain(*args, **kwargs)
-        given = inspect.signature(self.function).bind(*args, **kwargs)
-        given.apply_defaults()
+            return bound(*(named[name] for name in accepted))
+        if getattr(_context, "inside", False):
+            return self._function_32_bit(*args, **kwargs)
+        arguments = inspect.signature(self.function).bind(*args, **kwargs)
+        arguments.apply_defaults()
         types, _ = self.signature
-        values = [coerce(value, types[name]) for name, value in given.arguments.items()]
-        _running.inside = True
+        values = [coerce(value, types[name]) for name, value in arguments.arguments.items()]
+        _context.inside = True
         try:
             with np.errstate(all="ignore"):
-                return self._plain(*values)
+                return self._function_32_bit(*values)
         finally:
-            _running.inside = False
+            _context.inside = False
 
 
 def shader(function: Callable[P, R]) -> Shader[P, R]:
-    """Make a function of the shader subset a shader."""
+    """Make a shader of a function in the shader subset."""
     return Shader(function)
 
 
 def slot(function: Callable[P, R]) -> Shader[P, R]:
-    """Declare a shader whose body is chosen when a program is made; the body here is `...`."""
+    """Declare a shader whose body is bound when a program is made; the body here is `...`."""
     return Shader(function, is_slot=True)
 
 
 @functools.lru_cache(maxsize=1024)
-def taken_parameters(slot: Shader[..., Any], shader: Shader[..., Any]) -> tuple[str, ...] | None:
-    """The parameters of a slot that a shader bound to it takes, in order; None where it cannot fit.
+def accepted_parameters(slot: Shader[..., Any], shader: Shader[..., Any]) -> tuple[str, ...] | None:
+    """Parameters of a slot that a bound shader accepts, in order; None where it does not fit.
 
-    They are matched by type, and some may be left out. A type slot stands for any record.
+    Parameters match by type; the shader may omit some. A type slot matches any record.
     """
     offered = iter(slot.signature[0].items())
-    taken = []
-    for wanted in shader.signature[0].values():
-        name = next((name for name, t in offered if _stands_for(t, wanted)), None)
+    accepted = []
+    for parameter_type in shader.signature[0].values():
+        name = next((name for name, t in offered if _matches(t, parameter_type)), None)
         if name is None:
             return None
-        taken.append(name)
-    # nothing but the shader says what a type slot is
-    left_out = set(slot.signature[0]) - set(taken)
-    if any(is_type_slot(slot.signature[0][name]) for name in left_out):
+        accepted.append(name)
+    # only the shader decides the type of a type slot, so it may not omit it
+    omitted = set(slot.signature[0]) - set(accepted)
+    if any(is_type_slot(slot.signature[0][name]) for name in omitted):
         return None
-    return tuple(taken)
+    return tuple(accepted)
 
 
-def _stands_for(offered: Any, wanted: Any) -> bool:
-    return offered == wanted or (is_type_slot(offered) and is_record(wanted))
+def _matches(offered: Any, parameter_type: Any) -> bool:
+    return offered == parameter_type or (is_type_slot(offered) and is_record(parameter_type))
 
 
 @contextlib.contextmanager
 def bound(bindings: Mapping[Shader[..., Any], Shader[..., Any]]) -> Iterator[None]:
-    """Bind slots for shaders called as plain Python within the `with` block, in this thread."""
-    before = getattr(_running, "bindings", {})
-    _running.bindings = {**before, **bindings}
+    """Bind slots for shaders called as plain Python in the `with` block, in this thread."""
+    before = getattr(_context, "bindings", {})
+    _context.bindings = {**before, **bindings}
     try:
         yield
     finally:
-        _running.bindings = before
+        _context.bindings = before
 
 
 Watch = Callable[[Shader[..., Any], Mapping[str, Any], Callable[[], Any]], Any]
@@ -200,25 +200,25 @@ Watch = Callable[[Shader[..., Any], Mapping[str, Any], Callable[[], Any]], Any]
 
 @contextlib.contextmanager
 def watched(watch: Watch) -> Iterator[None]:
-    """Let `watch(shader, arguments, run)` stand around each call of a shader as plain Python.
+    """Wrap each call of a shader as plain Python in `watch(shader, arguments, run)`.
 
-    It is given the arguments by name, and `run`, whose result it returns. For this thread, within
-    the `with` block.
+    `watch` receives the arguments by name and calls `run()` for the result, which it returns. Holds
+    in the `with` block, for this thread.
     """
-    before = getattr(_running, "watch", None)
-    _running.watch = watch
+    before = getattr(_context, "watch", None)
+    _context.watch = watch
     try:
         yield
     finally:
-        _running.watch = before
+        _context.watch = before
 
 
 class Source:
-    """A function's syntax tree, its comments, and how to point at a place in it."""
+    """Syntax tree of a function, with its file, lines and comments."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         code = function.__code__
-        self.file, self.first = code.co_filename, code.co_firstlineno
+        self.file, self.first_line = code.co_filename, code.co_firstlineno
         linecache.checkcache(self.file)
         self.lines = linecache.getlines(self.file, function.__globals__)
         if not self.lines:
@@ -226,86 +226,88 @@ class Source:
                 f"{self.file}: {function.__name__}: its source is not available; "
                 "write shaders in a file or a notebook cell"
             )
-        parsed = _parsed("".join(self.lines))
-        place = code.co_name, self.first
-        if code_text(code) not in parsed.code.get(place, ()):
+        file = _parse_file("".join(self.lines))
+        place = code.co_name, self.first_line
+        if canonical_code(code) not in file.code.get(place, ()):
             raise ShaderError(
                 f"{self.file}: {function.__name__}: the file has changed since it was loaded; "
-                "load it anew"
+                "load it again"
             )
-        if place not in parsed.functions:
-            what = self.lines[self.first - 1].strip()
-            raise ShaderError(f"{self.file}:{self.first}: `{what}`: a shader is a plain `def`")
-        self.tree = parsed.functions[place]
+        if place not in file.functions:
+            text = self.lines[self.first_line - 1].strip()
+            raise ShaderError(
+                f"{self.file}:{self.first_line}: `{text}`: a shader must be a plain `def`"
+            )
+        self.tree = file.functions[place]
 
     def comments_before(self, line: int) -> tuple[str, ...]:
-        """The comment lines that stand directly above a line of the file."""
-        found: list[str] = []
+        """Comment lines directly above a line of the file."""
+        comments: list[str] = []
         index = line - 2
         while index >= 0 and self.lines[index].strip().startswith("#"):
-            found.insert(0, self.lines[index].strip().lstrip("# "))
+            comments.insert(0, self.lines[index].strip().lstrip("# "))
             index -= 1
-        return tuple(found)
+        return tuple(comments)
 
     def error(self, node: ast.AST, message: str) -> ShaderError:
-        """An error that names the file, the line and the text of a node."""
-        line = getattr(node, "lineno", self.first)
+        """Error with the file, the line and the text of a node."""
+        line = getattr(node, "lineno", self.first_line)
         text = ast.unparse(node).splitlines()[0]
         return ShaderError(f"{self.file}:{line}: `{text}`: {message}")
 
 
-class _Parsed(NamedTuple):
-    """The functions of a file by name and first line, decorators included: their syntax trees, and
-    what the code of all that stands there does."""
+class _ParsedFile(NamedTuple):
+    """Functions of a file by name and first line (decorators included): syntax trees, and the
+    canonical code of everything that starts there."""
 
     functions: dict[tuple[str, int], ast.FunctionDef]
     code: dict[tuple[str, int], list[str]]
 
 
 @functools.lru_cache(maxsize=64)
-def _parsed(text: str) -> _Parsed:
-    found = _Parsed({}, {})
+def _parse_file(text: str) -> _ParsedFile:
+    file = _ParsedFile({}, {})
     try:
         tree = ast.parse(text)
         # a cell of a notebook may await something
         flags = ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
-        left = [compile(tree, "", "exec", flags, dont_inherit=True)]
+        pending = [compile(tree, "", "exec", flags, dont_inherit=True)]
     except (SyntaxError, ValueError):
-        return found
+        return file
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
-            first = min([node.lineno, *(each.lineno for each in node.decorator_list)])
-            found.functions[node.name, first] = node
-    while left:
-        code = left.pop()
-        found.code.setdefault((code.co_name, code.co_firstlineno), []).append(code_text(code))
-        left += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
-    return found
+            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            file.functions[node.name, first] = node
+    while pending:
+        code = pending.pop()
+        file.code.setdefault((code.co_name, code.co_firstlineno), []).append(canonical_code(code))
+        pending += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+    return file
 
 
-def code_text(code: CodeType) -> str:
-    """What code does, without files and lines, so that moving a file changes no key.
+def canonical_code(code: CodeType) -> str:
+    """Text of a code object without files and lines, so that moving a file changes no key.
 
-    Not `marshal`, whose bytes depend on how often objects are referred to in this process.
+    Not `marshal`: its bytes depend on the reference counts of objects in this process.
     """
-    within = [code_text(each) if isinstance(each, CodeType) else each for each in code.co_consts]
-    parts = (code.co_code, within, code.co_names, code.co_varnames, code.co_freevars)
+    constants = [canonical_code(c) if isinstance(c, CodeType) else c for c in code.co_consts]
+    parts = (code.co_code, constants, code.co_names, code.co_varnames, code.co_freevars)
     return repr(parts)
 
 
-def _as_32_bits(shader_: Shader[..., Any]) -> tuple[Callable[..., Any], dict[str, Any]]:
-    """The same function with literals, conversions and loop counters 32 bits wide.
+def _rewrite_in_32_bits(shader_: Shader[..., Any]) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """The function with 32-bit literals, conversions and loop counters, and its captured values.
 
-    And what is put into it, by name: the numbers that it names, and all that encloses it.
+    The values are those of the numbers and enclosing variables that it reads, by name.
     """
     source = shader_.source
-    rewriting = _Rewriting(shader_)
-    body = rewriting.visit(copy.deepcopy(source.tree))
+    rewriter = _Rewriter(shader_)
+    body = rewriter.visit(copy.deepcopy(source.tree))
     body.decorator_list = []
     body.returns = None
     for argument in body.args.args:
         argument.annotation = None
-    names = list(rewriting.captured)
+    names = list(rewriter.captured)
     factory = ast.FunctionDef(
         name="_factory",
         args=ast.arguments([], [ast.arg(name) for name in names], None, [], [], None, []),
@@ -317,17 +319,17 @@ def _as_32_bits(shader_: Shader[..., Any]) -> tuple[Callable[..., Any], dict[str
     module = ast.fix_missing_locations(ast.Module([factory], []))
     scope: dict[str, Any] = {}
     exec(compile(module, source.file, "exec"), shader_.function.__globals__, scope)
-    made: Callable[..., Any] = scope["_factory"](*rewriting.captured.values())
-    made.__defaults__ = shader_.function.__defaults__
-    return made, rewriting.numbers
+    function: Callable[..., Any] = scope["_factory"](*rewriter.captured.values())
+    function.__defaults__ = shader_.function.__defaults__
+    return function, rewriter.numbers
 
 
 def _int_range(*bounds: Any) -> Iterator[Any]:
     return map(np.int32, range(*map(int, bounds)))
 
 
-class _Rewriting(ast.NodeTransformer):
-    """Numbers become captured float32 and int32 values; `float`, `int`, `range` … our own."""
+class _Rewriter(ast.NodeTransformer):
+    """Replaces numbers by captured 32-bit values, and `float`, `int`, `range` … by our own."""
 
     def __init__(self, shader_: Shader[..., Any]) -> None:
         self.shader = shader_
@@ -341,9 +343,9 @@ class _Rewriting(ast.NodeTransformer):
 
     def _number(self, value: Any, node: ast.AST) -> ast.AST:
         if isinstance(value, int) and not -(2**31) <= value < 2**31:
-            raise self.shader.source.error(node, "an int has 32 bits; this number has more")
-        wide = np.float32(value) if isinstance(value, float) else np.int32(value)
-        return self._capture(f"_number_{len(self.captured)}", wide, node)
+            raise self.shader.source.error(node, "an int has 32 bits; this number needs more")
+        scalar = np.float32(value) if isinstance(value, float) else np.int32(value)
+        return self._capture(f"_number_{len(self.captured)}", scalar, node)
 
     def visit_Constant(self, node: ast.Constant) -> ast.AST:
         return self._number(node.value, node) if type(node.value) in (float, int) else node
@@ -360,7 +362,7 @@ class _Rewriting(ast.NodeTransformer):
             return self._number(value, node)
         if value is range:
             return self._capture("_range", _int_range, node)
-        if any(value is known for known in (float, int, len, min, max)):
+        if any(value is builtin for builtin in (float, int, len, min, max)):
             return self._capture(f"_{node.id}", INTRINSICS[node.id].python, node)
         if node.id in self.shader.function.__code__.co_freevars:
             self.numbers[node.id] = value

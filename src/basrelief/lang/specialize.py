@@ -1,7 +1,7 @@
-"""Typed shaders → the functions of one program: slots bound, static conditions decided.
+"""Specialization: typed shaders → the functions of one program.
 
-What nothing reads any more is left out: statements, locals, parameters, and the functions that only
-they need. A program without heights has no trace of them.
+Slots are bound and static conditions decided. Dead code is removed: statements, locals and
+parameters that nothing reads, and the functions that only they call.
 """
 
 from __future__ import annotations
@@ -10,74 +10,74 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from basrelief.lang import tree
-from basrelief.lang.resources import flat_names, flattened
-from basrelief.lang.shader import Shader, taken_parameters
+from basrelief.lang.resources import flatten_parameter, flatten_parameters
+from basrelief.lang.shader import Shader, accepted_parameters
 from basrelief.lang.types import ShaderError, is_type_slot
 
 Functions = Mapping[Shader[..., Any], tree.Function]
-Path = tuple[tree.Block, ...]
-"""A block, the last, and those around it."""
+BlockPath = tuple[tree.Block, ...]
+"""A block, last, preceded by the blocks around it, outermost first."""
 
 
-def specialized(
+def specialize(
     entry: Shader[..., Any],
     functions: Functions,
     bindings: Mapping[Shader[..., Any], Shader[..., Any]],
     types: Mapping[type, Any],
-    known: Callable[[str], Any],
+    static_value: Callable[[str], Any],
 ) -> tree.Module:
-    """The program of an entry, of the typed functions that it can reach, callees first.
+    """Program of an entry, from the typed functions that it can reach, callees first.
 
-    `types` are those that type slots stand for; `known` gives what conditions read by name.
+    `types` are the types of type slots; `static_value` gives the value of a static field by name.
     """
-    made = _Program(functions, bindings, types, known)
-    function = made.function(entry, entry=True)
-    # by name, each clear of those before
-    found = [made.done[shader] for shader in functions if shader in made.done]
+    specializer = _Specializer(functions, bindings, types, static_value)
+    entry_function = specializer.function(entry, entry=True)
+    results = [specializer.results[s] for s in functions if s in specializer.results]
+    # make names unique
     names: set[str] = set()
-    for each in found:
-        name, number = each.name, 2
-        while each.name in names:
-            each.name = f"{name}_{number}"
+    for function in results:
+        name, number = function.name, 2
+        while function.name in names:
+            function.name = f"{name}_{number}"
             number += 1
-        names.add(each.name)
-    return tree.Module(found, function)
+        names.add(function.name)
+    return tree.Module(results, entry_function)
 
 
-def unspecialized(functions: Functions) -> dict[Shader[..., Any], tree.Function]:
-    """The same functions with slots, type slots, static conditions and all parameters kept."""
-    made = _Library(functions, {}, {}, lambda name: None)
-    return {shader: made.function(shader) for shader in functions}
+def library_functions(functions: Functions) -> dict[Shader[..., Any], tree.Function]:
+    """The same functions with their slots, type slots, static conditions and parameters."""
+    specializer = _LibrarySpecializer(functions, {}, {}, lambda name: None)
+    return {shader: specializer.function(shader) for shader in functions}
 
 
-class _Program:
-    """The functions of a program, made as calls ask for them."""
+class _Specializer:
+    """The functions of a program, specialized on their first call."""
 
-    keeps_all = False
+    keeps_everything = False
 
     def __init__(
         self,
         functions: Functions,
         bindings: Mapping[Shader[..., Any], Shader[..., Any]],
         types: Mapping[type, Any],
-        known: Callable[[str], Any],
+        static_value: Callable[[str], Any],
     ) -> None:
         self.functions, self.bindings = functions, bindings
-        self.types, self.known = types, known
-        self.done: dict[Shader[..., Any], tree.Function] = {}
+        self.types, self.static_value = types, static_value
+        self.results: dict[Shader[..., Any], tree.Function] = {}
 
     def function(self, shader: Shader[..., Any], *, entry: bool = False) -> tree.Function:
-        """A shader's function with the parameters that it reads; of an entry the pixel too."""
-        if shader in self.done:
-            return self.done[shader]
+        """Specialized function of a shader, with its live parameters; an entry keeps the pixel."""
+        if shader in self.results:
+            return self.results[shader]
         typed = self.functions[shader]
-        body = _Body(self, typed)
-        made = self.done[shader] = tree.Function(
+        body = _BodySpecializer(self, typed)
+        result = self.results[shader] = tree.Function(
             name=typed.name,
             parameters={
                 name: self.type_of(t)
                 for index, (name, t) in enumerate(typed.parameters.items())
-                if self.keeps_all or name in body.read or (entry and index == 0)
+                if self.keeps_everything or name in body.live or (entry and index == 0)
             },
             result=self.type_of(typed.result),
             body=body.block,
@@ -86,33 +86,33 @@ class _Program:
             locals=body.locals,
             constants=body.constants,
         )
-        return made
+        return result
 
-    def called(
+    def resolve_call(
         self, shader: Shader[..., Any], arguments: tuple[tree.Expression, ...]
     ) -> tuple[tree.Function, Iterator[tree.Expression]]:
-        """The function that a call of a shader or slot calls, and the arguments that it reads."""
+        """Function that a call of a shader or slot calls, and its live arguments."""
         resolved = shader
         while resolved.is_slot:
             resolved = self.bindings[resolved]
         function = self.function(resolved)
-        by_name = dict(zip(flattened(shader.signature[0]), arguments, strict=True))
-        taken = zip(
-            taken_parameters(shader, resolved) or (), resolved.signature[0].items(), strict=True
+        by_name = dict(zip(flatten_parameters(shader.signature[0]), arguments, strict=True))
+        accepted = zip(
+            accepted_parameters(shader, resolved) or (), resolved.signature[0].items(), strict=True
         )
         pairs = (
             pair
-            for outer, (inner, t) in taken
-            for pair in zip(flat_names(outer, t), flat_names(inner, t), strict=True)
+            for outer, (inner, t) in accepted
+            for pair in zip(flatten_parameter(outer, t), flatten_parameter(inner, t), strict=True)
         )
         return function, (by_name[name] for name, inner in pairs if inner in function.parameters)
 
-    def truth(self, condition: tree.Condition) -> bool | None:
-        """What a static condition is, None where it stays one."""
-        return tree.holds(condition, self.known)
+    def evaluate(self, condition: tree.Condition) -> bool | None:
+        """Value of a static condition; None where it remains undecided."""
+        return tree.holds(condition, self.static_value)
 
     def type_of(self, t: Any) -> Any:
-        """A type, with type slots filled in."""
+        """The type, with a type slot replaced by its record."""
         if not is_type_slot(t):
             return t
         if t not in self.types:
@@ -120,111 +120,112 @@ class _Program:
         return self.types[t]
 
 
-class _Library(_Program):
-    """Functions for whatever program they will be put into."""
+class _LibrarySpecializer(_Specializer):
+    """Keeps everything, for functions that any program may link."""
 
-    keeps_all = True
+    keeps_everything = True
 
-    def called(
+    def resolve_call(
         self, shader: Shader[..., Any], arguments: tuple[tree.Expression, ...]
     ) -> tuple[tree.Function, Iterator[tree.Expression]]:
         return self.function(shader), iter(arguments)
 
-    def truth(self, condition: tree.Condition) -> bool | None:
+    def evaluate(self, condition: tree.Condition) -> bool | None:
         return None
 
     def type_of(self, t: Any) -> Any:
         return t
 
 
-class _Body:
-    """What is left of the statements of one function, and where its variables are declared.
+class _BodySpecializer:
+    """Statements of one function without dead code, and the declarations of its variables.
 
-    Statements are gone through from the last to the first, so that it is known what is read further
-    on; again until no more variables are read, since loops go round. `read` are their names, those
-    of parameters among them.
+    Goes through statements from last to first, so that the names read later are known, and repeats
+    until `live` no longer grows, because loops read what later statements assign. `live` are the
+    names of variables and parameters that are read.
     """
 
-    def __init__(self, program: _Program, function: tree.Function) -> None:
+    def __init__(self, program: _Specializer, function: tree.Function) -> None:
         self.program = program
-        self.read: set[str] = set()
-        self.made: dict[int, tuple[tree.Expression, set[str]]] = {}
+        self.live: set[str] = set()
+        self.cache: dict[int, tuple[tree.Expression, set[str]]] = {}
         self.names: set[str] = set()
         before = -1
-        while before < len(self.read):
-            before = len(self.read)
-            self.places: dict[str, list[Path]] = {}
-            self.assignments: dict[str, list[tuple[Path, tree.Assign]]] = {}
+        while before < len(self.live):
+            before = len(self.live)
+            self.uses: dict[str, list[BlockPath]] = {}
+            self.assignments: dict[str, list[tuple[BlockPath, tree.Assign]]] = {}
             self.block = self.inner(function.body, ())
         self.locals = {
             name: program.type_of(t)
             for name, t in function.locals.items()
             if name in self.assignments
         }
-        self.constants = frozenset(self.declared())
+        self.constants = frozenset(self.place_declarations())
 
     # --- statements -----------------------------------------------------------------------------
 
-    def inner(self, block: tree.Block, outer: Path) -> tree.Block:
-        made = tree.Block()
-        self.add(block, (*outer, made))
-        made.statements.reverse()
-        return made
+    def inner(self, block: tree.Block, outer: BlockPath) -> tree.Block:
+        result = tree.Block()
+        self.add(block, (*outer, result))
+        result.statements.reverse()
+        return result
 
-    def add(self, block: tree.Block, path: Path) -> None:
-        """Add what is left of a block to the innermost of a path, from its last statement on."""
-        found = path[-1].statements
+    def add(self, block: tree.Block, path: BlockPath) -> None:
+        """Add the live statements of a block to the innermost block of a path, last one first."""
+        output = path[-1].statements
         for node in reversed(block.statements):
-            count = len(found)
+            count = len(output)
             self.statement(node, path)
-            if len(found) > count and node.comments:
-                found[-1].comments = (*node.comments, *found[-1].comments)
+            if len(output) > count and node.comments:
+                output[-1].comments = (*node.comments, *output[-1].comments)
 
-    def statement(self, node: tree.Statement, path: Path) -> None:
-        found, keeps_all = path[-1].statements, self.program.keeps_all
+    def statement(self, node: tree.Statement, path: BlockPath) -> None:
+        output, keeps_everything = path[-1].statements, self.program.keeps_everything
         match node:
             case tree.Assign(name, value):
-                if keeps_all or name in self.read:
-                    made = tree.Assign(name, self.value(value, path))
-                    self.places.setdefault(name, []).append(path)
-                    self.assignments.setdefault(name, []).append((path, made))
-                    found.append(made)
+                if keeps_everything or name in self.live:
+                    assignment = tree.Assign(name, self.value(value, path))
+                    self.uses.setdefault(name, []).append(path)
+                    self.assignments.setdefault(name, []).append((path, assignment))
+                    output.append(assignment)
             case tree.If(tree.Static(_, condition) as test, body, otherwise):
-                truth = self.program.truth(condition)
-                if truth is None:
+                decided = self.program.evaluate(condition)
+                if decided is None:
                     b, a = self.inner(otherwise, path), self.inner(body, path)
-                    found.append(tree.If(test, a, b))
+                    output.append(tree.If(test, a, b))
                 else:
-                    self.add(body if truth else otherwise, path)
+                    self.add(body if decided else otherwise, path)
             case tree.If(test, body, otherwise):
                 b, a = self.inner(otherwise, path), self.inner(body, path)
-                if keeps_all or a.statements or b.statements:
-                    found.append(tree.If(self.value(test, path), a, b))
+                if keeps_everything or a.statements or b.statements:
+                    output.append(tree.If(self.value(test, path), a, b))
             case tree.For(name, start, stop, step, body):
                 a = self.inner(body, path)
-                if keeps_all or a.statements:
+                if keeps_everything or a.statements:
                     start, stop = self.value(start, path), self.value(stop, path)
-                    found.append(tree.For(name, start, stop, step, a))
+                    output.append(tree.For(name, start, stop, step, a))
             case tree.While(test, body):
                 a = self.inner(body, path)
-                found.append(tree.While(self.value(test, path), a))
+                output.append(tree.While(self.value(test, path), a))
             case tree.Return(value):
-                found.append(tree.Return(self.value(value, path)))
+                output.append(tree.Return(self.value(value, path)))
             case _:
-                found.append(type(node)())
+                output.append(type(node)())
 
     # --- expressions ----------------------------------------------------------------------------
 
-    def value(self, node: tree.Expression, path: Path) -> tree.Expression:
-        """An expression as the program has it, its names noted."""
-        known = self.made.get(id(node))
-        if known is None:
+    def value(self, node: tree.Expression, path: BlockPath) -> tree.Expression:
+        """Specialized expression; records the names that it reads."""
+        cached = self.cache.get(id(node))
+        if cached is None:
             self.names = set()
-            known = self.made[id(node)] = self.expression(node), self.names
-        self.read |= known[1]
-        for name in known[1]:
-            self.places.setdefault(name, []).append(path)
-        return known[0]
+            cached = self.cache[id(node)] = self.expression(node), self.names
+        expression, names = cached
+        self.live |= names
+        for name in names:
+            self.uses.setdefault(name, []).append(path)
+        return expression
 
     def expression(self, node: tree.Expression) -> tree.Expression:
         match node:
@@ -234,26 +235,26 @@ class _Body:
                 self.names.add(name)
                 return tree.Local(self.program.type_of(t), name) if is_type_slot(t) else node
             case tree.ShaderCall(_, shader, arguments):
-                function, passed = self.program.called(shader, arguments)
+                function, passed = self.program.resolve_call(shader, arguments)
                 return tree.Call(function.result, function, tuple(map(self.expression, passed)))
             case tree.Static(_, condition):
-                truth = self.program.truth(condition)
-                return node if truth is None else tree.Literal(bool, truth)
+                decided = self.program.evaluate(condition)
+                return node if decided is None else tree.Literal(bool, decided)
             case tree.Select(_, tree.Static(_, condition), then, otherwise):
-                truth = self.program.truth(condition)
-                if truth is not None:
-                    return self.expression(then if truth else otherwise)
-        return tree.changed(node, self.expression)
+                decided = self.program.evaluate(condition)
+                if decided is not None:
+                    return self.expression(then if decided else otherwise)
+        return tree.map_children(node, self.expression)
 
-    # --- where variables live -------------------------------------------------------------------
+    # --- declarations ---------------------------------------------------------------------------
 
-    def declared(self) -> Iterator[str]:
-        """Give each variable the innermost block that holds all its uses as its home; the names of
-        those that are assigned once, where they are declared."""
+    def place_declarations(self) -> Iterator[str]:
+        """Declare each variable in the innermost block that contains all its uses; yields the names
+        that are assigned only by their declaration."""
         for name, t in self.locals.items():
-            places = self.places[name]
-            depth = min(map(len, places))
-            while any(path[depth - 1] is not places[0][depth - 1] for path in places):
+            uses = self.uses[name]
+            depth = min(map(len, uses))
+            while any(path[depth - 1] is not uses[0][depth - 1] for path in uses):
                 depth -= 1
             first_path, first = self.assignments[name][-1]
             if len(first_path) == depth:

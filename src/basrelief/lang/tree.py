@@ -1,7 +1,7 @@
-"""The typed tree: what the front end makes of shaders and the printers read.
+"""The typed tree: the intermediate representation between the front end and the printers.
 
-Every expression knows its type. Statements know the comments that stood above them, so that a
-printer can keep them.
+Every expression has a type. Statements keep the comments above them, so that a printer can print
+them too.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ of the values, `("not", condition)`, `("and", a, b)` or `("or", a, b)`."""
 
 
 def holds(condition: Condition, value_of: Callable[[str], Any]) -> bool:
-    """Whether a condition is true of a static record, read field by field."""
+    """Whether a condition is true; `value_of` gives the value of a static field by its name."""
     match condition:
         case ("not", a):
             return not holds(a, value_of)
@@ -30,7 +30,7 @@ def holds(condition: Condition, value_of: Callable[[str], Any]) -> bool:
 
 @dataclass(frozen=True)
 class Expression:
-    """Something with a value."""
+    """Node that has a value."""
 
     type: Any
 
@@ -49,7 +49,7 @@ class Local(Expression):
 
 @dataclass(frozen=True)
 class Static(Expression):
-    """A bool that is known when a program is made; a program's own tree has none."""
+    """A bool that is known when a program is made; specialized trees have none."""
 
     condition: Condition
 
@@ -110,7 +110,7 @@ class Member(Expression):
 
 @dataclass(frozen=True)
 class Construct(Expression):
-    """A vector, matrix or record from its parts; a vector of one scalar is spread."""
+    """A vector, matrix or record from its parts; a single scalar fills a whole vector."""
 
     parts: tuple[Expression, ...]
 
@@ -131,7 +131,7 @@ class Call(Expression):
 
 @dataclass(frozen=True)
 class ShaderCall(Expression):
-    """A call of a shader or slot, before a program says which function that is."""
+    """A call of a shader or slot, before a program binds it to a function."""
 
     shader: Any
     arguments: tuple[Expression, ...]
@@ -139,33 +139,33 @@ class ShaderCall(Expression):
 
 @dataclass(frozen=True)
 class Item(Expression):
-    """`buffer[index]`, the index held to the buffer."""
+    """`buffer[index]`, the index clamped to the buffer."""
 
     buffer: Expression
     index: Expression
 
 
-def changed(node: Expression, change: Callable[[Expression], Expression]) -> Expression:
-    """An expression with each of its parts changed."""
+def map_children(node: Expression, change: Callable[[Expression], Expression]) -> Expression:
+    """The same expression with `change` applied to each of its operands."""
 
-    def part(value: Any) -> Any:
+    def mapped(value: Any) -> Any:
         if isinstance(value, Expression):
             return change(value)
-        return tuple(map(part, value)) if isinstance(value, tuple) else value
+        return tuple(map(mapped, value)) if isinstance(value, tuple) else value
 
-    return type(node)(*(part(getattr(node, name)) for name in node.__match_args__))
+    return type(node)(*(mapped(getattr(node, name)) for name in node.__match_args__))
 
 
 @dataclass
 class Statement:
-    """Something done; `comments` stood above it in the source."""
+    """Node without a value; `comments` stood above it in the source."""
 
     comments: tuple[str, ...] = field(default=(), kw_only=True)
 
 
 @dataclass
 class Assign(Statement):
-    """`name = value`; `declares` where this is the first one, in the variable's own block."""
+    """`name = value`; `declares` where it declares the variable in its block."""
 
     name: str
     value: Expression
@@ -213,7 +213,7 @@ class Return(Statement):
 
 @dataclass
 class Block:
-    """Statements in order, and the variables that are declared when it is entered."""
+    """Statements in order, and the variables that are declared on entry (name to type)."""
 
     statements: list[Statement] = field(default_factory=list)
     hoisted: dict[str, Any] = field(default_factory=dict)
@@ -221,7 +221,7 @@ class Block:
 
 @dataclass(eq=False)
 class Function:
-    """One shader, typed: unique name, parameters, locals, body, docstring."""
+    """Typed shader: unique name, parameters, result, body, docstring, locals."""
 
     name: str
     parameters: dict[str, Any]
@@ -231,12 +231,12 @@ class Function:
     location: str
     locals: dict[str, Any] = field(default_factory=dict)
     constants: frozenset[str] = frozenset()
-    """Locals that are assigned once, where they are declared."""
+    """Locals with one assignment, which declares them."""
 
 
 @dataclass(eq=False)
 class Module:
-    """A whole program: functions in an order in which each comes after those it calls."""
+    """Whole program: functions, callees before callers."""
 
     functions: list[Function]
     entry: Function
@@ -250,8 +250,8 @@ class Module:
 
 
 def contains(block: Block, *kinds: type[Statement]) -> bool:
-    """Whether a block holds a statement of these kinds; `break` and `continue` of inner loops
-    are their own affair."""
+    """Whether a block contains a statement of these kinds; `break` and `continue` of inner loops
+    do not count."""
     for statement in block.statements:
         if isinstance(statement, kinds):
             return True

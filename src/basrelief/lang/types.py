@@ -1,8 +1,8 @@
 """The types of the shader subset, and records.
 
 A type *is* its Python class: `float`, `int`, `bool`, `Vec2` … `Mat3`, a record made by `@struct`,
-or a resource handle. This module answers what they are made of. A `@static` record is no value: it
-is known when a program is made, and only conditions read it.
+or a resource handle. This module decomposes them into fields and scalars. A `@static` record is
+not a value: it is known when a program is made, and only conditions read it.
 """
 
 from __future__ import annotations
@@ -28,76 +28,88 @@ _T = TypeVar("_T")
 
 
 class ShaderError(BasreliefError):
-    """Source that is outside the shader subset: file, line, the offending text, what to write."""
+    """Source outside the shader subset: file, line, offending text, what to write instead."""
 
 
 def setting(*, default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
-    """A record's field with its default, its meaning and the range a user may choose from.
+    """Field of a record that users set: default, description and range.
 
-    `low` and `high` are inclusive; None leaves that side open. They are checked where a user's
-    values come in, not when a shader builds a record.
+    Parameters
+    ----------
+    default
+        The default value.
+    doc
+        One line for help texts.
+    low, high
+        The inclusive range; None leaves that side open. It is checked when a user's values are
+        read, not when a shader builds a record.
     """
     return dataclasses.field(default=default, metadata={"doc": doc, "low": low, "high": high})
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(setting,))
 def struct(cls: type[_T]) -> type[_T]:
-    """Make a record of a class with annotated fields: frozen, its values held as float32, int32."""
+    """Class decorator: a frozen record with annotated fields, stored as float32, int32 and bool."""
     fields: dict[str, Any] = {}
 
     def coerce_fields(self: Any) -> None:
-        for name, wanted in fields.items():
-            object.__setattr__(self, name, coerce(getattr(self, name), wanted))
+        for name, field_type in fields.items():
+            object.__setattr__(self, name, coerce(getattr(self, name), field_type))
 
     setattr(cls, "__post_init__", coerce_fields)  # noqa: B010
-    made: Any = dataclasses.dataclass(frozen=True)(cls)
+    record: Any = dataclasses.dataclass(frozen=True)(cls)
     module = vars(sys.modules[cls.__module__])
-    for field in dataclasses.fields(made):
-        written = field.type
-        fields[field.name] = eval(written, module) if isinstance(written, str) else written
-    setattr(made, _FIELDS, fields)
-    return made
+    for field in dataclasses.fields(record):
+        annotation = field.type
+        fields[field.name] = eval(annotation, module) if isinstance(annotation, str) else annotation
+    setattr(record, _FIELDS, fields)
+    return record
 
 
 class StaticField(NamedTuple):
-    """What static conditions can read of a record or map: its name in a program, str, bool or int,
-    and its values, () for any."""
+    """Field that static conditions can read: its name in a program, its type (str, bool or int)
+    and its possible values, () for any."""
 
     name: str
     kind: type
-    menu: tuple[str | int, ...]
+    choices: tuple[str | int, ...]
 
 
 @dataclass_transform(frozen_default=True)
 def static(cls: type[_T]) -> type[_T]:
-    """Make a static record of a class: frozen, its fields str, bool, int or a Literal of these.
+    """Class decorator: a frozen record of static conditions.
 
-    A shader that takes one as a parameter branches on its fields and properties; a program is given
-    its value and contains the branches that are taken. Raises ShaderError for a field of another
-    type.
+    Fields are str, bool, int or a Literal of these. A shader that takes one as a parameter branches
+    on its fields and properties. A program is made with a value of it, and contains only the
+    branches that are taken.
+
+    Raises
+    ------
+    ShaderError
+        For a field of another type.
     """
-    made: Any = dataclasses.dataclass(frozen=True)(cls)
-    fields = {name: _static_field(name, t) for name, t in typing.get_type_hints(made).items()}
+    record: Any = dataclasses.dataclass(frozen=True)(cls)
+    fields = {name: _static_field(name, t) for name, t in typing.get_type_hints(record).items()}
     for name, field in fields.items():
         if field is None:
             raise ShaderError(
                 f"{cls.__module__}: {cls.__name__}.{name}: a field of a static record is a str, "
                 "bool, int or Literal"
             )
-    for name in dir(made):
-        got = getattr(made, name)
-        if isinstance(got, property):
-            fields[name] = _static_field(name, typing.get_type_hints(got.fget).get("return"))
-    setattr(made, _STATIC_FIELDS, {name: field for name, field in fields.items() if field})
-    return made
+    for name in dir(record):
+        attribute = getattr(record, name)
+        if isinstance(attribute, property):
+            fields[name] = _static_field(name, typing.get_type_hints(attribute.fget).get("return"))
+    setattr(record, _STATIC_FIELDS, {name: field for name, field in fields.items() if field})
+    return record
 
 
 def _static_field(name: str, t: Any) -> StaticField | None:
-    """The field of an annotation; None where conditions cannot be on it."""
+    """The static field of an annotation; None where conditions cannot read it."""
     if typing.get_origin(t) is Literal:
-        menu = typing.get_args(t)
-        kinds = {type(value) for value in menu}
-        return StaticField(name, kinds.pop(), menu) if len(kinds) == 1 else None
+        choices = typing.get_args(t)
+        kinds = {type(value) for value in choices}
+        return StaticField(name, kinds.pop(), choices) if len(kinds) == 1 else None
     return StaticField(name, t, ()) if t in (str, bool, int) else None
 
 
@@ -107,19 +119,19 @@ def is_static(t: Any) -> bool:
 
 
 def static_fields(t: type) -> dict[str, StaticField]:
-    """What conditions on a static record can read: its fields, and properties of the same types."""
+    """Fields of a static record that conditions can read, and properties of the same types."""
     return vars(t)[_STATIC_FIELDS]
 
 
 class TypeSlot:
-    """A type that is known once the slots are bound; subclass it to name it.
+    """Placeholder of a record type, decided when slots are bound; subclass it to name it.
 
-    A slot may use it for one parameter; the shader bound to that slot decides what it is.
+    A slot may use it for one parameter; the shader bound to the slot decides the type.
     """
 
 
 def is_type_slot(t: Any) -> bool:
-    """Whether t stands for a type that is not known yet."""
+    """Whether t is a placeholder of a type."""
     return isinstance(t, type) and issubclass(t, TypeSlot)
 
 
@@ -161,7 +173,7 @@ def from_leaves(values: Iterator[Any], t: type) -> Any:
 
 
 def _parts(t: type) -> dict[str, type]:
-    """What a vector, matrix or record is made of: components, columns or fields."""
+    """Parts of a vector, matrix or record, by name: components, columns or fields."""
     if t in VECTORS:
         component, size = VECTORS[t]
         return dict.fromkeys("xyzw"[:size], component)
@@ -169,7 +181,7 @@ def _parts(t: type) -> dict[str, type]:
 
 
 def coerce(value: Any, t: Any) -> Any:
-    """The value as the subset holds it: float32, int32 or bool; others must be of the type."""
+    """The value as float32, int32, bool or vector; any other must be of type t already."""
     if t is float:
         return np.float32(value)
     if t is int:
@@ -184,5 +196,5 @@ def coerce(value: Any, t: Any) -> Any:
 
 
 def type_name(t: Any) -> str:
-    """How messages name a type."""
+    """Name of a type in messages."""
     return getattr(t, "__name__", str(t))

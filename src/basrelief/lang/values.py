@@ -1,10 +1,10 @@
-"""Vectors and matrices as the shader subset knows them, for shaders run as plain Python.
+"""Vectors and matrices of the shader subset, for shaders that run as plain Python.
 
 Components are NumPy float32 (int32 for `IVec2`), so that a shader stepped through in a debugger
-computes the very bits that the compiled one does. Values are immutable.
+computes the same bits as the compiled one. Values are immutable.
 
-A `Vec` swizzles as in GLSL: `v.xy`, `v.zyx`, `c.rgb`. Operators work component by component; a
-scalar on either side is spread over the components.
+A `Vec` swizzles as in GLSL: `v.xy`, `v.zyx`, `c.rgb`. Operators work component by component, with
+scalars broadcast.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _SWIZZLES = ("xyzw", "rgba")
 
 
 def swizzle_indices(name: str, size: int) -> tuple[int, ...] | None:
-    """The component indices that a swizzle names, or None where it is none for that size."""
+    """Component indices of a swizzle, or None where it is not a swizzle of that size."""
     for letters in _SWIZZLES:
         indices = tuple(letters.find(letter) for letter in name)
         if 1 <= len(name) <= 4 and all(0 <= index < size for index in indices):
@@ -27,7 +27,7 @@ def swizzle_indices(name: str, size: int) -> tuple[int, ...] | None:
 
 
 class _Vector:
-    """What all vectors share; `size` and `component` are set by each."""
+    """Base of the vectors; subclasses set `size`, `component` and `_scalar`."""
 
     size: ClassVar[int]
     component: ClassVar[type]
@@ -55,10 +55,10 @@ class _Vector:
         parts = [self._components[index] for index in indices]
         if len(parts) == 1:
             return parts[0]
-        made = _OF_SIZE.get((self.component, len(parts)))
-        if made is None:
+        vector = _OF_SIZE.get((self.component, len(parts)))
+        if vector is None:
             raise AttributeError(f"there is no vector of {len(parts)} ints for {name!r}")
-        return made(*parts)
+        return vector(*parts)
 
     def __iter__(self) -> Iterator[Any]:
         return iter(self._components)
@@ -79,10 +79,10 @@ class _Vector:
         return type(self), self._components
 
     def map(self, function: Callable[..., Any], *others: Any) -> Self:
-        """A vector of function(component, …), others spread where they are scalars."""
-        spread = [o._components if isinstance(o, _Vector) else (o,) * self.size for o in others]
+        """Vector of function(component, …); scalars among `others` are broadcast."""
+        rows = [o._components if isinstance(o, _Vector) else (o,) * self.size for o in others]
         return type(self)(
-            *(function(*each) for each in zip(self._components, *spread, strict=True))
+            *(function(*parts) for parts in zip(self._components, *rows, strict=True))
         )
 
     def _zip(self, other: Any, operation: Callable[[Any, Any], Any]) -> Any:
@@ -211,7 +211,7 @@ _OF_SIZE: dict[tuple[type, int], type[_Vector]] = {
 
 
 class Mat3:
-    """Three columns, each a Vec3: what the axes x, y and z are mapped to. `m @ v` maps v."""
+    """3 × 3 matrix of three columns, the images of the axes x, y and z; `m @ v` transforms v."""
 
     __slots__ = ("x", "y", "z")
     x: Vec3

@@ -1,9 +1,9 @@
-"""The typed tree printed as WGSL, to be read as well as run: names, docstrings, comments kept.
+"""WGSL printer of the typed tree; names, docstrings and comments are kept, for readers.
 
-Maps are textures read texel by texel: heights `texture_2d<f32>`, the others `texture_2d<u32>` of
-16-bit fractions; the shaders interpolate, so that every engine filters alike. Records are uniform
-buffers, a `Buffer` is a storage buffer with its count in front. `engine/gpu.py` binds them in the
-order of `bindings`.
+Maps are textures read texel by texel: heights as `texture_2d<f32>`, other maps as `texture_2d<u32>`
+of 16-bit fractions. The shaders interpolate, so that all engines filter alike. Records are uniform
+buffers; a `Buffer` is a storage buffer that starts with its count. `engine/gpu.py` binds them in
+the order of `bindings`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_re
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
 GROUP = (8, 8)
-"""Pixels of a workgroup: 8 × 4 for each 32 threads was among the best shapes measured."""
+"""Width and height of a workgroup in pixels; among the fastest shapes measured."""
 
 _TYPES: dict[Any, str] = {
     float: "f32",
@@ -42,7 +42,7 @@ _TYPES: dict[Any, str] = {
 
 @dataclass(frozen=True)
 class Binding:
-    """One binding of group 0: its number is its place in the list."""
+    """Resource binding of group 0; its number is its index in the list."""
 
     kind: Literal["run", "planes", "sampler", "uniform", "buffer", "map"]
     name: str
@@ -50,33 +50,37 @@ class Binding:
 
 
 def bindings(entry: tree.Function) -> list[Binding]:
-    """What a program with this entry binds, in order."""
-    found = [Binding("run", "run"), Binding("planes", "planes"), Binding("sampler", "edge_sampler")]
+    """Resource bindings of a program with this entry, in order."""
+    result = [
+        Binding("run", "run"),
+        Binding("planes", "planes"),
+        Binding("sampler", "edge_sampler"),
+    ]
     for name, t in list(entry.parameters.items())[1:]:
         kind: Literal["uniform", "buffer", "map"] = "uniform"
         if is_handle(t):
             kind = "map" if buffer_record(t) is None else "buffer"
-        found.append(Binding(kind, name, t))
-    return found
+        result.append(Binding(kind, name, t))
+    return result
 
 
-def _bound_name(binding: Binding) -> str:
-    """The name of a binding's variable."""
-    ours = binding.kind in ("run", "planes", "sampler")
-    return binding.name if ours else f"{binding.name}_{binding.kind}"
+def _variable_name(binding: Binding) -> str:
+    """Name of the WGSL variable of a binding."""
+    is_builtin = binding.kind in ("run", "planes", "sampler")
+    return binding.name if is_builtin else f"{binding.name}_{binding.kind}"
 
 
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
-    """The whole program as a compute shader, entry point `main`, one invocation a pixel."""
+    """WGSL of a program: a compute shader, entry point `main`, one invocation for each pixel."""
     printer = ModulePrinter(module.functions, [module.entry], edge)
     body = printer.functions_text()
-    return "\n".join([printer.bound_text(module.entry), body, printer.main_text(module.entry)])
+    return "\n".join([printer.bindings_text(module.entry), body, printer.main_text(module.entry)])
 
 
 class ModulePrinter:
-    """Names and helpers that the functions of a module share.
+    """Prints the functions of a module, and the records and helpers that they share.
 
-    `edge` is what maps do at their edges, None where that is left open.
+    `edge` is the edge of all maps, None in a library, where it is a static condition.
     """
 
     def __init__(
@@ -89,67 +93,69 @@ class ModulePrinter:
         self.edge = edge
         self.helpers: set[str] = set()
         self.elementary: set[str] = set()
-        """Names of our own functions that stand in for less exact ones."""
+        """Names of elementary functions of our own, which are more exact than WGSL's."""
         self.conditions: dict[tree.Condition, int] = {}
-        """Static conditions that a library leaves open, numbered."""
-        self.chosen: dict[Any, None] = {}
-        """Matrices and records between which a conditional expression chooses."""
+        """Static conditions of a library and their numbers."""
+        self.selected_types: dict[Any, None] = {}
+        """Matrices and records that are selected by a condition; WGSL's `select` takes neither."""
         self.records: dict[Any, None] = {}
         for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
-                self.note_record(t)
-        given = [each for entry in entries for each in list(entry.parameters.items())[1:]]
-        bound = [_bound_name(each) for entry in entries for each in bindings(entry)]
-        self.taken = {*_RESERVED, *_PRINTED, *bound}
+                self.add_record(t)
+        parameters = [p for entry in entries for p in list(entry.parameters.items())[1:]]
+        variables = [_variable_name(b) for entry in entries for b in bindings(entry)]
+        self.reserved = {*_RESERVED, *_PRINTED_NAMES, *variables}
         self.scope: dict[Any, str] = {}
-        """The names of functions and records, clear of one another and of all that is printed."""
-        for named in [*functions, *elementary_functions().values()]:
-            self.claim(named, named.name)
+        """Unique names of functions and records."""
+        for function in [*functions, *elementary_functions().values()]:
+            self.assign_name(function, function.name)
         for record in self.records:
-            self.claim(record, record.__name__)
+            self.assign_name(record, record.__name__)
         self.shared: set[Any] = set()
-        """Records that lie in memory; theirs is the layout of `layout.py`."""
-        for _, t in given:
-            self.note_shared(buffer_record(t) or t)
+        """Records in buffers, which have the layout of `layout.py`."""
+        for _, t in parameters:
+            self.add_shared(buffer_record(t) or t)
         self.buffers = {
-            buffer_record(t): f"{name}_buffer" for name, t in given if buffer_record(t) is not None
+            buffer_record(t): f"{name}_buffer"
+            for name, t in parameters
+            if buffer_record(t) is not None
         }
 
-    def note_record(self, t: Any) -> None:
+    def add_record(self, t: Any) -> None:
         t = buffer_record(t) or t
         if is_record(t) and t not in self.records:
             for field in fields_of(t).values():
-                self.note_record(field)
+                self.add_record(field)
             self.records[t] = None
 
-    def note_shared(self, t: Any) -> None:
+    def add_shared(self, t: Any) -> None:
         if is_record(t):
             self.shared.add(t)
             for field in fields_of(t).values():
-                self.note_shared(field)
+                self.add_shared(field)
 
-    def claim(self, obj: Any, name: str) -> str:
-        """Give something of the module a name of its own."""
-        while name in self.taken:
+    def assign_name(self, obj: Any, name: str) -> str:
+        """Assign a unique name to a function or type of the module, and return it."""
+        while name in self.reserved:
             name += "_"
-        self.taken.add(name)
+        self.reserved.add(name)
         self.scope[obj] = name
         return name
 
     def field(self, name: str) -> str:
-        """A field's name as WGSL lets it be."""
+        """Name of a field, changed if WGSL reserves it."""
         return f"{name}_" if name in _RESERVED else name
 
     def type(self, t: Any) -> str:
         return _TYPES[t] if t in _TYPES else self.scope[t]
 
     def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
-        """Two texts, of which a library's linker takes one."""
+        """Two texts under a static condition, of which the linker keeps one."""
         number = self.conditions.setdefault(condition, len(self.conditions))
         return f"{IF}{number}{THEN}{then}{ELSE}{otherwise}{END}"
 
     def functions_text(self) -> str:
-        """The functions, and the records and helpers that they need."""
+        """Text of the functions, and of the records and helpers that they need."""
         functions = list(self.function_texts())
         return "\n".join([*self.record_texts(), *self.helper_texts(), *functions])
 
@@ -163,7 +169,7 @@ class ModulePrinter:
                 yield _FunctionPrinter(self, elementary_functions()[name]).text()
 
     def parameter_names(self, function: tree.Function) -> dict[str, str]:
-        """What a function's parameters are called, those that are no lists: clear of all else."""
+        """Unique names of the parameters of a function; buffers are global and have none."""
         names = _FunctionPrinter(self, function).names
         return {
             name: names[name] for name, t in function.parameters.items() if buffer_record(t) is None
@@ -178,32 +184,34 @@ class ModulePrinter:
                 align = "@align(16) " if first or is_record(t) else ""
                 lines.append(f"  {align}{self.field(name)}: {self.type(t)},")
             if not fields:
-                lines.append("  @align(16) nothing: f32,")  # WGSL has no record without fields
+                lines.append("  @align(16) unused: f32,")  # WGSL has no empty structures
             yield "\n".join([*lines, "}", ""])
 
     def helper_texts(self) -> Iterator[str]:
-        """What is printed for lack of it in WGSL, as far as functions printed so far need it."""
-        wanted = set(self.helpers)
-        if wanted & {"corners", "texel"}:
-            wanted.add("level_size")
+        """Helpers for what WGSL lacks, as far as the functions printed so far need them."""
+        needed = set(self.helpers)
+        if needed & {"corners", "texel"}:
+            needed.add("level_size")
             yield self.edge_text()
-        yield from (text for name, text in HELPERS.items() if name in wanted)
-        for t in self.chosen:
-            yield _CHOICE.replace("NAME", self.choice(t)).replace("TYPE", self.type(t))
+        yield from (text for name, text in HELPERS.items() if name in needed)
+        for t in self.selected_types:
+            yield _SELECT_FUNCTION.replace("NAME", self.select_function(t)).replace(
+                "TYPE", self.type(t)
+            )
 
     def edge_text(self) -> str:
-        """What a map does at its edge."""
+        """Helper for the edge of maps."""
         if self.edge is not None:
             return AT_EDGE[self.edge]
         return self.static(("map.edge", ("wrap",)), AT_EDGE["wrap"], AT_EDGE["clamp"])
 
-    def choice(self, t: Any) -> str:
-        """The name of the function that chooses between two values of a type."""
-        wanted = ("select", t)
-        return self.scope.get(wanted) or self.claim(wanted, f"select_{t.__name__}")
+    def select_function(self, t: Any) -> str:
+        """Name of the function that selects one of two values of a type."""
+        key = ("select", t)
+        return self.scope.get(key) or self.assign_name(key, f"select_{t.__name__}")
 
-    def bound_text(self, entry: tree.Function) -> str:
-        """What a program with this entry binds."""
+    def bindings_text(self, entry: tree.Function) -> str:
+        """Text of the resource bindings of a program with this entry."""
         return "\n".join([_RUN, *self._binding_texts(entry)])
 
     def _binding_texts(self, entry: tree.Function) -> Iterator[str]:
@@ -218,51 +226,51 @@ class ModulePrinter:
                     yield f"{where} edge_sampler: sampler;"
                 case "uniform":
                     if is_record(binding.type):
-                        align_and_size(binding.type)  # refuses what a GPU cannot be given
-                    yield f"{where}<uniform> {_bound_name(binding)}: {self.type(binding.type)};"
+                        align_and_size(binding.type)  # refuses a bool
+                    yield f"{where}<uniform> {_variable_name(binding)}: {self.type(binding.type)};"
                 case "map":
-                    yield f"{where} {_bound_name(binding)}: {self.type(binding.type)};"
+                    yield f"{where} {_variable_name(binding)}: {self.type(binding.type)};"
                 case "buffer":
                     record = buffer_record(binding.type)
                     assert record is not None
                     item = self.type(record)
-                    whole = self.claim(("list", record), f"{item}List")
+                    buffer = self.assign_name(("buffer", record), f"{item}Buffer")
                     yield (
-                        f"struct {whole} {{\n  count: i32,\n"
+                        f"struct {buffer} {{\n  count: i32,\n"
                         f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
-                        f"{where}<storage, read> {self.buffers[record]}: {whole};"
+                        f"{where}<storage, read> {self.buffers[record]}: {buffer};"
                     )
                 case _:
                     assert_never(binding.kind)
 
-    def places(self, value: str, t: Any) -> Iterator[tuple[str, Any]]:
-        """The scalars of a value as WGSL reaches them, and their types."""
+    def scalars(self, value: str, t: Any) -> Iterator[tuple[str, Any]]:
+        """WGSL expressions and types of the scalars of a value."""
         if t is Mat3:
             for column in range(3):
-                yield from self.places(f"{value}[{column}]", Vec3)
+                yield from self.scalars(f"{value}[{column}]", Vec3)
         elif is_record(t):
             for name, field in fields_of(t).items():
-                yield from self.places(f"{value}.{self.field(name)}", field)
+                yield from self.scalars(f"{value}.{self.field(name)}", field)
         elif t in VECTORS:
             yield from ((f"{value}.{name}", leaf) for name, leaf in leaves(t))
         else:
             yield value, t
 
     def main_text(self, entry: tree.Function) -> str:
-        """The function that a GPU calls for each pixel."""
-        given = ["vec2i(at)"]
+        """Text of the entry point, which runs for each pixel."""
+        arguments = ["vec2i(at)"]
         for binding in bindings(entry)[3:]:
             if binding.kind != "buffer":
-                given.append(_bound_name(binding))
-        lines = [f"  let result = {self.scope[entry]}({', '.join(given)});"]
-        for index, (value, t) in enumerate(self.places("result", entry.result)):
+                arguments.append(_variable_name(binding))
+        lines = [f"  let result = {self.scope[entry]}({', '.join(arguments)});"]
+        for index, (value, t) in enumerate(self.scalars("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
         return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
 
 
 class _FunctionPrinter:
-    """One function."""
+    """Prints one function."""
 
     def __init__(self, module: ModulePrinter, function: tree.Function) -> None:
         self.module = module
@@ -270,17 +278,17 @@ class _FunctionPrinter:
         self.lines: list[str] = []
         self.indent = 1
         self.names: dict[str, str] = {}
-        self.used = set(module.taken)
+        self.used = set(module.reserved)
         for name in [*function.parameters, *function.locals]:
             self.names[name] = self.fresh(name)
 
     def fresh(self, name: str) -> str:
-        """A name that nothing else in the function has; `_` counts rounds unread."""
-        made = "round" if name == "_" else name
-        while made in self.used:
-            made += "_"
-        self.used.add(made)
-        return made
+        """A name that is unique in the function; `_` becomes `round`."""
+        unique = "round" if name == "_" else name
+        while unique in self.used:
+            unique += "_"
+        self.used.add(unique)
+        return unique
 
     def text(self) -> str:
         m, f = self.module, self.function
@@ -312,12 +320,12 @@ class _FunctionPrinter:
         self.block(block)
         self.indent -= 1
 
-    def lines_of(self, block: tree.Block) -> str:
-        """The lines of a block that is in no braces."""
+    def block_text(self, block: tree.Block) -> str:
+        """Text of a block without braces, at the present indentation."""
         outer, self.lines = self.lines, []
         self.block(block)
-        made, self.lines = "".join(self.lines), outer
-        return made
+        text, self.lines = "".join(self.lines), outer
+        return text
 
     def statement(self, statement: tree.Statement) -> None:
         match statement:
@@ -325,7 +333,7 @@ class _FunctionPrinter:
                 word = "let " if name in self.function.constants else "var "
                 self.emit(f"{word if declares else ''}{self.names[name]} = {self.value(value)};")
             case tree.If(tree.Static(_, condition), body, otherwise):
-                then, other = self.lines_of(body), self.lines_of(otherwise)
+                then, other = self.block_text(body), self.block_text(otherwise)
                 self.lines.append(self.module.static(condition, then, other))
             case tree.If():
                 self.if_statement(statement, "")
@@ -348,8 +356,8 @@ class _FunctionPrinter:
         self.emit(f"{before}if ({self.value(node.test)}) {{")
         self.inner(node.body)
         rest = node.otherwise.statements
-        alone = len(rest) == 1 and not rest[0].comments and not node.otherwise.hoisted
-        if alone and isinstance(rest[0], tree.If) and not isinstance(rest[0].test, tree.Static):
+        is_elif = len(rest) == 1 and not rest[0].comments and not node.otherwise.hoisted
+        if is_elif and isinstance(rest[0], tree.If) and not isinstance(rest[0].test, tree.Static):
             self.if_statement(rest[0], "} else ")
             return
         if rest:
@@ -362,7 +370,7 @@ class _FunctionPrinter:
             self.names[node.name] = self.fresh(node.name)
         name, start, stop = self.names[node.name], self.value(node.start), self.value(node.stop)
         if not isinstance(node.stop, tree.Literal):
-            # Python reads the bound once
+            # as in Python, the bound is evaluated once
             end = self.fresh(f"{name}_end")
             self.emit(f"let {end} = {stop};")
             stop = end
@@ -371,7 +379,7 @@ class _FunctionPrinter:
             self.inner(node.body)
             self.emit("}")
             return
-        # a longer step could take the counter past the largest int, and so to the smallest
+        # a longer step could overflow the counter
         last = self.fresh(f"{name}_last")
         self.emit("{")
         self.emit(f"var {name} = {start};")
@@ -389,7 +397,7 @@ class _FunctionPrinter:
     # --- expressions ----------------------------------------------------------------------------
 
     def value(self, node: tree.Expression) -> str:
-        """An expression, parenthesised within only where it must be."""
+        """WGSL of an expression, with parentheses only where they are needed."""
         match node:
             case tree.Literal(t, value):
                 return _literal(t, value)
@@ -410,8 +418,8 @@ class _FunctionPrinter:
             case tree.Select(_, test, then, otherwise):
                 word = "select"
                 if node.type is Mat3 or is_record(node.type):
-                    self.module.chosen[node.type] = None
-                    word = self.module.choice(node.type)
+                    self.module.selected_types[node.type] = None
+                    word = self.module.select_function(node.type)
                 return f"{word}({self.arguments((otherwise, then, test))})"
             case tree.Swizzle(_, operand, indices) if operand.type is Mat3:
                 return f"{self.operand(operand, 9)}[{indices[0]}]"
@@ -426,47 +434,49 @@ class _FunctionPrinter:
             case tree.Call(_, function, arguments):
                 if function not in self.module.functions:
                     self.module.elementary.add(function.name)
-                given = [a for a in arguments if buffer_record(a.type) is None]
-                return f"{self.module.scope[function]}({self.arguments(given)})"
+                passed = [a for a in arguments if buffer_record(a.type) is None]
+                return f"{self.module.scope[function]}({self.arguments(passed)})"
             case tree.Item(_, buffer, index):
                 items = self.module.buffers[buffer_record(buffer.type)]
                 return f"{items}.items[{self.value(index)}]"
         raise AssertionError(node)
 
     def arguments(self, nodes: Iterable[tree.Expression]) -> str:
-        """Arguments of a call."""
+        """Text of the arguments of a call."""
         return ", ".join(map(self.argument, nodes))
 
     def argument(self, node: tree.Expression) -> str:
-        """An argument: `f(a < b, c > d)` would be a template to WGSL."""
+        """Text of an argument; comparisons need parentheses: `f(a < b, c > d)` is a template."""
         text = self.value(node)
         return f"({text})" if isinstance(node, tree.Compare | tree.Logic) else text
 
-    def operand(self, node: tree.Expression, level: int) -> str:
-        """An operand, in parentheses where it binds less tightly than `level`."""
+    def operand(self, node: tree.Expression, strength: int) -> str:
+        """Text of an operand, in parentheses where it binds less tightly than `strength`."""
         text = self.value(node)
-        return f"({text})" if _binding_strength(node, text) < level else text
+        return f"({text})" if _operator_strength(node, text) < strength else text
 
     def infix(self, operator: str, left: tree.Expression, right: tree.Expression) -> str:
         symbol = _SYMBOLS.get(operator, operator)
-        level = _STRENGTH[symbol]
+        strength = _STRENGTH[symbol]
         if symbol in ("<<", ">>"):
             assert isinstance(right, tree.Literal)
             return f"{self.operand(left, 8)} {symbol} {right.value}u"
         if symbol in ("&", "|", "^"):
             return f"{self.operand(left, 8)} {symbol} {self.operand(right, 8)}"
         if symbol in ("&&", "||"):
-            # WGSL wants && and || apart
+            # WGSL wants parentheses where && and || are mixed
             same = isinstance(left, tree.Logic) and left.operator == operator
-            return f"{self.operand(left, level if same else 3)} {symbol} {self.operand(right, 3)}"
-        a = self.operand(left, level + (symbol in _COMPARISONS))
-        return f"{a} {symbol} {self.operand(right, level + 1)}"
+            return (
+                f"{self.operand(left, strength if same else 3)} {symbol} {self.operand(right, 3)}"
+            )
+        a = self.operand(left, strength + (symbol in _COMPARISONS))
+        return f"{a} {symbol} {self.operand(right, strength + 1)}"
 
-    def whole_numbers(self, cell: tree.Expression) -> str:
-        """A cell as floats; straight from the floats it was made of, if it was."""
+    def cell_as_floats(self, cell: tree.Expression) -> str:
+        """Text of a cell as floats, without the conversion if it was made from floats."""
         if isinstance(cell, tree.Construct) and len(cell.parts) == 2:
-            made = [p for p in cell.parts if isinstance(p, tree.IntrinsicCall) and p.name == "int"]
-            floats = [self.value(p.arguments[0]) for p in made if p.arguments[0].type is float]
+            casts = [p for p in cell.parts if isinstance(p, tree.IntrinsicCall) and p.name == "int"]
+            floats = [self.value(p.arguments[0]) for p in casts if p.arguments[0].type is float]
             if len(floats) == 2:
                 return f"vec2f({', '.join(floats)})"
         return f"vec2f({self.value(cell)})"
@@ -475,38 +485,38 @@ class _FunctionPrinter:
         name, arguments = node.name, node.arguments
         if name == "len":
             return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
-        if name in _OWN:
+        if name in _OWN_FUNCTIONS:
             self.module.elementary.add(name)
             own = self.module.scope[elementary_functions()[name]]
             return f"{own}({self.arguments(arguments)})"
-        given = [self.argument(a) for a in arguments]
+        texts = [self.argument(a) for a in arguments]
         if name == "mix" and node.type in VECTORS and arguments[1].type is float:
-            given[1] = f"{self.module.type(node.type)}({given[1]})"
-        if name in _SPREAD and node.type in VECTORS:
-            # these take arguments of one type only
-            whole = self.module.type(node.type)
-            given = [
-                f"{whole}({text})" if a.type in SCALARS else text
-                for text, a in zip(given, arguments, strict=True)
+            texts[1] = f"{self.module.type(node.type)}({texts[1]})"
+        if name in _SAME_TYPE_ARGUMENTS and node.type in VECTORS:
+            # all arguments must have one type
+            vector = self.module.type(node.type)
+            texts = [
+                f"{vector}({text})" if a.type in SCALARS else text
+                for text, a in zip(texts, arguments, strict=True)
             ]
         if name == "levels":
-            return f"i32(textureNumLevels({given[0]}))"
+            return f"i32(textureNumLevels({texts[0]}))"
         if name == "size" and _is_finest(arguments[1]):
-            return f"vec2i(textureDimensions({given[0]}))"
+            return f"vec2i(textureDimensions({texts[0]}))"
         if name == "corners" and _is_finest(arguments[2]):
             self.module.helpers.add("corners_of_finest")
-            return f"corners_of_finest({given[0]}, {self.whole_numbers(arguments[1])})"
+            return f"corners_of_finest({texts[0]}, {self.cell_as_floats(arguments[1])})"
         if name == "size":
             self.module.helpers.add("level_size")
-            level = f"clamp({given[1]}, 0, i32(textureNumLevels({given[0]})) - 1)"
-            return f"level_size(textureDimensions({given[0]}), {level})"
+            level = f"clamp({texts[1]}, 0, i32(textureNumLevels({texts[0]})) - 1)"
+            return f"level_size(textureDimensions({texts[0]}), {level})"
         if name in HELPERS:
             self.module.helpers.add(name)
-        return f"{_CALLED.get(name, name)}({', '.join(given)})"
+        return f"{_WGSL_NAMES.get(name, name)}({', '.join(texts)})"
 
 
 IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
-"""Around a static condition's number and the two texts in a library; Unicode's for private use."""
+"""Delimiters of a static condition's number and its two texts: private-use characters."""
 
 
 def _is_finest(level: tree.Expression) -> bool:
@@ -514,7 +524,7 @@ def _is_finest(level: tree.Expression) -> bool:
 
 
 _SYMBOLS = {"@": "*", "and": "&&", "or": "||"}
-"""Operators that WGSL writes otherwise."""
+"""WGSL operators whose symbols differ."""
 _STRENGTH = {
     "||": 1, "&&": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "==": 3, "!=": 3, "&": 0, "|": 0, "^": 0,
     "<<": 0, ">>": 0, "+": 5, "-": 5, "*": 6, "/": 6,
@@ -522,7 +532,7 @@ _STRENGTH = {
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
-def _binding_strength(node: tree.Expression, text: str) -> int:
+def _operator_strength(node: tree.Expression, text: str) -> int:
     match node:
         case tree.Binary(operator=operator) if operator in ("//", "%"):
             return 9
@@ -540,16 +550,16 @@ def _literal(t: type, value: Any) -> str:
         return "true" if value else "false"
     if t is int:
         return str(value) if value > -(2**31) else "(-2147483647 - 1)"
-    held = np.float32(value)
-    if not math.isfinite(held):
-        raise ShaderError(f"the number {value} is beyond float32; WGSL has no infinity")
-    text = str(held)
+    number = np.float32(value)
+    if not math.isfinite(number):
+        raise ShaderError(f"the number {value} is too large for float32; WGSL has no infinity")
+    text = str(number)
     return text if re.search(r"[.e]", text) else f"{text}.0"
 
 
-# --- what WGSL lacks -----------------------------------------------------------------------------
+# --- names and helpers ---------------------------------------------------------------------------
 
-_CALLED = {
+_WGSL_NAMES = {
     "float": "f32",
     "int": "i32",
     "minimum": "min",
@@ -558,23 +568,23 @@ _CALLED = {
     "bits_float": "bitcast<f32>",
     "copysign": "copy_sign",
     "pow": "power",
-    "log": "log_held",
-    "log2": "log2_held",
+    "log": "log_clamped",
+    "log2": "log2_clamped",
 }
-_OWN = ("asin", "acos", "atan", "atan2")
-"""Computed by our own shaders: WGSL's may be out by 4096 units in the last place."""
-_SPREAD = {"clamp", "minimum", "maximum"}
+_OWN_FUNCTIONS = ("asin", "acos", "atan", "atan2")
+"""Computed by our own shaders; WGSL allows errors of 4096 units in the last place."""
+_SAME_TYPE_ARGUMENTS = {"clamp", "minimum", "maximum"}
 
 AT_EDGE: dict[Edge, str] = {
     "wrap": """\
-// A texel of a map or of its border, which repeats the far side.
+// A texel of a map or of its border, which repeats the opposite side.
 fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
   let low = select(cell, cell + size, cell < vec2i(0));
   return select(low, low - size, low >= size);
 }
 """,
     "clamp": """\
-// A texel of a map or of its border, which repeats the near side.
+// A texel of a map or of its border, which repeats the same side.
 fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
   return clamp(cell, vec2i(0), size - 1);
 }
@@ -606,25 +616,25 @@ fn power(x: f32, y: f32) -> f32 {
 }
 """,
     "log": """\
-fn log_held(x: f32) -> f32 {
+fn log_clamped(x: f32) -> f32 {
   return log(max(x, 1.17549435e-38));
 }
 """,
     "log2": """\
-fn log2_held(x: f32) -> f32 {
+fn log2_clamped(x: f32) -> f32 {
   return log2(max(x, 1.17549435e-38));
 }
 """,
     "level_size": """\
-// The size of a level, from that of the whole map. Asked for a level that differs from pixel to
-// pixel, Mesa's software driver gives all the size of the first.
-fn level_size(whole: vec2u, level: i32) -> vec2i {
-  return vec2i(max(whole >> vec2u(u32(level)), vec2u(1)));
+// The size of a level, from that of level 0. Not textureDimensions of the level: where the level
+// differs between pixels, Mesa's software driver returns the size of one for all.
+fn level_size(finest: vec2u, level: i32) -> vec2i {
+  return vec2i(max(finest >> vec2u(u32(level)), vec2u(1)));
 }
 """,
     "corners_of_finest": """\
-// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1), all four in one read: gathered
-// around the point where they meet, the sampler seeing to the edge.
+// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1) of level 0 in one read: gathered
+// around their common corner. The sampler applies the edge.
 fn corners_of_finest(field: texture_2d<f32>, cell: vec2f) -> vec4f {
   let size = vec2f(textureDimensions(field));
   return textureGather(0, field, edge_sampler, (cell + 1.0) * (1.0 / size)).wzxy;
@@ -635,9 +645,9 @@ fn corners_of_finest(field: texture_2d<f32>, cell: vec2f) -> vec4f {
 fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(field)) - 1);
   let size = level_size(textureDimensions(field), k);
-  let held = clamp(cell, vec2i(-1), size - 1);
-  let a = at_edge(held, size);
-  let b = at_edge(held + 1, size);
+  let corner = clamp(cell, vec2i(-1), size - 1);
+  let a = at_edge(corner, size);
+  let b = at_edge(corner + 1, size);
   return vec4f(
     textureLoad(field, a, k).x,
     textureLoad(field, vec2i(b.x, a.y), k).x,
@@ -647,23 +657,23 @@ fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
 }
 """,
     "stored": """\
-// Four numbers of a table.
+// The four channels of a texel of a table.
 fn stored(map: texture_2d<u32>, cell: vec2i) -> vec4f {
   return vec4f(textureLoad(map, cell, 0));
 }
 """,
     "texel": """\
-// The four channels of one texel, in 65535ths.
+// The four channels of a texel, 0 to 65535.
 fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
   let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
   let size = level_size(textureDimensions(map), k);
-  let held = at_edge(clamp(cell, vec2i(-1), size), size);
-  return vec4f(textureLoad(map, held, k));
+  let place = at_edge(clamp(cell, vec2i(-1), size), size);
+  return vec4f(textureLoad(map, place, k));
 }
 """,
 }
 
-_CHOICE = """\
+_SELECT_FUNCTION = """\
 fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
   if (test) {
     return then;
@@ -673,7 +683,7 @@ fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
 """
 
 _RUN = """\
-// Which rows of the picture this dispatch computes, and where their words go.
+// The rows of the picture that this dispatch computes, and the layout of the planes.
 struct Run {
   width: u32,
   first_row: u32,
@@ -694,11 +704,11 @@ BODY
 }
 """
 
-_PRINTED = {
+_PRINTED_NAMES = {
     "Run", "main", "id", "at",
     *re.findall(r"fn (\w+)", "".join([*AT_EDGE.values(), *HELPERS.values()])),
 }  # fmt: skip
-"""Names at module scope that this printer writes itself."""
+"""Names that the printer declares at module scope."""
 
 # Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
 _RESERVED = frozenset(

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.images import WRITABLE, check_place, check_target, encode_light, write_whole
+from basrelief.images import WRITABLE, check_target, check_writable, encode_light, write_whole
 from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
@@ -207,7 +207,7 @@ def check_film(
     if rate > kind.fastest:
         raise InputError(f"{path}: {suffix} films show at most {kind.fastest:g} frames a second")
     _check_av(path, kind)
-    check_place(path)
+    check_writable(path)
 
 
 def _film_for(path: Path, count: int) -> _Film | None:

@@ -40,7 +40,7 @@ def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> He
         return HeightField(levels_of(height.linear()[:, :, 0]), edge)
 
     sharp: HeightField = _once(height, ("heights", edge, "sharp"), make)
-    return _once(height, ("heights", edge, filter), lambda: sharp.filtered(filter))
+    return _once(height, ("heights", edge, filter), lambda: sharp.with_filter(filter))
 
 
 def baked(

@@ -40,7 +40,7 @@ from basrelief.techniques.exact_records import (
 from basrelief.techniques.height import extent_of
 
 MOST = 65535.0
-SHADOW_BIAS_TEXELS = 1e-6
+HEIGHT_SLACK = 1e-6
 """Heights that float32 may lose on the way."""
 PLACE_SLACK = 0.002
 """Texels by which float32 may misplace a ray, and so what a slope makes of them."""
@@ -138,7 +138,7 @@ def near_record(at: IVec2, field: HeightField, windows: HeightField) -> Packed:
         top = max(top, above_plane(field, ahead, slope, IVec2(PLANE - 1, j)))
         top = max(top, above_plane(field, ahead, slope, IVec2(j, PLANE - 1)))
     top = max(top, above_plane(field, ahead, slope, IVec2(PLANE - 1, PLANE - 1)))
-    top = top + SHADOW_BIAS_TEXELS + PLACE_SLACK * (abs(slope.x) + abs(slope.y))
+    top = top + HEIGHT_SLACK + PLACE_SLACK * (abs(slope.x) + abs(slope.y))
     room = floor((1.0 - top - LOWEST) * (MOST / (HIGHEST - LOWEST)))
     return packed(Vec4(clamp(room, 0.0, MOST), codes.x, codes.y, room_code(windows, ahead.window)))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from basrelief.baking.cone import SECTORS, ends_of, sector_of
+from basrelief.baking.cone import SECTORS, sector_bounds, sector_of
 from basrelief.baking.exact import FAR_WINDOWS
 from basrelief.lang import Shader
 from basrelief.techniques import BAKES, cone_bake, normal_bake
@@ -37,7 +37,7 @@ def bake_numbers() -> dict[str, Any]:
             "sectors": [
                 {
                     "record": json_value(sector_of(k)),
-                    "ends": [json_value(end) for end in ends_of(k)],
+                    "ends": [json_value(end) for end in sector_bounds(k)],
                 }
                 for k in range(SECTORS)
             ],
