@@ -312,7 +312,7 @@ def test_further_objects() -> None:
     (_, lifted) = scene(
         add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
     ).objects
-    assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
+    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
 
 
 def test_tilings_of_layers_and_single_maps() -> None:
@@ -329,27 +329,27 @@ def test_tilings_of_layers_and_single_maps() -> None:
 
 # --- fuzzed ---------------------------------------------------------------------------------------
 
-NUMBERS = st.one_of(
+NUMBERS = st.check_choice(
     st.floats().map(str),
     st.integers(-9, 99).map(str),
     st.lists(st.floats(-5, 5).map(str), min_size=1, max_size=4).map("/".join),
 )
-TEXTS = st.one_of(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
-NAMES = st.one_of(
+TEXTS = st.check_choice(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
+NAMES = st.check_choice(
     st.sampled_from(
         [*Orbit.__dataclass_fields__, *LookAt.__dataclass_fields__, "color", "intensity",
          "falloff", "angle", "softness"]
     ),
     st.text(max_size=3),
 )  # fmt: skip
-SETTINGS = st.one_of(
+SETTINGS = st.check_choice(
     st.sampled_from(["min_steps", "max_steps", "steps", "bias", "roughness", "emission", "x"]),
     st.text(max_size=3),
 )
 
 
 def written(names: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-    return st.one_of(TEXTS, st.tuples(names, TEXTS).map("=".join))
+    return st.check_choice(TEXTS, st.tuples(names, TEXTS).map("=".join))
 
 
 LISTS = st.lists(written(NAMES), max_size=4).map(",".join)
@@ -395,7 +395,7 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
         {},
         optional={
             "settings": st.lists(written(SETTINGS), max_size=3),
-            "technique": st.one_of(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
+            "technique": st.check_choice(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
             "tiling": TEXTS,
             "shift": TEXTS,
             "stretch": TEXTS,

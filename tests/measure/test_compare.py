@@ -24,7 +24,7 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights, write_material
-from helpers.made_up import map_of, noise, plain
+from helpers.synthetic import map_of, noise, plain
 from helpers.repository import blocks, commands
 
 SIZE = (48, 27)

@@ -30,7 +30,7 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.frame import Frame, Image
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene
-from helpers.made_up import SIZE, drawn, map_of, noise, on_plane, plain, rays
+from helpers.synthetic import SIZE, drawn, map_of, noise, on_plane, plain, rays
 
 SMALL = (40, 24)
 TEXELS = 32

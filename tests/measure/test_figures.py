@@ -12,7 +12,7 @@ import pytest
 from basrelief.errors import InputError
 from basrelief.measure.explain import explain
 from basrelief.measure.figures import has_matplotlib, write_figure
-from helpers.made_up import plain
+from helpers.synthetic import plain
 
 matplotlib = pytest.importorskip("matplotlib")
 

@@ -16,7 +16,7 @@ from basrelief.rendering.programs import depth_program_of, program_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, noise, on_plane, plain, rays
+from helpers.synthetic import bilinear, drawn, map_of, noise, on_plane, plain, rays
 
 SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.35)
 UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}

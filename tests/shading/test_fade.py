@@ -15,7 +15,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.relief import ReliefParameters, faded_relief
 from basrelief.shading.variant import Variant
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, map_of, on_plane, plain
+from helpers.synthetic import drawn, map_of, on_plane, plain
 
 STEPS = {"min_steps": 8, "max_steps": 8}
 HEIGHT, SCALE = 0.5, 0.3

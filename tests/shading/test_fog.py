@@ -13,7 +13,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog, linear
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, on_plane, plain
+from helpers.synthetic import drawn, on_plane, plain
 
 AIR = {
     "fog_color": (0.2, 0.5, 0.9),

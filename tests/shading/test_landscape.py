@@ -21,7 +21,7 @@ from basrelief.techniques import Hit, fixed_length, march
 from basrelief.techniques.march import FixedLength
 from basrelief.techniques.ray import Ray, at, height_at
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import TRIPOD, bilinear, drawn, map_of, noise, normal_under_tripod, plain, unit
+from helpers.synthetic import TRIPOD, bilinear, drawn, map_of, noise, normal_under_tripod, plain, unit
 
 EMPTY = HeightField([np.zeros((1, 1))])
 

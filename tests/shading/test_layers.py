@@ -17,7 +17,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, on_plane, plain, unit
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, plain, unit
 
 HEIGHT, SCALE = 0.25, 0.3
 GREY = 0.214041

@@ -15,7 +15,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shading.brdf import Shading, ShadingPoint
 from basrelief.shading.pixel import directional_visibility
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, map_of, plain
+from helpers.synthetic import drawn, map_of, plain
 
 UNITS = st.floats(0.0, 1.0, width=32)
 

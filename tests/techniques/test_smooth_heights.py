@@ -16,7 +16,7 @@ from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import lod_seen
 from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, on_plane, plain
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, plain
 
 SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
 LEVELS = [

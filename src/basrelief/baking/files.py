@@ -193,13 +193,13 @@ def _write_together(folder: Path, files: dict[Path, NDArray[Any]]) -> None:
 
 def _file_prefix(material: Material) -> str:
     """Prefix of the files of a material, from the names of its height or normal map."""
-    from basrelief.material.conventions import read_name, words
+    from basrelief.material.conventions import parse_name, words
 
     for map in (material.height, material.normal):
         source = re.sub(r"^1 − | \(\w\)$", "", map.source) if map is not None else ""
         if Path(source).suffix and not source.startswith("sample "):
             stem = Path(source).stem
-            prefix = read_name(stem).prefix
+            prefix = parse_name(stem).prefix
             starts: Iterable[str] = (stem[:end] for end in range(len(stem) - 1, 0, -1))
             start = next((s for s in starts if words(s) == prefix and prefix), "")
             if start.strip(" _-."):

@@ -31,7 +31,7 @@ from basrelief.scene import (
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
-from basrelief.scene.presets import NOTHING, Preset, preset, scene_of
+from basrelief.scene.presets import EMPTY_PRESET, Preset, preset, scene_of
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
@@ -153,7 +153,7 @@ def light_from(text: str) -> Light:
     return make(**_arguments(parts, f"--light {kind.strip()}", make))
 
 
-def motions_from(texts: Sequence[str], frames: int, preset: Preset = NOTHING) -> tuple[Motion, ...]:
+def motions_from(texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
     By default a film scrolls as its preset says, or else orbits its object.
@@ -208,7 +208,7 @@ def check_lengths(depth: float | None, tile: float | None, scale: float | None) 
 
 def preset_from(text: str | None) -> Preset:
     """A preset from its name or its file; the empty preset without one."""
-    return NOTHING if text is None else preset(text)
+    return EMPTY_PRESET if text is None else preset(text)
 
 
 _RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "fog": Fog}
@@ -226,7 +226,7 @@ _READERS: dict[str, Callable[[Any], Any]] = {
 def scene(
     material: Material,
     *,
-    preset: Preset = NOTHING,
+    preset: Preset = EMPTY_PRESET,
     measured: bool = False,
     settings: Sequence[str] = (),
     map_tiling: Sequence[str] = (),
@@ -253,7 +253,7 @@ def scene(
     merged = preset.options(material, parsed)
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
     draft = Object(material, **_subset(merged, "technique", "surface"))
-    merged["technique"] = draft.drawn_with  # a user's file runs only once
+    merged["technique"] = draft.selected_technique  # a user's file runs only once
     numbers = _by_record(dict(name_and_value(text, "--set") for text in settings), draft)
     merged |= numbers.pop("object")
     for home, values in numbers.items():
@@ -314,7 +314,7 @@ def _tilings(
 def _by_record(settings: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
     """Settings by the record that has them; the technique's take precedence."""
     records = {
-        "settings": obj.drawn_with.settings,
+        "settings": obj.selected_technique.settings,
         "surface_parameters": SURFACES[obj.surface],
         **_RECORDS,
     }

@@ -279,10 +279,10 @@ def render(
         chosen, maps = _preset_and_maps(values)
         motions = arguments.motions_from(motion or [], frames, chosen)
         scene = _scene(path, chosen, maps, values)
-        material, drawn_with = scene.objects[0].material, scene.objects[0].drawn_with.name
+        material, selected_technique = scene.objects[0].material, scene.objects[0].selected_technique.name
         # `load` recognises this name and does not take the picture for a map
         shown = "" if show == "color" else f"-{show}"
-        target = output or Path(f"{material.name}-{drawn_with}{shown}-basrelief.png")
+        target = output or Path(f"{material.name}-{selected_technique}{shown}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
@@ -327,7 +327,7 @@ def _show(
     check_shown(what)
     if frames != 1:
         raise InputError(f"--show {what}: draws a single picture; omit --frames")
-    columns = [obj.drawn_with.name for obj in scene.objects if obj.drawn_with.columns]
+    columns = [obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns]
     if columns and what != "reads":
         raise InputError(
             f"--show {what} measures against the bilinear surface, but {columns[0]} draws columns; "

@@ -74,7 +74,7 @@ class Results:
 
 def settings_of(obj: Object) -> dict[str, Any]:
     """Settings of an object's technique, as JSON has them."""
-    if obj.drawn_with is flat:
+    if obj.selected_technique is flat:
         return {}
     record = obj.settings
     return {name: _json_value(getattr(record, name)) for name in type(record).__dataclass_fields__}

@@ -19,7 +19,7 @@ from basrelief.baking.levels import halved
 from basrelief.engine import Engine, engine_of
 from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
-from basrelief.pages import check_ours, fill, write_page
+from basrelief.pages import check_overwritable, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
@@ -106,7 +106,7 @@ def write_view(
         or with several.
     """
     file = Path(path)
-    check_ours(file, GENERATOR, "a page of the viewer")
+    check_overwritable(file, GENERATOR, "a page of the viewer")
     check_drawable(scene)
     page = page_of(
         scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
@@ -213,7 +213,7 @@ def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
     for name, bake in BAKES.items():
         if bake in _BAKED_BY_PAGES or height is None or room <= height.width * height.height:
             continue
-        baked = textures.baked(material, "wrap", bake, engine)
+        baked = textures.bake_texture(material, "wrap", bake, engine)
         assert baked is not None
         packed_table = packed(baked.levels[0])
         if len(packed_table["content"]) <= room:

@@ -8,8 +8,8 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
-from basrelief.scene.checks import one_of, within
-from basrelief.scene.lights import LIGHTS, MAKERS, numbers_of
+from basrelief.scene.checks import check_choice, check_range
+from basrelief.scene.lights import LIGHTS, LIGHT_CONSTRUCTORS, light_parameters
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
@@ -95,9 +95,9 @@ def camera_of(value: Any) -> Orbit:
 
 def light_of(value: Mapping[str, Any]) -> Light:
     """A light from a page's mapping. Raises InputError for invalid numbers."""
-    within("intensity", float(value["intensity"]), 0.0, None)
-    one_of("the kind of a light", value["kind"], tuple(LIGHTS))
-    names, numbers = numbers_of(value["kind"]), {**value}
+    check_range("intensity", float(value["intensity"]), 0.0, None)
+    check_choice("the kind of a light", value["kind"], tuple(LIGHTS))
+    names, numbers = light_parameters(value["kind"]), {**value}
     if "target" in names:
         # the direction is that of a directional light at these angles
         direction = directional(value["azimuth"], value["elevation"]).direction
@@ -115,13 +115,13 @@ def as_light_dict(value: Any) -> dict[str, Any]:
     if isinstance(value, Light):
         return light_to_dict(value)
     if not isinstance(value, Mapping):
-        raise InputError(f"a light is {value!r}: give one made by {MAKERS}")
+        raise InputError(f"a light is {value!r}: give one made by {LIGHT_CONSTRUCTORS}")
     kind = value.get("kind", "directional")
-    one_of("the kind of a light", kind, tuple(LIGHTS))
-    place = {"position": (0.0, 1.0, 0.0)} if "position" in numbers_of(kind) else {}
+    check_choice("the kind of a light", kind, tuple(LIGHTS))
+    place = {"position": (0.0, 1.0, 0.0)} if "position" in light_parameters(kind) else {}
     defaults = light_to_dict(LIGHTS[kind](**place))
     for name in value:
-        one_of("a light's number", name, tuple(defaults))
+        check_choice("a light's number", name, tuple(defaults))
     light = {**defaults, **value}
     try:
         light_of(light)

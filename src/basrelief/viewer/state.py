@@ -16,14 +16,14 @@ from basrelief.errors import BasreliefError, InputError
 from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
-from basrelief.rendering.render import sample_places
+from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
 from basrelief.scene.checks import FAR, NEAR
-from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
+from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.scene import BACKGROUND
-from basrelief.scene.views import FILLED
+from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.kinds import ShapeKind
@@ -127,8 +127,8 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
             "fog": settings_of(Fog),
         },
         "constants": _constants(obj),
-        "filled": FILLED,
-        "samples": sample_places(SAMPLES),
+        "filled": FRAME_FILL,
+        "samples": sample_positions(SAMPLES),
         "state": state_of(scene, obj, techniques),
         "defaults": _defaults_of(material),
         "colors": {
@@ -138,7 +138,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, obj, techniques),
         "shows": SHOWS,
-        "lightKinds": {kind: numbers_of(kind) for kind in LIGHTS},
+        "lightKinds": {kind: light_parameters(kind) for kind in LIGHTS},
         "limits": LIMITS,
         "names": names(),
         "slots": _slots(),
@@ -148,7 +148,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
 def _slots() -> dict[str, Any]:
     """Slots for dropped pictures: the texture, its channels, and whether it is decoded to light."""
     slots: dict[str, Any] = {}
-    for name, source in textures.OF_MATERIAL.items():
+    for name, source in textures.MATERIAL_TEXTURES.items():
         for slot, channels in source.channels.items():
             light = source.light and len(channels) == 3
             slots[slot] = {"texture": name, "channels": channels, "light": light}
@@ -159,7 +159,7 @@ def _slots() -> dict[str, Any]:
 
 def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
     """The library's techniques by name, and that of an object, if it is a user's."""
-    own = obj.drawn_with
+    own = obj.selected_technique
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
     name = own.name
@@ -204,8 +204,8 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
         "to_object": placement["to_object"],
         "tiling": list(map(float, stands.tiles)),
         "flat": facts.flat,
-        "radius": round(float(np.linalg.norm(facts.outline, axis=1).max()), 2),
-        "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
+        "radius": round(float(np.linalg.norm(facts.bounding_points, axis=1).max()), 2),
+        "outline": [[round(float(x), 9) for x in point] for point in stands.bounding_points()],
         "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }
 
@@ -217,7 +217,7 @@ def _constants(obj: Object) -> dict[str, Any]:
         "proportion": obj.material.proportion,
         "layer": layer is not None,
         "layerProportion": layer.proportion if layer else 1.0,
-        "glow": textures.glow(obj.material),
+        "glow": textures.emission_scale(obj.material),
     }
 
 
@@ -226,7 +226,7 @@ def state_of(
 ) -> dict[str, Any]:
     """The state of a page that shows a scene: all that its controls can change."""
     techniques = techniques or techniques_of(obj)
-    name = next(key for key, technique in techniques.items() if technique is obj.drawn_with)
+    name = next(key for key, technique in techniques.items() if technique is obj.selected_technique)
     main = obj.main_tiling
     state = {
         "technique": name,
@@ -310,7 +310,7 @@ def light_to_dict(light: Light) -> dict[str, Any]:
     intensity = max(*numbers["color"], 1e-9)
     x, y, z = (-float(component) for component in light.direction)
     # a light without a cone has the default cone of a spot
-    cone = light if "angle" in numbers_of(light) else spot((0.0, 1.0, 0.0))
+    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
         "kind": light_kind(light),
