@@ -17,7 +17,7 @@ from basrelief.material import Material
 from basrelief.rendering import textures
 from basrelief.techniques import BOUNDS
 from helpers.engines import RecordingEngine
-from helpers.made_up import map_of
+from helpers.synthetic import map_of
 
 CPU = choose_device("cpu")
 HEIGHTS = np.random.default_rng(2).random((128, 160)).astype(np.float32)
@@ -156,7 +156,7 @@ def test_small_maps_are_not_kept(folder: Path) -> None:
 
 
 def test_what_a_technique_needs_is_kept(folder: Path, monkeypatch) -> None:
-    wanted = textures.baked(Material("x", height=map_of(HEIGHTS)), "wrap", BOUNDS, CPU)
+    wanted = textures.bake_texture(Material("x", height=map_of(HEIGHTS)), "wrap", BOUNDS, CPU)
     assert len(files(folder)) == 1
 
     def never(*_: object) -> None:
@@ -164,5 +164,5 @@ def test_what_a_technique_needs_is_kept(folder: Path, monkeypatch) -> None:
 
     never.__module__, never.__qualname__ = baking.bounds.__module__, baking.bounds.__qualname__
     monkeypatch.setattr("basrelief.baking.exact.bounds", never)
-    again = textures.baked(Material("x", height=map_of(HEIGHTS)), "wrap", BOUNDS, CPU)
+    again = textures.bake_texture(Material("x", height=map_of(HEIGHTS)), "wrap", BOUNDS, CPU)
     np.testing.assert_array_equal(again.levels[0], wanted.levels[0])

@@ -18,7 +18,7 @@ from basrelief.material import Material
 from basrelief.scene import Object
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Bake, Technique, exact, technique
 from helpers.engines import RecordingEngine
-from helpers.made_up import map_of
+from helpers.synthetic import map_of
 
 HEIGHTS = np.random.default_rng(5).random((37, 53)).astype(np.float32)
 CPU = choose_device("cpu")

@@ -292,7 +292,11 @@ def test_further_objects() -> None:
     (_, lifted) = scene(
         add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
     ).objects
-    assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
+    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (
+        relief,
+        0.5,
+        0.2,
+    )
 
 
 def test_layers_lie_as_they_are_told_to() -> None:

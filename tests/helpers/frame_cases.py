@@ -123,7 +123,7 @@ SCENE_NUMBERS = {
         "directional_occlusion": 0.7,
     },
     "shadowing": {"shadow_steps": 9, "shadow_softness": 5.0, "shadow_offset": 0.06},
-    "fog_mode": {
+    "fog": {
         "fog_color": (0.3, 0.4, 0.2),
         "fog_density": 0.45,
         "fog_start": 1.3,
@@ -240,7 +240,7 @@ MENUS: dict[str, dict[str, Option]] = {
     "response": {"no-response": without("occlusion", "roughness", "metallic", "layer_mask")},
     "emission": {"emission": Option({"emission": exact_maps.emission()})},
     "transform": {
-        "rotated": Option(object={"transform": TURNED}),
+        "turned": Option(object={"transform": TURNED}),
         "stretched": Option(object={"transform": STRETCHED}),
     },
     "shadows": {
@@ -410,16 +410,16 @@ CASES = (*PLAIN, *DEEP, *PAIRS, *MORE)
 def scene_of(case: str) -> Scene:
     """The scene of a case, from its name."""
     technique_name, shape, *names = case.split()
-    drawn_with = DRAWN_WITH[technique_name]
+    chosen = DRAWN_WITH[technique_name]
     options = [OPTIONS[name] for name in names]
     material = replace(exact_maps.material(), **merged(option.material for option in options))
     arguments = merged(option.object for option in options)
     if "numbers" in names:
-        known = drawn_with.settings.__dataclass_fields__
+        known = chosen.settings.__dataclass_fields__
         arguments["settings"] = {key: SETTINGS[key] for key in SETTINGS if key in known}
         arguments["smoothing"] = SMOOTHING
         arguments["surface_parameters"] = FINISHES[arguments.get("surface", "standard")]
-    first = Object(material, shape, drawn_with, **arguments)
+    first = Object(material, shape, chosen, **arguments)
     further = [obj for option in options for obj in option.further(first)]
     scene = merged(option.scene for option in options)
     return Scene((first, *further), **{"camera": CAMERA, "lights": (SUN, LAMP), **scene})

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from basrelief.errors import InputError
 from basrelief.images import write_data, write_picture
 from basrelief.material import MAPS, Map, Material, Note, describe, load, report, sample
-from basrelief.material.conventions import Part, read_name, read_names
+from basrelief.material.conventions import Part, parse_name, parse_names
 from basrelief.material.evidence import agreement
 
 HEIGHT, WIDTH = 24, 40
@@ -134,7 +134,7 @@ NAMES = {
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("case", [str, str.lower, str.upper])
 def test_a_name_says_which_map(name: str, case: type) -> None:
-    meaning = read_name(case(name)).meaning
+    meaning = parse_name(case(name)).meaning
     told = None
     if meaning is not None:
         parts = (
@@ -147,13 +147,13 @@ def test_a_name_says_which_map(name: str, case: type) -> None:
 
 @pytest.mark.parametrize("name", ["wood_2048_color", "wood_2K-PNG_color", "wood_512x256_color"])
 def test_sizes_and_formats_are_no_part_of_the_material(name: str) -> None:
-    assert read_name(name).prefix == ("wood",)
+    assert parse_name(name).prefix == ("wood",)
 
 
 def test_shared_words_name_the_material() -> None:
-    names = read_names(["rusty_metal", "rusty_metal_normal", "rusty_metal_metal"])
+    names = parse_names(["rusty_metal", "rusty_metal_normal", "rusty_metal_metal"])
     assert names["rusty_metal"].meaning is None
-    assert names["rusty_metal_metal"].meaning == read_name("metal").meaning
+    assert names["rusty_metal_metal"].meaning == parse_name("metal").meaning
     assert names["rusty_metal_metal"].prefix == ("rusty", "metal")
 
 
@@ -166,14 +166,14 @@ def test_shared_words_name_the_material() -> None:
     ],
 )
 def test_shared_words_are_kept_where_they_are_the_map(stems: tuple[str, ...]) -> None:
-    meaning = read_names(stems)[stems[0]].meaning
+    meaning = parse_names(stems)[stems[0]].meaning
     assert meaning is not None
     assert meaning.parts[0].map in ("normal", "height")
 
 
 @given(st.text(max_size=40))
 def test_any_text_can_be_a_name(text: str) -> None:
-    name = read_name(text)
+    name = parse_name(text)
     assert len(name.prefix) <= len(name.words)
 
 
@@ -182,14 +182,14 @@ def test_any_text_can_be_a_name(text: str) -> None:
     st.sampled_from(["_", "-", " ", "."]),
     st.sampled_from(["", "1K", "2k", "4096", "1024x1024", "16bit"]),
     st.sampled_from(["", "JPG", "png"]),
-    st.text("abcdxyzQW", max_size=8).filter(lambda text: read_name(text).meaning is None),
+    st.text("abcdxyzQW", max_size=8).filter(lambda text: parse_name(text).meaning is None),
 )
 def test_sizes_and_formats_do_not_matter(
     kind: str, joint: str, size: str, kept_as: str, name: str
 ) -> None:
     whole = joint.join(each for each in (name, size, kept_as, kind) if each)
     other = joint.join(each for each in (name, kind, kept_as, size) if each)
-    assert read_name(whole).meaning == read_name(other).meaning == read_name(kind).meaning
+    assert parse_name(whole).meaning == parse_name(other).meaning == parse_name(kind).meaning
 
 
 # --- loading a folder
@@ -426,7 +426,7 @@ def test_green_is_up_by_default_without_heights(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "polarity", "rotated"),
+    ("name", "polarity", "inverted"),
     [
         ("height", "auto", False),
         ("depth", "auto", True),
@@ -434,11 +434,11 @@ def test_green_is_up_by_default_without_heights(tmp_path: Path) -> None:
         ("depth", "height", False),
     ],
 )
-def test_depths_become_heights(tmp_path: Path, name: str, polarity: str, turned: bool) -> None:
+def test_depths_become_heights(tmp_path: Path, name: str, polarity: str, inverted: bool) -> None:
     put(tmp_path, f"a_{name}.png", sixteen(hills()))
     material = load(tmp_path, height_polarity=polarity)  # type: ignore[arg-type]
     assert material.height is not None
-    expected = 65535 - sixteen(hills()) if turned else sixteen(hills())
+    expected = 65535 - sixteen(hills()) if inverted else sixteen(hills())
     assert (material.height.pixels == expected).all()
 
 

@@ -24,8 +24,8 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights, write_material
-from helpers.made_up import map_of, noise, plain
 from helpers.repository import blocks, commands
+from helpers.synthetic import map_of, noise, uniform_material
 
 SIZE = (48, 27)
 ANGLES = (0.0, 60.0)
@@ -122,7 +122,7 @@ def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None
 
 def test_a_material_without_heights_is_one_clear_line(tmp_path) -> None:
     with pytest.raises(InputError, match="no height map"):
-        compare(plain())
+        compare(uniform_material())
     folder = write_material(tmp_path / "wall")
     (folder / "wall_Height.png").unlink()
     for command in (["compare"], ["tune", "--missed", "1%"]):

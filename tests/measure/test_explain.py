@@ -20,7 +20,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights
-from helpers.made_up import map_of, noise
+from helpers.synthetic import map_of, noise
 
 SIZE = (96, 60)
 CAMERA = Orbit(35.0, 24.0, 1.2)

@@ -12,7 +12,7 @@ import pytest
 from basrelief.errors import InputError
 from basrelief.measure.explain import explain
 from basrelief.measure.figures import has_matplotlib, write_figure
-from helpers.made_up import plain
+from helpers.synthetic import uniform_material
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -55,7 +55,9 @@ def test_a_figure_that_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
 def test_without_matplotlib_a_cross_section_says_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = explain(plain(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1)
+    found = explain(
+        uniform_material(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1
+    )
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert not has_matplotlib()
     with pytest.raises(InputError, match=r"pip install 'basrelief\[plots\]', or print it as a"):

@@ -16,7 +16,7 @@ from basrelief.material import Material
 from basrelief.measure.tune import effort, tune
 from basrelief.techniques import TECHNIQUES, Hit, Ray, height_under, hit_at, t_at, technique
 from helpers.command_line import done, refused, write_heights
-from helpers.made_up import map_of, noise
+from helpers.synthetic import map_of, noise
 
 SMALL = {"size": (24, 14), "device": "cpu", "scale": 0.5, "angles": (60.0, 60.0)}
 TEXELS = 16

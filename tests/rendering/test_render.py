@@ -14,7 +14,7 @@ from basrelief.images import read_picture, srgb_decode, write_picture
 from basrelief.lang import HeightField, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of, values_of
-from basrelief.rendering.render import render, sample_places
+from basrelief.rendering.render import render, sample_positions
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import (
@@ -194,9 +194,9 @@ def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
 
 
 def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
-    assert sample_places(1) == [(0.5, 0.5)]
+    assert sample_positions(1) == [(0.5, 0.5)]
     for count in (4, 16, 64):
-        places = np.array(sample_places(count))
+        places = np.array(sample_positions(count))
         assert places[0].tolist() == [0.5, 0.5]
         assert places.min() >= 0.0
         assert places.max() < 1.0
@@ -208,7 +208,7 @@ def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
 def test_samples_step_by_the_powers_of_the_plastic_number() -> None:
     """g³ = g + 1: from place to place by 1 ÷ g and 1 ÷ g², of which only the fraction counts."""
     plastic = max(np.roots([1.0, 0.0, -1.0, -1.0]).real)
-    places = np.array(sample_places(50))
+    places = np.array(sample_positions(50))
     steps = np.array([1.0 / plastic, 1.0 / plastic**2])
     wanted = (0.5 + np.arange(50)[:, None] * steps) % 1.0
     np.testing.assert_allclose(places, wanted, atol=1e-12)
@@ -220,7 +220,7 @@ def test_samples_are_averaged() -> None:
     width, height = SIZE
     scene = Scene((Object(BRICKS),), camera=camera, background=(0.25, 0.5, 0.75))
     total = np.zeros((height, width, 4))
-    for x, y in sample_places(3):
+    for x, y in sample_positions(3):
         step = 1.2 / height
         right, back = (x - 0.5) * step, (y - 0.5) * step
         moved = replace(camera, position=(right, 2.0, back), target=(right, 0.0, back))
@@ -599,11 +599,12 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
         "class Mine:\n"
         "    '''Settings.'''\n\n"
         "    strength: float = setting(default=1.0, doc='how far', low=0.0, high=10.0)\n\n\n"
-        "@technique(level=0.5)\n"
+        "@technique(reference_height=0.5)\n"
         "def mine(field: HeightField, ray: Ray, settings: Mine) -> Hit:\n"
         "    '''One read.'''\n"
-        "    start = t_at(ray, ray.level)\n"
-        "    height = ray.level - height_under(field, ray, start) * settings.strength\n"
+        "    start = t_at(ray, ray.reference_height)\n"
+        "    below = height_under(field, ray, start) * settings.strength\n"
+        "    height = ray.reference_height - below\n"
         "    return hit_at(ray, t_at(ray, height), True, 1)\n"
     )
     scene = own_scene(times=1, strength=1.5)

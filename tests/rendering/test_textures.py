@@ -15,7 +15,7 @@ from basrelief.engine import choose_device
 from basrelief.images import srgb_decode
 from basrelief.material import Map, Material, sample
 from basrelief.rendering import textures
-from basrelief.rendering.programs import mapped, maps_of
+from basrelief.rendering.programs import available_maps, maps_of
 from basrelief.scene import Layer, Object
 from basrelief.techniques import BOUNDS, CONE_MAP
 from basrelief.techniques.cone_bake import cone_of
@@ -179,9 +179,9 @@ def test_emission_brighter_than_1_is_a_share_of_its_brightest() -> None:
     material = Material("x", emission=map_of(light))
     texture = textures.emission(material, "wrap")
     assert texture is not None
-    assert textures.glow(material) == 5.0
+    assert textures.emission_scale(material) == 5.0
     np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT * 5.0, light, atol=1e-4)
-    assert textures.glow(Material("dark")) == 1.0
+    assert textures.emission_scale(Material("dark")) == 1.0
 
 
 # --- data -----------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
     normal = textures.normal(material, "wrap", 0.1, CPU)
     assert textures.normal(material, "wrap", 0.1, CPU) is normal
     assert textures.normal(material, "wrap", 0.2, CPU) is not normal
-    assert textures.baked(material, "wrap", BOUNDS, CPU) is textures.baked(
+    assert textures.bake_texture(material, "wrap", BOUNDS, CPU) is textures.bake_texture(
         material, "wrap", BOUNDS, CPU
     )
     held = len(textures._made)
@@ -302,7 +302,7 @@ def test_what_one_engine_baked_is_not_given_to_another() -> None:
     other = RecordingEngine()
     for _ in range(2):
         for engine in (CPU, other):
-            textures.baked(material, "wrap", CONE_MAP, engine)
+            textures.bake_texture(material, "wrap", CONE_MAP, engine)
     assert set(other.entries) == {*CONE_MAP.programs} - {next_windows}
     assert other.entries.count(cone_of) == 1
     textures.normal(material, "wrap", 0.1, CPU)
@@ -327,7 +327,7 @@ def test_which_maps_there_are_is_known_without_baking() -> None:
         if material is bare and "technique" in options:
             continue
         obj = Object(material, layer=layer and Layer(layer), **options)
-        there = {f"maps_{name}" for name, has in mapped(obj).items() if has}
+        there = {f"maps_{name}" for name, has in available_maps(obj).items() if has}
         assert there == set(maps_of(obj, CPU)) - {"field", "baked"}
-    assert mapped(Object(high, technique="texel"))["normal"] is False
-    assert mapped(Object(full, technique="texel"))["normal"] is True
+    assert available_maps(Object(high, technique="texel"))["normal"] is False
+    assert available_maps(Object(full, technique="texel"))["normal"] is True

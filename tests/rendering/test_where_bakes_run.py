@@ -24,8 +24,8 @@ from basrelief.techniques.normal_bake import normals
 from basrelief.viewer import write_view
 from helpers.command_line import done, write_heights
 from helpers.engines import RecordingEngine
-from helpers.made_up import map_of, noise
 from helpers.stills import no_stills
+from helpers.synthetic import map_of, noise
 
 BAKED = {name: made for name, made in TECHNIQUES.items() if made.bake is not None}
 PICTURE = {"size": (8, 6), "samples": 1}

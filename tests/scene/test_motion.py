@@ -15,7 +15,15 @@ from hypothesis import strategies as st
 from basrelief.errors import InputError
 from basrelief.material import Map, Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated, spot
-from basrelief.scene.motion import MOTIONS, Lighting, Moment, Opening, Orbiting, Scrolling, moved
+from basrelief.scene.motion import (
+    MOTIONS,
+    Lighting,
+    Moment,
+    Opening,
+    Orbiting,
+    Scrolling,
+    apply_motions,
+)
 
 SIZE = (64, 36)
 HEIGHTS = np.array([[0.2, 0.9, 0.4], [0.6, 0.1, 0.5]], np.float32)[:, :, None]
@@ -79,8 +87,8 @@ def test_the_distance_is_the_largest_on_the_way_round(
     """What `framing` finds a degree at a time never needs more, and comes close."""
     lens = {"orthographic_height": 1.5} if orthographic else {"field_of_view": view}
     camera = Orbit(0.0, elevation, None, (0.1, -0.2, 0.05), **lens)
-    points = scene(shape=shape, transform=placed(position, stretch)).objects[0].outline()
-    all_round = camera.framing_all_round(points, size).distance
+    points = scene(shape=shape, transform=placed(position, stretch)).objects[0].bounding_points()
+    all_round = camera.framing_all_azimuths(points, size).distance
     each = [
         replace(camera, azimuth=float(azimuth)).framing(points, size).distance
         for azimuth in range(360)
@@ -103,7 +111,7 @@ def test_nothing_leaves_the_frame(shape: str) -> None:
             np.array([*v], np.float64)
             for v in (camera.position, camera.right, camera.down, camera.forward)
         )
-        away = start.objects[0].outline() - place
+        away = start.objects[0].bounding_points() - place
         depth = away @ forward
         x = away @ right / (right @ right) / depth / (width / 2)
         y = away @ down / (down @ down) / depth / (height / 2)
@@ -133,8 +141,8 @@ def test_it_goes_round_as_an_orbit_does() -> None:
 
 def test_straight_down_the_picture_turns() -> None:
     start = scene(LookAt((0.0, 2.0, 0.0)))
-    assert close(Orbiting()(start, at(0.0)).camera.upright, (0.0, 0.0, -1.0))
-    assert close(Orbiting()(start, at(0.25)).camera.upright, (-1.0, 0.0, 0.0))
+    assert close(Orbiting()(start, at(0.0)).camera.up_direction, (0.0, 0.0, -1.0))
+    assert close(Orbiting()(start, at(0.25)).camera.up_direction, (-1.0, 0.0, 0.0))
 
 
 # --- light ----------------------------------------------------------------------------------------
@@ -232,14 +240,14 @@ def test_a_hole_needs_heights_to_open() -> None:
 
 def test_motions_go_together_and_leave_the_scene() -> None:
     start = scene(Orbit(10.0), transform=rotated("x", 20.0))
-    now = moved(start, [Orbiting(), Scrolling(), Lighting()], at(0.5, 1.0))
+    now = apply_motions(start, [Orbiting(), Scrolling(), Lighting()], at(0.5, 1.0))
     assert now.camera.azimuth == 190.0
     assert now.objects[0].shift == (0.25, 0.0)
     assert now.lights[0].direction != start.lights[0].direction
     assert start.camera == Orbit(10.0)
     assert start.objects[0].shift == (0.0, 0.0)
     assert now.objects[0].transform is start.objects[0].transform
-    assert moved(start, [], at(0.5)) is start
+    assert apply_motions(start, [], at(0.5)) is start
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, 1e9])

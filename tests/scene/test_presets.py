@@ -90,15 +90,15 @@ def test_each_number_says_where_it_is_from(name: str) -> None:
 
 def test_catlike_says_what_catlike_says() -> None:
     obj, scene = drawn("catlike")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "biased")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.42, 0.03, 0.5)
     assert scene.shading_model == "ggx"
     assert preset("catlike").maps == {"height_channel": "g"}
     obj, _ = drawn("catlike-limited")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset_limited", "limited")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset_limited", "limited")
     assert (obj.scale, obj.reference_height) == (0.03, 0.5)
     obj, _ = drawn("catlike-march")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("relief", "biased")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("relief", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.0, 0.03, 1.0)
     assert (obj.settings.min_steps, obj.settings.max_steps) == (10, 10)
     assert obj.settings.search_steps == 3
@@ -106,7 +106,7 @@ def test_catlike_says_what_catlike_says() -> None:
 
 def test_wikibooks_says_what_wikibooks_says() -> None:
     obj, scene = drawn("wikibooks")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "full")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "full")
     assert (obj.scale, obj.reference_height, obj.settings.max_offset) == (
         0.01,
         0.5,
@@ -129,7 +129,7 @@ def test_wikibooks_says_what_wikibooks_says() -> None:
 
 def test_gamedev_says_what_gamedev_says() -> None:
     obj, scene = drawn("gamedev")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("parallax_occlusion", "full")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("parallax_occlusion", "full")
     assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
     assert (obj.scale, obj.reference_height) == (0.1, 1.0)
     assert scene.shading_model == "phong"
@@ -139,10 +139,14 @@ def test_gamedev_says_what_gamedev_says() -> None:
 
 def test_halliwell_says_what_halliwell_says() -> None:
     stock, _ = drawn("halliwell-stock")
-    assert (stock.drawn_with.name, stock.relief_projection) == ("offset", "biased")
+    assert (stock.selected_technique.name, stock.relief_projection) == ("offset", "biased")
     assert (stock.bias, stock.reference_height) == (0.42, 0.5)
     obj, scene = drawn("halliwell")
-    assert (obj.drawn_with.name, obj.heights, obj.reference_height) == ("relief", "smooth", 1.0)
+    assert (obj.selected_technique.name, obj.heights, obj.reference_height) == (
+        "relief",
+        "smooth",
+        1.0,
+    )
     assert obj.settings.min_steps < obj.settings.max_steps
     assert obj.settings.search_steps > 0
     assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
@@ -151,7 +155,7 @@ def test_halliwell_says_what_halliwell_says() -> None:
 
 def test_habrador_says_what_habrador_says() -> None:
     obj, scene = drawn("habrador")
-    assert (obj.drawn_with.name, obj.surface, obj.reference_height) == (
+    assert (obj.selected_technique.name, obj.surface, obj.reference_height) == (
         "fixed_length",
         "landscape",
         1.0,
@@ -174,7 +178,7 @@ def test_habrador_says_what_habrador_says() -> None:
     assert preset("gamedev").scroll == (0.0, 0.0)
     for name in ("habrador-hole", "habrador-bricks"):
         obj, _ = drawn(name)
-        assert (obj.drawn_with.name, obj.settings.steps) == ("fixed_length", 300)
+        assert (obj.selected_technique.name, obj.settings.steps) == ("fixed_length", 300)
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -304,7 +308,7 @@ def test_options_win_over_a_preset() -> None:
     obj, _ = drawn("gamedev", technique="relief")
     assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
     obj, _ = drawn("gamedev", technique="steep")
-    assert (obj.drawn_with.name, obj.settings.steps) == ("steep", 10)
+    assert (obj.selected_technique.name, obj.settings.steps) == ("steep", 10)
     obj, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
     assert (obj.surface, obj.surface_parameters.normal_strength) == ("standard", 0.0)
     assert {*obj.tilings} == {"base_color", "normal"}
@@ -441,7 +445,7 @@ def test_paths_are_from_the_folder_of_the_file(
     material = basrelief.load("hill", **made.maps)
     assert material.base_color is not None
     scene = made.scene(material)
-    assert scene.objects[0].drawn_with.name == "half"
+    assert scene.objects[0].selected_technique.name == "half"
     assert scene.objects[0].layer is not None
 
 

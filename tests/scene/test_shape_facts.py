@@ -34,8 +34,8 @@ def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
 @pytest.mark.parametrize("name", SHAPES)
 def test_an_outline_reaches_as_far_as_the_shape(name) -> None:
     facts = SHAPES[name]
-    assert all(facts.contains(*place) for place in facts.outline * 0.999)
-    assert not any(facts.contains(*place) for place in facts.outline * 1.001)
+    assert all(facts.contains(*place) for place in facts.bounding_points * 0.999)
+    assert not any(facts.contains(*place) for place in facts.bounding_points * 1.001)
 
 
 @pytest.mark.parametrize("name", SHAPES)

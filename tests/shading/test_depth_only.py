@@ -15,10 +15,10 @@ from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
 from basrelief.lang.wgsl import print_wgsl
 from basrelief.material import sample
-from basrelief.rendering.programs import depth_program_of, own_values, program_of
+from basrelief.rendering.programs import depth_program_of, object_values, program_of
 from basrelief.scene import LYING, Object, Orbit, Scene, placed, rotated
 from basrelief.shading.intersection import View
-from helpers.made_up import drawn, map_of, noise
+from helpers.synthetic import drawn, map_of, noise
 
 SIZE = (64, 48)
 CAMERA = Orbit(25.0, 35.0, 2.4)
@@ -53,7 +53,7 @@ def depth_map(made: Object) -> Planes:
     """The planes of an object's part of a depth map, as a camera sees it and not a light."""
     engine = choose_device("cpu")
     view = View(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
-    return engine.run(depth_program_of(made), {**own_values(made, engine), "view": view}, SIZE)
+    return engine.run(depth_program_of(made), {**object_values(made, engine), "view": view}, SIZE)
 
 
 def words(program: Program) -> set[str]:

@@ -24,7 +24,7 @@ from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
-from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
+from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.presets import Preset, preset
 from basrelief.shading import kinds
 from basrelief.shading.lights import Light
@@ -129,7 +129,7 @@ def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
 
 def test_the_numbers_of_a_light_say_what_it_is() -> None:
     found = {
-        name: {kind for kind in LIGHTS if name in numbers_of(kind)}
+        name: {kind for kind in LIGHTS if name in light_parameters(kind)}
         for name in ("position", "azimuth", "target", "angle", "falloff")
     }
     assert found == {
@@ -139,7 +139,7 @@ def test_the_numbers_of_a_light_say_what_it_is() -> None:
         "angle": {"spot"},
         "falloff": {"point", "spot"},
     }
-    assert numbers_of(spot((1.0, 2.0, 3.0))) == numbers_of("spot")
+    assert light_parameters(spot((1.0, 2.0, 3.0))) == light_parameters("spot")
 
 
 def test_menus_are_the_fields_that_are_one_of_a_few_values() -> None:
@@ -225,7 +225,7 @@ def test_a_light_comes_back_from_a_page(light: Light) -> None:
     was, now = (list(map(float, leaf_values(each, Light))) for each in (light, back))
     np.testing.assert_allclose(now, was, atol=2e-6)
     # what a kind has no use for changes nothing
-    unread = set(plain) - {*numbers_of(light), "kind", "azimuth", "elevation"}
+    unread = set(plain) - {*light_parameters(light), "kind", "azimuth", "elevation"}
     assert light_of({**plain, **dict.fromkeys(unread)}) == back
 
 

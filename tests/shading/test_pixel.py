@@ -19,7 +19,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene, directional, placed, point, rotated, spot
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES
-from helpers.made_up import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
+from helpers.synthetic import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
 
 CPU = CpuEngine()
 SIZE = (97, 61)

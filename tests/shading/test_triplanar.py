@@ -12,7 +12,7 @@ from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, noise
+from helpers.synthetic import bilinear, drawn, map_of, noise
 
 SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.3)
 FRONT = LookAt((0.0, 0.0, 9.0), orthographic_height=0.5)

@@ -16,7 +16,7 @@ from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import lod_seen
 from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, on_plane, plain
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, uniform_material
 
 SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
 LEVELS = [
@@ -74,7 +74,7 @@ def relief(material: Material, **options) -> Object:
 
 
 def test_a_plane_of_one_height_stays_as_it_is() -> None:
-    material = plain(height=0.5)
+    material = uniform_material(height=0.5)
     level = Material("level", height=map_of(np.full((16, 16), 0.5)))
     for each in (material, level):
         smooth_, sharp = (

@@ -21,7 +21,7 @@ from basrelief.cli import arguments
 from basrelief.errors import InputError
 from basrelief.images import encode_png, read_picture, srgb_encode, write_data
 from basrelief.material import Map, Material, sample
-from basrelief.material.conventions import read_name
+from basrelief.material.conventions import parse_name
 from basrelief.measure.debug import debug_picture
 from basrelief.measure.errors import errors, missed, overshoot
 from basrelief.measure.truth import truth
@@ -41,7 +41,7 @@ from basrelief.scene import (
     spot,
 )
 from basrelief.scene.presets import preset
-from basrelief.scene.views import FILLED
+from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.lights import DIRECTIONAL, SPOT
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
@@ -321,11 +321,11 @@ def test_cameras_are_pythons(seen: Seen) -> None:
 
 def test_framing_is_pythons(seen: Seen, material: Material) -> None:
     for shape in SHAPES:
-        points = Object(material, shape=shape).outline()
+        points = Object(material, shape=shape).bounding_points()
         camera = Orbit(24.0, 32.0)
         told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
         script = "async ([c, p, s, f]) => (await import('view/camera.js')).framing(c, p, s, f)"
-        found = seen.page.evaluate(script, [told, points.tolist(), SIZE, FILLED])
+        found = seen.page.evaluate(script, [told, points.tolist(), SIZE, FRAME_FILL])
         assert found == pytest.approx(camera.framing(points, SIZE).distance, rel=1e-6)
 
 
@@ -518,7 +518,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     fresh.draw()
     fresh.open("camera")
     distance = page.get_by_label("distance", exact=True)
-    framed = CAMERA.framing(Object(material).outline(), SIZE).distance
+    framed = CAMERA.framing(Object(material).bounding_points(), SIZE).distance
     assert float(distance.input_value()) == pytest.approx(framed, rel=1e-3)
     page.get_by_label("camera azimuth", exact=True).fill("-40")
     page.get_by_label("field of view").last.fill("50")
@@ -553,7 +553,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     assert rows.min() > 0
     assert columns.min() > 0
     filled = max(np.ptp(columns) / SIZE[0], np.ptp(rows) / SIZE[1])
-    assert filled == pytest.approx(FILLED, abs=0.03)
+    assert filled == pytest.approx(FRAME_FILL, abs=0.03)
     distance.fill("0.2")
     assert page.evaluate("viewer.state.camera.distance") > 0.5
     assert_agree(whole, replace(fresh.frame(), distance=whole.distance), TEXELS)
@@ -1266,7 +1266,7 @@ def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
       return names.map((name) => meaningOf(name, viewer.data.names));
     }"""
     for name, found in zip(NAMES, seen.page.evaluate(script, NAMES), strict=True):
-        meaning = read_name(name.rsplit(".", 1)[0]).meaning
+        meaning = parse_name(name.rsplit(".", 1)[0]).meaning
         place, over = ("", False) if meaning is None else place_of(meaning)
         if not place:
             assert found is None, name

@@ -188,13 +188,13 @@ def _write_together(folder: Path, files: dict[Path, NDArray[Any]]) -> None:
 
 def _start(material: Material) -> str:
     """What the names of a material's files begin with: those of its heights or normals do."""
-    from basrelief.material.conventions import read_name, words
+    from basrelief.material.conventions import parse_name, words
 
     for each in (material.height, material.normal):
         source = re.sub(r"^1 − | \(\w\)$", "", each.source) if each is not None else ""
         if Path(source).suffix and not source.startswith("sample "):
             stem = Path(source).stem
-            prefix = read_name(stem).prefix
+            prefix = parse_name(stem).prefix
             starts: Iterable[str] = (stem[:end] for end in range(len(stem) - 1, 0, -1))
             found = next((s for s in starts if words(s) == prefix and prefix), "")
             if found.strip(" _-."):

@@ -31,7 +31,7 @@ from basrelief.scene import (
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
-from basrelief.scene.presets import NOTHING, Preset, preset, scene_of
+from basrelief.scene.presets import EMPTY_PRESET, Preset, preset, scene_of
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
@@ -153,7 +153,9 @@ def light_from(text: str) -> Light:
     return made(**_arguments(parts, f"--light {kind.strip()}", made))
 
 
-def motions_from(texts: Sequence[str], frames: int, preset: Preset = NOTHING) -> tuple[Motion, ...]:
+def motions_from(
+    texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET
+) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
     Without any a film scrolls as its preset says, or else goes round its object.
@@ -204,7 +206,7 @@ def check_lengths(depth: float | None, tile: float | None, scale: float | None) 
 
 def preset_from(text: str | None) -> Preset:
     """A preset from its name or its file; without one, that which says nothing."""
-    return NOTHING if text is None else preset(text)
+    return EMPTY_PRESET if text is None else preset(text)
 
 
 _RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "fog": Fog}
@@ -222,7 +224,7 @@ _READERS: dict[str, Callable[[Any], Any]] = {
 def scene(
     material: Material,
     *,
-    preset: Preset = NOTHING,
+    preset: Preset = EMPTY_PRESET,
     measured: bool = False,
     settings: Sequence[str] = (),
     map_tiling: Sequence[str] = (),
@@ -249,7 +251,7 @@ def scene(
     said = preset.options(material, given)
     said["layer"] = _layer(said.get("layer"), layer_tiling, layer_shift)
     plain = Object(material, **_some(said, "technique", "surface"))
-    said["technique"] = plain.drawn_with  # a file of one's own runs once
+    said["technique"] = plain.selected_technique  # a file of one's own runs once
     numbers = _sorted_out(dict(named(text, "--set") for text in settings), plain)
     said |= numbers.pop("object")
     for home, each in numbers.items():
@@ -310,7 +312,7 @@ def _tilings(
 def _sorted_out(given: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
     """Settings by the record that they belong to; the technique's come first."""
     records = {
-        "settings": obj.drawn_with.settings,
+        "settings": obj.selected_technique.settings,
         "surface_parameters": SURFACES[obj.surface],
         **_RECORDS,
     }

@@ -274,10 +274,13 @@ def render(
         chosen, maps = _preset_and_maps(given)
         motions = arguments.motions_from(motion or [], frames, chosen)
         scene = _scene(path, chosen, maps, given)
-        material, drawn_with = scene.objects[0].material, scene.objects[0].drawn_with.name
+        material, technique_name = (
+            scene.objects[0].material,
+            scene.objects[0].selected_technique.name,
+        )
         # a name that `load` knows for one of ours, and takes for no map
         shown = "" if show == "color" else f"-{show}"
-        target = output or Path(f"{material.name}-{drawn_with}{shown}-basrelief.png")
+        target = output or Path(f"{material.name}-{technique_name}{shown}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
@@ -320,7 +323,9 @@ def _show(
     check_shown(what)
     if frames != 1:
         raise InputError(f"--show {what}: one picture shows it; leave --frames away")
-    boxes = [each.drawn_with.name for each in scene.objects if each.drawn_with.columns]
+    boxes = [
+        each.selected_technique.name for each in scene.objects if each.selected_technique.columns
+    ]
     if boxes and what != "reads":
         raise InputError(
             f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "

@@ -12,7 +12,7 @@ from basrelief.gallery import PAGES, SOURCES
 from basrelief.gallery.drawing import Drawn, drawn
 from basrelief.gallery.html import GENERATOR, index_html, page_html, picture_name
 from basrelief.gallery.page import Page
-from basrelief.pages import check_ours, is_ours, write_page
+from basrelief.pages import check_overwritable, is_generated_by, write_page
 
 Progress = Callable[[str, float], None]
 """Hears what is being drawn, and the share of the whole that is done."""
@@ -87,10 +87,10 @@ def _beside(folder: Path, pages: Sequence[Page]) -> list[Page]:
     return [
         page
         for page in PAGES.values()
-        if page in pages or is_ours(folder / f"{page.name}.html", GENERATOR)
+        if page in pages or is_generated_by(folder / f"{page.name}.html", GENERATOR)
     ]
 
 
 def _check_ours(folder: Path, pages: Sequence[Page]) -> None:
     for name in ("index.html", *(f"{page.name}.html" for page in pages)):
-        check_ours(folder / name, GENERATOR, "a page of the gallery")
+        check_overwritable(folder / name, GENERATOR, "a page of the gallery")

@@ -17,7 +17,7 @@ def settings_of(scene: Scene) -> str:
 
 
 def _of_object(obj: Object) -> Iterator[str]:
-    yield f"{obj.drawn_with.name}, {obj.material.name} on a {obj.shape}"
+    yield f"{obj.selected_technique.name}, {obj.material.name} on a {obj.shape}"
     if obj.has_relief:
         yield f"scale {obj.relief_scale:.3g}"
         yield from _numbers(obj.settings)
@@ -36,7 +36,7 @@ def _of_ray(obj: Object) -> Iterator[str]:
     if obj.relief_projection != "full":
         with_bias = f" {obj.bias:g}" if obj.relief_projection == "biased" else ""
         yield f"projection {obj.relief_projection}{with_bias}"
-    if obj.relief_reference_height != obj.drawn_with.reference_height:
+    if obj.relief_reference_height != obj.selected_technique.reference_height:
         yield f"reference height {obj.relief_reference_height:g}"
     if obj.heights != "sharp":
         yield f"{obj.heights} heights"

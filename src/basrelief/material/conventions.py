@@ -137,7 +137,7 @@ GREEN: Mapping[str, Green] = {
     "directx": "dx",
 }
 INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
-LONGEST = 4
+MAX_WORDS = 4
 
 WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+[kK](?![a-z])|\d+")
 SIZES = re.compile(
@@ -157,12 +157,12 @@ def words(stem: str) -> tuple[str, ...]:
     )
 
 
-def read_name(stem: str) -> Name:
+def parse_name(stem: str) -> Name:
     """What one file name says by itself."""
     return _read(words(stem))
 
 
-def read_names(stems: Iterable[str]) -> dict[str, Name]:
+def parse_names(stems: Iterable[str]) -> dict[str, Name]:
     """What the names of one folder say together.
 
     The words that all of them begin with name the material, not the map: beside
@@ -198,7 +198,7 @@ def _read(name: tuple[str, ...]) -> Name:
     if len(name) > 2 and name[0] == "t" and name[-1] in UNREAL:
         return Name(name, name[:-1], MEANINGS[UNREAL[name[-1]]])
     for end in range(len(name), 0, -1):
-        for start in range(max(end - LONGEST, 0), end):
+        for start in range(max(end - MAX_WORDS, 0), end):
             meaning = MEANINGS.get("".join(name[start:end])) or _with_green(name[start:end])
             if meaning is not None:
                 prefix, tail = name[:start], name[end:]

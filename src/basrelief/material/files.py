@@ -21,7 +21,7 @@ from pathlib import Path
 
 from basrelief.errors import InputError
 from basrelief.images import LOSSY, READABLE, picture_size, read_picture
-from basrelief.material.conventions import Green, Meaning, Name, Part, read_name, read_names
+from basrelief.material.conventions import Green, Meaning, Name, Part, parse_name, parse_names
 from basrelief.material.material import MAPS, Note
 
 
@@ -66,7 +66,7 @@ def _search_folder(folder: Path, green: Green | None, settled: frozenset[str]) -
             raise InputError(f"{folder}: there is no picture in this folder; name another")
         notes.append(Note(f"looked into {inner[0].name}", "the only folder within with pictures"))
         folder, pictures = inner[0], _pictures(inner[0])
-    by_stem = read_names(path.stem for path in pictures)
+    by_stem = parse_names(path.stem for path in pictures)
     names = {path: by_stem[path.stem] for path in pictures}
     if "base_color" not in settled:
         names = _with_unnamed_color(names, notes)
@@ -81,8 +81,8 @@ def _search_folder(folder: Path, green: Green | None, settled: frozenset[str]) -
 
 def _search_set(path: Path, green: Green | None, settled: frozenset[str]) -> Found:
     """One picture: with the files beside it whose names say that they belong to it, or alone."""
-    own = read_name(path.stem)
-    beside = {each: read_name(each.stem) for each in _pictures(path.parent) if each != path}
+    own = parse_name(path.stem)
+    beside = {each: parse_name(each.stem) for each in _pictures(path.parent) if each != path}
     named = {each: name for each, name in beside.items() if _parts(name)}
     of_its_name = {each: name for each, name in named.items() if name.prefix == own.words}
     of_its_set = {each: name for each, name in named.items() if name.prefix == own.prefix}

@@ -13,7 +13,7 @@ from basrelief.errors import InputError
 from basrelief.images import Picture, read_picture
 from basrelief.material import channels
 from basrelief.material.channels import NormalPacking
-from basrelief.material.conventions import Part, read_name
+from basrelief.material.conventions import Part, parse_name
 from basrelief.material.evidence import Agreement, agreement
 from basrelief.material.files import Choice, Found, search
 from basrelief.material.material import MAPS, Map, Material, Note
@@ -130,7 +130,7 @@ def _named(named: dict[str, Path]) -> dict[str, Choice]:
     """Files that the user names: the map is given, their names may still tell channel and sense."""
     choices = {}
     for kind, path in named.items():
-        meaning = read_name(path.stem).meaning
+        meaning = parse_name(path.stem).meaning
         parts = [part for part in meaning.parts if part.map == kind] if meaning else []
         choices[kind] = Choice(path, parts[0] if parts else Part(kind), meaning)
     return choices

@@ -281,7 +281,7 @@ def _own_settings(text: str) -> tuple[str, dict[str, float]]:
 def _described(name: str, obj: Object) -> dict[str, Any]:
     return {
         "name": name,
-        "technique": obj.drawn_with.name,
+        "technique": obj.selected_technique.name,
         "settings": settings_of(obj),
         "reference_height": obj.relief_reference_height,
         "projection": obj.relief_projection,

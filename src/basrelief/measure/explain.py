@@ -92,7 +92,7 @@ def _explained(
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(obj, scene, size, choose_device("cpu"))
-    field, technique = values["field"], obj.drawn_with
+    field, technique = values["field"], obj.selected_technique
     variant = variant_of(obj, scene)
     seen = faded_relief(values["relief"], met.distance, variant)
     if seen.scale <= 0.0:

@@ -19,7 +19,7 @@ from basrelief.measure.errors import Spread
 from basrelief.measure.figures import has_matplotlib
 from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
 from basrelief.measure.results import Result, Results, settings_of
-from basrelief.pages import check_ours, fill, write_page
+from basrelief.pages import check_overwritable, fill, write_page
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
@@ -37,7 +37,7 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
     Raises InputError for a folder that cannot be written to, or with another's index.html.
     """
     index = folder / "index.html"
-    check_ours(index, GENERATOR, "a comparison's page")
+    check_overwritable(index, GENERATOR, "a comparison's page")
     pictures = folder / PICTURES
     try:
         pictures.mkdir(parents=True, exist_ok=True)

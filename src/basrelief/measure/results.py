@@ -61,7 +61,7 @@ class Results:
 
 def settings_of(obj: Object) -> dict[str, Any]:
     """The settings of an object's technique, as plain numbers."""
-    if obj.drawn_with is flat:
+    if obj.selected_technique is flat:
         return {}
     record = obj.settings
     return {name: _plain(getattr(record, name)) for name in type(record).__dataclass_fields__}

@@ -17,7 +17,7 @@ from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import first_hits
 from basrelief.rendering import textures
-from basrelief.rendering.programs import map_edge, rays_of, values_of
+from basrelief.rendering.programs import map_edge, values_of, view_ray_program_of
 from basrelief.rendering.render import check_picture
 from basrelief.scene import Object, Scene
 
@@ -60,7 +60,7 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
     obj = measurable(scene)
     engine = engine_of(device)
     values = values_of(obj, scene, size, engine)
-    rays = engine.run(rays_of(obj), values, size)
+    rays = engine.run(view_ray_program_of(obj), values, size)
     found = rays["found"] != 0
     start, travel = (
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1).astype(np.float64)

@@ -7,19 +7,19 @@ from pathlib import Path
 from basrelief.errors import InputError
 from basrelief.images import write_whole
 
-__all__ = ["check_ours", "is_ours", "write_page"]
+__all__ = ["check_overwritable", "is_generated_by", "write_page"]
 
 
-def is_ours(file: Path, generator: str) -> bool:
+def is_generated_by(file: Path, generator: str) -> bool:
     """Whether a file is a page that says it was made by `generator`."""
     return file.is_file() and generator in file.read_text(encoding="utf-8", errors="replace")
 
 
-def check_ours(file: Path, generator: str, what: str) -> None:
+def check_overwritable(file: Path, generator: str, what: str) -> None:
     """Raise InputError where there is a file that is not ours; `what` says what ours would be."""
     if file.is_dir():
         raise InputError(f"{file}: is a folder; name a file in it, as {file / 'page.html'}")
-    if file.exists() and not is_ours(file, generator):
+    if file.exists() and not is_generated_by(file, generator):
         raise InputError(f"{file}: is there, and not {what}; choose another name or folder")
 
 

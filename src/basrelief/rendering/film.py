@@ -27,7 +27,7 @@ from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
 from basrelief.scene import BACKGROUND, Object, Scene
-from basrelief.scene.motion import Moment, Motion, Orbiting, moved
+from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 
 __all__ = ["FILMS", "Written", "check_film", "frames", "write_film"]
 
@@ -69,7 +69,7 @@ def frames(
     scene = scene_of(what, options)
 
     def at(number: int) -> Scene:
-        return moved(scene, motions, Moment(number / count, number * seconds, size))
+        return apply_motions(scene, motions, Moment(number / count, number * seconds, size))
 
     for number in range(0, count, -(-count // _CHECKED)):
         at(number).check_camera()

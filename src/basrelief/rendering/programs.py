@@ -13,7 +13,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, Filter, members_of
 from basrelief.material import Material
 from basrelief.rendering import textures
-from basrelief.rendering.textures import Source
+from basrelief.rendering.textures import TextureSource
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
 from basrelief.shading.intersection import View
@@ -32,17 +32,17 @@ SURFACES: Mapping[str, Shader[..., Any]] = {
 }
 
 
-def surface_maps(obj: Object) -> Iterator[tuple[str, Source, Material, float]]:
+def surface_maps(obj: Object) -> Iterator[tuple[str, TextureSource, Material, float]]:
     """The surface maps that an object may have: name, source, material and the relief's scale."""
-    for name, source in textures.OF_MATERIAL.items():
+    for name, source in textures.MATERIAL_TEXTURES.items():
         yield name, source, obj.material, obj.relief_scale
     if obj.layer is not None:
         over = obj.layer.material
-        for name, source in textures.OF_LAYER.items():
+        for name, source in textures.LAYER_TEXTURES.items():
             yield name, source, over, over.scale or DEFAULT_SCALE
 
 
-def mapped(obj: Object) -> dict[str, bool]:
+def available_maps(obj: Object) -> dict[str, bool]:
     """Which surface maps an object has; nothing is baked to know that."""
     has = dict.fromkeys(members_of(SurfaceMaps), False)
     has |= {name: source.has(made_of, scale) for name, source, made_of, scale in surface_maps(obj)}
@@ -79,7 +79,7 @@ def variant_of(obj: Object, scene: Scene) -> Variant:
         "own_tilings": bool(obj.tilings),
         "layer": obj.layer is not None,
         "shadow_maps": scene.casts,
-        **{f"{name}_map": there for name, there in mapped(obj).items()},
+        **{f"{name}_map": there for name, there in available_maps(obj).items()},
     }
     # what is not asked is as nobody chose it, so that equal programs have equal keys
     if not obj.has_relief:
@@ -109,7 +109,7 @@ def depth_program_of(obj: Object) -> Program:
     return _program(obj, variant)
 
 
-def rays_of(obj: Object) -> Program:
+def view_ray_program_of(obj: Object) -> Program:
     """The program that gives the true view ray of each pixel, whatever the technique."""
     variant = Variant(shape=obj.shape, fades=obj.fade is not None)
     return Program(view_ray, edge=map_edge(obj), variant=variant)
@@ -117,7 +117,7 @@ def rays_of(obj: Object) -> Program:
 
 def displaced_by(obj: Object) -> Technique[..., Any]:
     """The technique that draws an object: `flat` where it has no relief."""
-    return obj.drawn_with if obj.has_relief else flat
+    return obj.selected_technique if obj.has_relief else flat
 
 
 def height_filter(obj: Object) -> Filter:
@@ -143,13 +143,13 @@ def maps_of(obj: Object, engine: Engine) -> dict[str, Any]:
 
     What is made of heights, a technique's table and normals, the engine that draws bakes.
     """
-    material, beyond, has = obj.material, map_edge(obj), mapped(obj)
+    material, beyond, has = obj.material, map_edge(obj), available_maps(obj)
     found: dict[str, Any] = {
         "field": textures.height_field(material, beyond, height_filter(obj))
         if obj.has_relief
         else None,
-        "baked": textures.baked(
-            material, beyond, obj.drawn_with.bake, engine, all_levels=obj.heights == "mip"
+        "baked": textures.bake_texture(
+            material, beyond, obj.selected_technique.bake, engine, all_levels=obj.heights == "mip"
         ),
     }
     for name, source, made_of, scale in surface_maps(obj):
@@ -158,7 +158,7 @@ def maps_of(obj: Object, engine: Engine) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def own_values(obj: Object, engine: Engine) -> dict[str, Any]:
+def object_values(obj: Object, engine: Engine) -> dict[str, Any]:
     """The values of an object's programs that are its own: maps, place, relief and surface."""
     return {
         **maps_of(obj, engine),
@@ -174,7 +174,7 @@ def own_values(obj: Object, engine: Engine) -> dict[str, Any]:
 def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
     """The values of an object's program, all but the place of the sample and what others cast."""
     return {
-        **own_values(obj, engine),
+        **object_values(obj, engine),
         "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "shading": scene.shading,
         "shadowing": scene.shadowing,
@@ -185,7 +185,7 @@ def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) 
 
 def _surface_parameters(obj: Object) -> Any:
     """The finish, with an emission map's own brightness in it."""
-    glow = textures.glow(obj.material)
+    glow = textures.emission_scale(obj.material)
     if glow == 1.0 or obj.surface != "standard":
         return obj.surface_parameters
     return replace(obj.surface_parameters, emission=Vec3(*obj.surface_parameters.emission) * glow)

@@ -18,7 +18,7 @@ from basrelief.rendering.frame import Frame, composite
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
-from basrelief.scene.presets import NOTHING, Preset
+from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
 from basrelief.shading.intersection import View
 
@@ -87,7 +87,7 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
     Raises InputError for an option that there is not, or that `what` already says.
     """
     preset = options.pop("preset", None)
-    chosen = preset_named(preset) if isinstance(preset, str | Path) else preset or NOTHING
+    chosen = preset_named(preset) if isinstance(preset, str | Path) else preset or EMPTY_PRESET
     if isinstance(what, str | Path):
         what = load(what, **chosen.maps)
     if isinstance(what, Material):
@@ -108,7 +108,7 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
 # --- drawing -------------------------------------------------------------------------------------
 
 
-def sample_places(count: int) -> list[tuple[float, float]]:
+def sample_positions(count: int) -> list[tuple[float, float]]:
     """Places within a pixel, 0 to 1, evenly spread for any count; the first is the middle.
 
     M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
@@ -131,7 +131,7 @@ class _Drawing:
         progress: Progress | None,
     ) -> None:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
-        self.places = sample_places(samples)
+        self.places = sample_positions(samples)
         order = scene.back_to_front(size)
         cast = (
             shadow_map_values(replace(scene, objects=tuple(order)), engine)

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine
 from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
-from basrelief.rendering.programs import depth_program_of, map_edge, own_values
+from basrelief.rendering.programs import depth_program_of, map_edge, object_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
-from basrelief.scene.lights import numbers_of
+from basrelief.scene.lights import light_parameters
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
 from basrelief.shading.lights import FAR_AWAY, Light
@@ -52,7 +52,7 @@ def light_views(scene: Scene) -> list[LightView]:
 
 def _ball_around(scene: Scene) -> tuple[NDArray[np.float64], float]:
     """Middle and radius of a ball that holds all objects, their raised reliefs included."""
-    points = np.concatenate([obj.outline() for obj in scene.objects])
+    points = np.concatenate([obj.bounding_points() for obj in scene.objects])
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     radius = float(np.linalg.norm(points - center, axis=1).max())
     raised = max(
@@ -66,7 +66,7 @@ def _cameras(
 ) -> Iterator[Camera]:
     position = np.array([*light.position], np.float64)
     way = np.array([*light.direction], np.float64)
-    numbers = numbers_of(light)
+    numbers = light_parameters(light)
     if "position" not in numbers:
         yield _looking(center - way * 2.0 * radius, way, side, orthographic_height=2.0 * radius)
         return
@@ -145,7 +145,7 @@ def _distances(
     """How far each view of each light reaches until it meets an object."""
     if obj.casts == "none" or not views:
         return None
-    program, values = depth_program_of(obj), own_values(obj, engine)
+    program, values = depth_program_of(obj), object_values(obj, engine)
     made = []
     for view in views:
         seen = View(view.camera, Vec2(0.5, 0.5))

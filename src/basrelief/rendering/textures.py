@@ -43,7 +43,7 @@ def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> He
     return _once(height, ("heights", edge, filter), lambda: sharp.filtered(filter))
 
 
-def baked(
+def bake_texture(
     material: Material, edge: Edge, bake: Bake | None, engine: Engine, *, all_levels: bool = False
 ) -> Texture | None:
     """What a technique has baked from the heights, or from all their levels; None without any."""
@@ -117,7 +117,7 @@ def response(material: Material, edge: Edge) -> Texture | None:
 
 
 def emission(material: Material, edge: Edge) -> Texture | None:
-    """Emission as fractions of its `glow`, None where there is none."""
+    """Emission as fractions of its `emission_scale`, None where there is none."""
     light = material.emission
     if light is None:
         return None
@@ -125,13 +125,13 @@ def emission(material: Material, edge: Edge) -> Texture | None:
     def make() -> Texture:
         if light.pixels.dtype != np.float32:
             return _texture([*_channels(light)], edge)
-        share = np.clip(light.pixels / glow(material), 0.0, 1.0)
+        share = np.clip(light.pixels / emission_scale(material), 0.0, 1.0)
         return _texture([*_channels(Map(share, light.srgb, light.source))], edge)
 
     return _once(light, ("emission", edge), make)
 
 
-def glow(material: Material) -> float:
+def emission_scale(material: Material) -> float:
     """The emission that a texture's 1 stands for: of floats the largest value, else 1."""
     light = material.emission
     if light is None or light.pixels.dtype != np.float32:
@@ -140,7 +140,7 @@ def glow(material: Material) -> float:
 
 
 @dataclass(frozen=True)
-class Source:
+class TextureSource:
     """What a texture of the surface is made of: the material's maps that its channels hold.
 
     `light` says that these are light, not data; `of_heights` that heights stand for a missing map.
@@ -158,25 +158,25 @@ class Source:
         return sloping or any(each is not None for each in maps)
 
 
-OF_MATERIAL: dict[str, Source] = {
-    "base_color": Source(
+MATERIAL_TEXTURES: dict[str, TextureSource] = {
+    "base_color": TextureSource(
         lambda material, edge, *_: base_color(material, edge),
         {"base_color": (0, 1, 2), "opacity": (3,)},
         light=True,
     ),
-    "normal": Source(normal, {"normal": (0, 1, 2)}, of_heights=True),
-    "response": Source(
+    "normal": TextureSource(normal, {"normal": (0, 1, 2)}, of_heights=True),
+    "response": TextureSource(
         lambda material, edge, *_: response(material, edge),
         {"occlusion": (0,), "roughness": (1,), "metallic": (2,), "layer_mask": (3,)},
     ),
-    "emission": Source(
+    "emission": TextureSource(
         lambda material, edge, *_: emission(material, edge), {"emission": (0, 1, 2)}, light=True
     ),
 }
 """The textures that a surface reads of its material (`shading.surfaces.surface.SurfaceMaps`)."""
-OF_LAYER: dict[str, Source] = {
-    "layer_color": OF_MATERIAL["base_color"],
-    "layer_normal": OF_MATERIAL["normal"],
+LAYER_TEXTURES: dict[str, TextureSource] = {
+    "layer_color": MATERIAL_TEXTURES["base_color"],
+    "layer_normal": MATERIAL_TEXTURES["normal"],
 }
 """Those that it reads of the material that lies over it."""
 

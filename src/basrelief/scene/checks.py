@@ -22,14 +22,14 @@ NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
 _MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 
 
-def one_of(what: str, value: Any, allowed: Sequence[Any]) -> None:
+def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
     """Raise InputError unless the value is one of those allowed."""
     if value not in allowed:
         names = ", ".join(str(a) for a in allowed if a is not None)
         raise InputError(f"{what} is one of {names}, not {value!r}")
 
 
-def within(what: str, value: float, low: float | None, high: float | None) -> None:
+def check_range(what: str, value: float, low: float | None, high: float | None) -> None:
     """Raise InputError unless the value is a finite number in the range, ends included."""
     below = low is not None and value < low
     above = high is not None and value > high
@@ -38,7 +38,7 @@ def within(what: str, value: float, low: float | None, high: float | None) -> No
         raise InputError(f"{what} is {value:g}: give a number {ends}")
 
 
-def record_of(record: Any, given: Any, owner: str) -> Any:
+def settings_record(record: Any, given: Any, owner: str) -> Any:
     """A record of settings from itself, or from a mapping of the fields to change, checked."""
     if isinstance(given, Mapping):
         return checked_record(record, given, owner)
@@ -76,7 +76,7 @@ def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any
             raise InputError(f"{name} is a number, not {value!r}")
         if abs(float(number)) > _MOST_IN_32_BITS[component]:
             raise InputError(f"{name} is further from 0 than 32 bits reach")
-        within(name, float(number), meta.get("low"), meta.get("high"))
+        check_range(name, float(number), meta.get("low"), meta.get("high"))
         if component is int and int(number) != number:
             raise InputError(f"{name} is a whole number, not {number:g}")
     if len(numbers) not in (1, size):

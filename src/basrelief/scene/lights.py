@@ -11,7 +11,7 @@ import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
-from basrelief.scene.checks import FAR, within
+from basrelief.scene.checks import FAR, check_range
 from basrelief.shading.kinds import either
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
 
@@ -75,7 +75,7 @@ LIGHTS: dict[str, Callable[..., Light]] = {
     "spot": spot,
 }
 """What makes a light of each kind, by name, in the order of the shaders' numbers."""
-MAKERS = either(LIGHTS)
+LIGHT_CONSTRUCTORS = either(LIGHTS)
 
 
 def light_kind(light: Light) -> str:
@@ -87,7 +87,7 @@ def light_kind(light: Light) -> str:
     return kinds[int(light.kind)]
 
 
-def numbers_of(kind: str | Light) -> tuple[str, ...]:
+def light_parameters(kind: str | Light) -> tuple[str, ...]:
     """The numbers that make a light of a kind, or one as a light is.
 
     A kind with a `position` is placed, one with an `azimuth` or a `target` aimed; one with an
@@ -115,7 +115,7 @@ def _light(
         raise InputError(f"a light at {position} of colour {color}: give three numbers each")
     if not (np.abs(numbers) <= FAR).all() or length == 0.0:
         raise InputError("a light needs finite numbers, and a direction of some length")
-    within("falloff", falloff, 0.0, 8.0)
+    check_range("falloff", falloff, 0.0, 8.0)
     return Light(
         kind,
         Vec3(*position),

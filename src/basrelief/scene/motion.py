@@ -18,12 +18,13 @@ from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
-from basrelief.scene.checks import within
-from basrelief.scene.lights import numbers_of
+from basrelief.scene.checks import check_range
+from basrelief.scene.lights import light_parameters
 from basrelief.shading.lights import Light
 
 __all__ = [
-    "MOTIONS", "Lighting", "Moment", "Motion", "Opening", "Orbiting", "Scrolling", "moved",
+    "MOTIONS", "Lighting", "Moment", "Motion", "Opening", "Orbiting", "Scrolling",
+    "apply_motions",
 ]  # fmt: skip
 
 _MOST = 1e3
@@ -50,7 +51,7 @@ class Motion(Protocol):
     def __call__(self, scene: Scene, now: Moment) -> Scene: ...
 
 
-def moved(scene: Scene, motions: Sequence[Motion], now: Moment) -> Scene:
+def apply_motions(scene: Scene, motions: Sequence[Motion], now: Moment) -> Scene:
     """The scene at a moment, after all motions, one after the other."""
     for motion in motions:
         scene = motion(scene, now)
@@ -71,7 +72,7 @@ class Orbiting:
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        within("turns", self.turns, -_MOST, _MOST)
+        check_range("turns", self.turns, -_MOST, _MOST)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene from where the camera is at that moment."""
@@ -80,7 +81,7 @@ class Orbiting:
             return scene.with_camera(_turned_round(camera, degrees))
         if camera.distance is None and scene.objects:
             # framed anew for each frame, it would go to and fro
-            camera = camera.framing_all_round(scene.objects[0].outline(), now.size)
+            camera = camera.framing_all_azimuths(scene.objects[0].bounding_points(), now.size)
         return scene.with_camera(replace(camera, azimuth=camera.azimuth + degrees))
 
 
@@ -95,7 +96,7 @@ class Lighting:
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        within("turns", self.turns, -_MOST, _MOST)
+        check_range("turns", self.turns, -_MOST, _MOST)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene in the light of that moment."""
@@ -119,8 +120,8 @@ class Scrolling:
     v: float = 0.0
 
     def __post_init__(self) -> None:
-        within("u", self.u, -_MOST, _MOST)
-        within("v", self.v, -_MOST, _MOST)
+        check_range("u", self.u, -_MOST, _MOST)
+        check_range("v", self.v, -_MOST, _MOST)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with its maps where they are at that moment."""
@@ -139,7 +140,7 @@ class Opening:
     times: float = 1.0
 
     def __post_init__(self) -> None:
-        within("times", self.times, 0.0, _MOST)
+        check_range("times", self.times, 0.0, _MOST)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with its hole as wide as it is at that moment."""
@@ -176,13 +177,13 @@ def _turned_round(camera: LookAt, degrees: float) -> LookAt:
     return replace(
         camera,
         position=_round_target(camera.position, camera.target, degrees),
-        up=_round_y(camera.upright, degrees),
+        up=_round_y(camera.up_direction, degrees),
     )
 
 
 def _light_round(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
     direction = Vec3(*_round_y([*light.direction], degrees))
-    if "position" not in numbers_of(light):
+    if "position" not in light_parameters(light):
         return replace(light, direction=direction)
     position = Vec3(*_round_target([*light.position], camera.target, degrees))
     return replace(light, position=position, direction=direction)
@@ -200,8 +201,10 @@ def _dust(height: int, width: int) -> Material:
 
 
 def _shifted(obj: Object, along: tuple[float, float]) -> Object:
-    moved = obj.scrolled(*along)
+    scrolled = obj.scrolled(*along)
     if obj.edge != "wrap":
-        return moved
+        return scrolled
     # a whole tile further is the same picture, and small numbers keep their digits
-    return replace(moved, shift=(math.fmod(moved.shift[0], 1.0), math.fmod(moved.shift[1], 1.0)))
+    return replace(
+        scrolled, shift=(math.fmod(scrolled.shift[0], 1.0), math.fmod(scrolled.shift[1], 1.0))
+    )

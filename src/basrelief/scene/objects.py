@@ -13,7 +13,7 @@ from basrelief.baking.tables import check_bake
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
-from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
+from basrelief.scene.checks import FAR, NEAR, NUMBERS, check_choice, check_range, settings_record
 from basrelief.scene.shapes import SHAPES
 from basrelief.scene.transforms import LYING, Transform, placed, sound
 from basrelief.shading.intersection import Placement
@@ -55,7 +55,7 @@ class Tiling:
             raise InputError(f"shift {self.shift}: give finite numbers")
         return self
 
-    def beside(self, main: Tiling) -> Vec4:
+    def relative_to(self, main: Tiling) -> Vec4:
         """The ratio of tiles to those of another, and the shift that is left."""
         ratio = (self.tiles[0] / main.tiles[0], self.tiles[1] / main.tiles[1])
         left = (self.shift[k] - main.shift[k] * ratio[k] for k in (0, 1))
@@ -66,7 +66,7 @@ class Tiling:
         """Whether anything but the map's own tile is seen; mirrored tiles lie before it."""
         return any(self.shift) or not all(0.0 < tiles <= 1.0 for tiles in self.tiles)
 
-    def moved(self, u: float, v: float) -> Tiling:
+    def shifted(self, u: float, v: float) -> Tiling:
         """The same map, moved by a part of the shape's own texture coordinates."""
         move = (self.tiles[0] * u, self.tiles[1] * v)
         return replace(self, shift=(self.shift[0] + move[0], self.shift[1] + move[1]))
@@ -138,24 +138,24 @@ class Object:
         self._check_kinds()
         self._choose_technique()
         for name, values in menus_of(Object).items():
-            one_of(name, getattr(self, name), values)
-        within("scale", self.relief_scale, 0.0, 10.0)
-        within("reference_height", self.relief_reference_height, 0.0, 1.0)
-        within("bias", self.bias, 0.0, 100.0)
-        able = self.drawn_with.takes_heights
+            check_choice(name, getattr(self, name), values)
+        check_range("scale", self.relief_scale, 0.0, 10.0)
+        check_range("reference_height", self.relief_reference_height, 0.0, 1.0)
+        check_range("bias", self.bias, 0.0, 100.0)
+        able = self.selected_technique.takes_heights
         if self.heights not in able:
             raise InputError(
-                f"{self.drawn_with.name} reads its heights {' or '.join(able)}; "
+                f"{self.selected_technique.name} reads its heights {' or '.join(able)}; "
                 f"leave heights {self.heights} away"
             )
         self._check_fade()
         self._check_tilings()
         for name, record, owner in (
-            ("settings", self.drawn_with.settings, self.drawn_with.name),
+            ("settings", self.selected_technique.settings, self.selected_technique.name),
             ("smoothing", Smoothing, "the smoothing"),
             ("surface_parameters", SURFACES[self.surface], f"the {self.surface} surface"),
         ):
-            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
+            object.__setattr__(self, name, settings_record(record, getattr(self, name), owner))
         if not sound(self.to_world):
             raise InputError(
                 "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
@@ -184,12 +184,13 @@ class Object:
         usual = flat if self.material.height is None else relief
         chosen = usual if self.technique is None else technique_named(self.technique)
         object.__setattr__(self, "technique", chosen)
-        if self.material.height is None and self.drawn_with is not flat:
+        if self.material.height is None and self.selected_technique is not flat:
             raise InputError(
-                f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
+                f"{self.material.name} has no height map, which "
+                f"{self.selected_technique.name} needs; "
                 "add one, or draw it with the technique flat"
             )
-        check_bake(self.drawn_with.bake, self.drawn_with.name)
+        check_bake(self.selected_technique.bake, self.selected_technique.name)
 
     def _check_fade(self) -> None:
         if self.fade is None:
@@ -201,13 +202,13 @@ class Object:
     def _check_tilings(self) -> None:
         self.main_tiling.checked("tiling")
         for name, each in self.tilings.items():
-            one_of("a tiling of its own", name, OWN_TILINGS)
+            check_choice("a tiling of its own", name, OWN_TILINGS)
             each.checked(f"tiling of {name}")
         if self.layer is not None:
             self.layer.tiling.checked("tiling of the layer")
 
     @property
-    def drawn_with(self) -> Technique[..., Any]:
+    def selected_technique(self) -> Technique[..., Any]:
         """The technique that is asked for."""
         assert isinstance(self.technique, Technique)
         return self.technique
@@ -215,7 +216,7 @@ class Object:
     @property
     def has_relief(self) -> bool:
         """Whether anything is displaced: there are heights, and a technique that reads them."""
-        return self.material.height is not None and self.drawn_with is not flat
+        return self.material.height is not None and self.selected_technique is not flat
 
     @property
     def relief_scale(self) -> float:
@@ -225,7 +226,7 @@ class Object:
     @property
     def relief_reference_height(self) -> float:
         """The height that lies on the polygon."""
-        return _first(self.reference_height, self.drawn_with.reference_height)
+        return _first(self.reference_height, self.selected_technique.reference_height)
 
     @property
     def raised(self) -> float:
@@ -238,7 +239,7 @@ class Object:
     @property
     def relief_projection(self) -> Projection:
         """The name of the projection in use."""
-        return self.projection or self.drawn_with.projection
+        return self.projection or self.selected_technique.projection
 
     @property
     def tiles(self) -> tuple[float, float]:
@@ -264,10 +265,10 @@ class Object:
         width = min(proportion, 1.0)
         return LYING @ placed(scale=(width, min(1.0 / proportion, 1.0), width))
 
-    def outline(self) -> NDArray[np.float64]:
+    def bounding_points(self) -> NDArray[np.float64]:
         """Points of world space, (n, 3), that the object lies between."""
         matrix = self.to_world
-        return SHAPES[self.shape].outline @ matrix[:3, :3].T + matrix[:3, 3]
+        return SHAPES[self.shape].bounding_points @ matrix[:3, :3].T + matrix[:3, 3]
 
     def placement(self) -> Placement:
         """The shaders' record of where the object is."""
@@ -286,7 +287,7 @@ class Object:
         own = self.tilings.get("normal")
         if own is None or self.material.normal is None:
             return self.material.proportion
-        ratio = own.beside(self.main_tiling)
+        ratio = own.relative_to(self.main_tiling)
         return self.material.proportion * abs(float(ratio.x / ratio.y))
 
     def relief_parameters(self) -> ReliefParameters:
@@ -303,10 +304,10 @@ class Object:
     def map_places(self) -> MapPlaces:
         """The shaders' record of how each map lies beside the heights."""
         main = self.main_tiling
-        own = {name: self.tilings.get(name, main).beside(main) for name in OWN_TILINGS}
+        own = {name: self.tilings.get(name, main).relative_to(main) for name in OWN_TILINGS}
         if self.layer is None:
-            return MapPlaces(**own, layer=main.beside(main), layer_slant=1.0)
-        over = self.layer.tiling.beside(main)
+            return MapPlaces(**own, layer=main.relative_to(main), layer_slant=1.0)
+        over = self.layer.tiling.relative_to(main)
         stretch = abs(float(over.y / over.x))
         slant = stretch * self._normals_proportion() / self.layer.material.proportion
         return MapPlaces(**own, layer=over, layer_slant=slant)
@@ -316,9 +317,9 @@ class Object:
         layer = self.layer
         return replace(
             self,
-            shift=self.main_tiling.moved(u, v).shift,
-            tilings={name: each.moved(u, v) for name, each in self.tilings.items()},
-            layer=layer and replace(layer, tiling=layer.tiling.moved(u, v)),
+            shift=self.main_tiling.shifted(u, v).shift,
+            tilings={name: each.shifted(u, v) for name, each in self.tilings.items()},
+            layer=layer and replace(layer, tiling=layer.tiling.shifted(u, v)),
         )
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR, FOG_IS_NUMBERS, one_of, record_of, within
-from basrelief.scene.lights import MAKERS, directional, light_kind
+from basrelief.scene.checks import FAR, FOG_IS_NUMBERS, check_choice, check_range, settings_record
+from basrelief.scene.lights import LIGHT_CONSTRUCTORS, directional, light_kind
 from basrelief.scene.objects import Object
 from basrelief.scene.shapes import SHAPES
 from basrelief.scene.views import LookAt, Orbit
@@ -74,9 +74,9 @@ class Scene:
         if not all(isinstance(obj, Object) for obj in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
         for name, values in menus_of(Scene).items():
-            one_of(name, getattr(self, name), values)
+            check_choice(name, getattr(self, name), values)
         self._check_lights()
-        within("shadow_map_size", self.shadow_map_size, 16, 8192)
+        check_range("shadow_map_size", self.shadow_map_size, 16, 8192)
         if isinstance(self.fog, str):
             raise InputError(FOG_IS_NUMBERS.format(self.fog))
         for name, record, owner in (
@@ -84,7 +84,7 @@ class Scene:
             ("shadowing", Shadowing, "the shadows"),
             ("fog", Fog, "the fog"),
         ):
-            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
+            object.__setattr__(self, name, settings_record(record, getattr(self, name), owner))
         ground = (0.0,) * 3 if self.background is None else self.background
         if len(ground) != 3 or not all(0.0 <= c <= FAR for c in ground):
             raise InputError(f"background {ground}: give three finite numbers from 0, or None")
@@ -101,7 +101,7 @@ class Scene:
         object.__setattr__(self, "lights", tuple(self.lights))
         for light in self.lights:
             if not isinstance(light, Light):
-                raise InputError(f"a light is {light!r}: give one made by {MAKERS}")
+                raise InputError(f"a light is {light!r}: give one made by {LIGHT_CONSTRUCTORS}")
             light_kind(light)
 
     @property
@@ -113,7 +113,7 @@ class Scene:
         """The shaders' camera for a picture of (width, height), framing the first object."""
         camera = self.camera
         if isinstance(camera, Orbit) and camera.distance is None and self.objects:
-            camera = camera.framing(self.objects[0].outline(), size)
+            camera = camera.framing(self.objects[0].bounding_points(), size)
         return camera.camera(size)
 
     def back_to_front(self, size: tuple[int, int]) -> list[Object]:

@@ -14,13 +14,13 @@ from basrelief.shading.kinds import ShapeKind
 
 @dataclass(frozen=True)
 class ShapeFacts:
-    """Facts about a shape: `outline` points, (n, 3), that it lies between; whether it `contains` a
+    """Facts about a shape: `bounding_points`, (n, 3), that it lies between; whether it `contains` a
     point (x, y, z); `tiles` along u and v that leave a square tile about square.
 
     `flat`: it has no inside, but a back, and lies on the ground. `round`: u runs around the y axis.
     """
 
-    outline: NDArray[np.float64]
+    bounding_points: NDArray[np.float64]
     contains: Callable[[float, float, float], bool]
     tiles: tuple[float, float] = (1.0, 1.0)
     flat: bool = False

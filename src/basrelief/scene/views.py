@@ -13,7 +13,7 @@ from basrelief.scene.cameras import look, orbit
 from basrelief.scene.checks import FAR
 from basrelief.shading.camera import Camera
 
-FILLED = 0.92
+FRAME_FILL = 0.92
 """How much of the picture's width or height an object fills when it is framed."""
 
 
@@ -50,14 +50,14 @@ class Orbit:
         if self.orthographic_height is not None:
             return replace(self, distance=float(closer.max()) + 1.0)
         # a point is in view where its way from the axis is within its depth times the half angle
-        halves = np.array(size) * FILLED / 2.0
+        halves = np.array(size) * FRAME_FILL / 2.0
         needed = [
             closer + np.abs(offsets @ axis) / (axis @ axis) / half
             for axis, half in zip((right, down), halves, strict=True)
         ]
         return replace(self, distance=float(np.max(needed)))
 
-    def framing_all_round(self, points: NDArray[np.float64], size: tuple[int, int]) -> Orbit:
+    def framing_all_azimuths(self, points: NDArray[np.float64], size: tuple[int, int]) -> Orbit:
         """The same camera as near as shows all of the points, (n, 3), from every azimuth.
 
         The distance is the largest that `framing` finds on the way round, worked out, not searched.
@@ -69,7 +69,7 @@ class Orbit:
         # picture by away · sin x and along it by above · c − away · s · cos x
         if self.orthographic_height is not None:
             return replace(self, distance=float((away * abs(c) + above * s).max()) + 1.0)
-        tangent = math.tan(math.radians(self.field_of_view) / 2.0) * FILLED
+        tangent = math.tan(math.radians(self.field_of_view) / 2.0) * FRAME_FILL
         across = np.hypot(c, size[1] / size[0] / tangent) * away + above * s
         # convex in cos x, so largest at one of its ends
         along = [
@@ -93,10 +93,10 @@ class LookAt:
         """The shaders' camera for a picture of (width, height)."""
         lens = _lens(self.field_of_view, self.orthographic_height)
         _in_reach(*self.position, *self.target)
-        return look(self.position, self.target, self.upright, size=size, **lens)
+        return look(self.position, self.target, self.up_direction, size=size, **lens)
 
     @property
-    def upright(self) -> tuple[float, float, float]:
+    def up_direction(self) -> tuple[float, float, float]:
         """The direction of the world that points upwards in the picture: `up` where it can be."""
         along_y = self.position[0] == self.target[0] and self.position[2] == self.target[2]
         # straight up or down no other y would do: the picture's top is then where −z is

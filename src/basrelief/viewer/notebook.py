@@ -25,7 +25,7 @@ from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
-from basrelief.scene.checks import one_of, record_of, within
+from basrelief.scene.checks import check_choice, check_range, settings_record
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
@@ -79,12 +79,12 @@ class _Setting(traitlets.TraitType):
 
 
 def _choice(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, MENUS[name])
+    check_choice(name, value, MENUS[name])
     return value
 
 
 def _technique(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, tuple(viewer._techniques))
+    check_choice(name, value, tuple(viewer._techniques))
     Object(viewer._material, technique=viewer._techniques[value])
     return value
 
@@ -94,7 +94,7 @@ def _other_technique(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _show(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, SHOWS)
+    check_choice(name, value, SHOWS)
     if value == "missed":
         _technique(viewer, "technique", "exact")
     return value
@@ -108,7 +108,7 @@ def _number(viewer: Viewer, name: str, value: Any) -> float:
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:
-    within(name, value, 0.0, 1.0)
+    check_range(name, value, 0.0, 1.0)
     return float(value)
 
 
@@ -119,7 +119,7 @@ def _pixels(viewer: Viewer, name: str, value: Any) -> int:
 def _whole(name: str, value: Any, low: int, high: int | None) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise InputError(f"{name} is {value!r}: give a whole number")
-    within(name, int(value), low, high)
+    check_range(name, int(value), low, high)
     return int(value)
 
 
@@ -136,11 +136,11 @@ def _two_numbers(name: str, value: Any) -> Any:
 
 
 def _record(viewer: Viewer, name: str, value: Any) -> Any:
-    return plain(record_of(_RECORDS[name], value, f"the {name}"))
+    return plain(settings_record(_RECORDS[name], value, f"the {name}"))
 
 
 def _fog(viewer: Viewer, name: str, value: Any) -> Any:
-    fog = record_of(Fog, value, "the fog")
+    fog = settings_record(Fog, value, "the fog")
     if fog.fog_start > fog.fog_end:
         raise InputError(
             f"fog from {fog.fog_start:g} to {fog.fog_end:g}: "
@@ -168,7 +168,7 @@ def _all_surface_parameters(viewer: Viewer, name: str, value: Any) -> dict[str, 
 
 
 def _surface_parameters_checked(surface: str, value: Any) -> Any:
-    return plain(record_of(SURFACES[surface], value, f"the {surface} surface"))
+    return plain(settings_record(SURFACES[surface], value, f"the {surface} surface"))
 
 
 def _each(
@@ -178,12 +178,12 @@ def _each(
     if not isinstance(value, Mapping):
         raise InputError(f"{name} is {value!r}: give numbers by the name of their {what}")
     for each in value:
-        one_of(what, each, tuple(held))
+        check_choice(what, each, tuple(held))
     return {**held, **{each: check(each, numbers) for each, numbers in value.items()}}
 
 
 def _flag(viewer: Viewer, name: str, value: Any) -> bool:
-    one_of(name, value, (True, False))
+    check_choice(name, value, (True, False))
     return bool(value)
 
 
@@ -357,7 +357,7 @@ class Viewer(anywidget.AnyWidget):
         return shown_scene({**state, **both}, self._began)
 
     def _settings_checked(self, technique: str, value: Any) -> Any:
-        return plain(record_of(self._techniques[technique].settings, value, technique))
+        return plain(settings_record(self._techniques[technique].settings, value, technique))
 
     def set_state(self, sync_data: Mapping[str, Any]) -> None:
         """Take what the page says; what cannot be is told back to it as it is here."""

@@ -19,7 +19,7 @@ from basrelief.baking.levels import halved
 from basrelief.engine import Engine, engine_of
 from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
-from basrelief.pages import check_ours, fill, write_page
+from basrelief.pages import check_overwritable, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
@@ -77,7 +77,7 @@ def write_view(
     scene without an object, or with more than one.
     """
     file = Path(path)
-    check_ours(file, GENERATOR, "a page of the viewer")
+    check_overwritable(file, GENERATOR, "a page of the viewer")
     check_shown(scene)
     made = page_of(
         scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
@@ -184,7 +184,7 @@ def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
     for name, bake in BAKES.items():
         if bake in _BAKED_BY_PAGES or height is None or room <= height.width * height.height:
             continue
-        baked = textures.baked(material, "wrap", bake, engine)
+        baked = textures.bake_texture(material, "wrap", bake, engine)
         assert baked is not None
         made = packed(baked.levels[0])
         if len(made["content"]) <= room:

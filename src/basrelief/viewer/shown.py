@@ -8,8 +8,8 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
-from basrelief.scene.checks import one_of, within
-from basrelief.scene.lights import LIGHTS, MAKERS, numbers_of
+from basrelief.scene.checks import check_choice, check_range
+from basrelief.scene.lights import LIGHT_CONSTRUCTORS, LIGHTS, light_parameters
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import plain_camera, plain_light, techniques_of
@@ -95,9 +95,9 @@ def camera_of(said: Any) -> Orbit:
 
 def light_of(said: Mapping[str, Any]) -> Light:
     """A light from a page's. Raises InputError for numbers that make none."""
-    within("intensity", float(said["intensity"]), 0.0, None)
-    one_of("the kind of a light", said["kind"], tuple(LIGHTS))
-    names, numbers = numbers_of(said["kind"]), {**said}
+    check_range("intensity", float(said["intensity"]), 0.0, None)
+    check_choice("the kind of a light", said["kind"], tuple(LIGHTS))
+    names, numbers = light_parameters(said["kind"]), {**said}
     if "target" in names:
         # the way is that of a light from far away at these angles
         way = directional(said["azimuth"], said["elevation"]).direction
@@ -114,13 +114,13 @@ def said_light(given: Any) -> dict[str, Any]:
     if isinstance(given, Light):
         return plain_light(given)
     if not isinstance(given, Mapping):
-        raise InputError(f"a light is {given!r}: give one made by {MAKERS}")
+        raise InputError(f"a light is {given!r}: give one made by {LIGHT_CONSTRUCTORS}")
     kind = given.get("kind", "directional")
-    one_of("the kind of a light", kind, tuple(LIGHTS))
-    place = {"position": (0.0, 1.0, 0.0)} if "position" in numbers_of(kind) else {}
+    check_choice("the kind of a light", kind, tuple(LIGHTS))
+    place = {"position": (0.0, 1.0, 0.0)} if "position" in light_parameters(kind) else {}
     usual = plain_light(LIGHTS[kind](**place))
     for name in given:
-        one_of("a light's number", name, tuple(usual))
+        check_choice("a light's number", name, tuple(usual))
     made = {**usual, **given}
     try:
         light_of(made)

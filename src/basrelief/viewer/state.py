@@ -16,14 +16,14 @@ from basrelief.errors import BasreliefError, InputError
 from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
-from basrelief.rendering.render import sample_places
+from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
 from basrelief.scene.checks import FAR, NEAR
-from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
+from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.scene import BACKGROUND
-from basrelief.scene.views import FILLED
+from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.kinds import ShapeKind
@@ -119,8 +119,8 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
             "fog": settings_of(Fog),
         },
         "constants": _constants(obj),
-        "filled": FILLED,
-        "samples": sample_places(SAMPLES),
+        "filled": FRAME_FILL,
+        "samples": sample_positions(SAMPLES),
         "state": state_of(scene, obj, techniques),
         "defaults": _defaults_of(material),
         "colors": {
@@ -130,7 +130,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, obj, techniques),
         "shows": SHOWS,
-        "lightKinds": {kind: numbers_of(kind) for kind in LIGHTS},
+        "lightKinds": {kind: light_parameters(kind) for kind in LIGHTS},
         "limits": LIMITS,
         "names": names(),
         "slots": _slots(),
@@ -141,7 +141,7 @@ def _slots() -> dict[str, Any]:
     """What a picture can be used as: which texture holds it, in which channels, and whether as
     light."""
     found: dict[str, Any] = {}
-    for name, source in textures.OF_MATERIAL.items():
+    for name, source in textures.MATERIAL_TEXTURES.items():
         for slot, channels in source.channels.items():
             light = source.light and len(channels) == 3
             found[slot] = {"held": name, "channels": channels, "light": light}
@@ -152,7 +152,7 @@ def _slots() -> dict[str, Any]:
 
 def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
     """The library's techniques by name, and the one that an object brings of its own."""
-    own = obj.drawn_with
+    own = obj.selected_technique
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
     name = own.name
@@ -197,8 +197,8 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
         "to_object": placement["to_object"],
         "tiling": list(map(float, stands.tiles)),
         "flat": facts.flat,
-        "radius": round(float(np.linalg.norm(facts.outline, axis=1).max()), 2),
-        "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
+        "radius": round(float(np.linalg.norm(facts.bounding_points, axis=1).max()), 2),
+        "outline": [[round(float(x), 9) for x in point] for point in stands.bounding_points()],
         "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }
 
@@ -210,7 +210,7 @@ def _constants(obj: Object) -> dict[str, Any]:
         "proportion": obj.material.proportion,
         "layer": over is not None,
         "layerProportion": over.proportion if over else 1.0,
-        "glow": textures.glow(obj.material),
+        "glow": textures.emission_scale(obj.material),
     }
 
 
@@ -219,7 +219,7 @@ def state_of(
 ) -> dict[str, Any]:
     """Everything that a person can change, as it is in a scene."""
     techniques = techniques or techniques_of(obj)
-    name = next(name for name, each in techniques.items() if each is obj.drawn_with)
+    name = next(name for name, each in techniques.items() if each is obj.selected_technique)
     main = obj.main_tiling
     made = {
         "technique": name,
@@ -303,7 +303,7 @@ def plain_light(light: Light) -> dict[str, Any]:
     intensity = max(*said["color"], 1e-9)
     x, y, z = (-float(each) for each in light.direction)
     # a light without a cone has the one that it would get as a spot
-    cone = light if "angle" in numbers_of(light) else spot((0.0, 1.0, 0.0))
+    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
         "kind": light_kind(light),

@@ -23,7 +23,7 @@ __all__ = ["NOTHING", "PRESETS", "Preset", "preset", "scene_of"]
 _FOLDER = Path(__file__).parent
 PRESETS = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 """The names of the library's own presets."""
-NOTHING = Preset("nothing")
+EMPTY_PRESET = Preset("nothing")
 """The preset that says nothing: the defaults of the library."""
 
 

@@ -16,7 +16,7 @@ from basrelief.images import write_whole
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.load import Reading
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
-from basrelief.scene.checks import one_of
+from basrelief.scene.checks import check_choice
 from basrelief.scene.presets import checks
 from basrelief.techniques import flat, relief
 
@@ -60,7 +60,7 @@ class Preset:
         checks.checked(self._table("object"), checks.OF_OBJECT, "object")
         checks.checked(self._table("scene"), checks.OF_SCENE, "scene")
         checks.checked(self._table("motion"), checks.OF_MOTION, "motion")
-        one_of("object.lengths", self._lengths, ("tile", "shape"))
+        check_choice("object.lengths", self._lengths, ("tile", "shape"))
         self._try()
 
     # --- what it says

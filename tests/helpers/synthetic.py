@@ -70,7 +70,7 @@ def noise(seed: int, shape=(24, 36), channels: int = 3, low=0.2, high=0.9) -> np
     return low + (high - low) * total
 
 
-def plain(color=0.6, height: float | None = None, **maps) -> Material:
+def uniform_material(color=0.6, height: float | None = None, **maps) -> Material:
     """A material of one colour, and of one height where that is said."""
     whole = np.broadcast_to(np.asarray(color, np.float64), 3).reshape(1, 1, 3)
     if height is not None:
