@@ -18,7 +18,7 @@ from basrelief.errors import InputError
 from basrelief.images import write_data, write_picture
 from basrelief.material import MAPS, Map, Material, Note, describe, load, report, sample
 from basrelief.material.conventions import Part, parse_name, parse_names
-from basrelief.material.evidence import agreement
+from basrelief.material.evidence import slope_correlation
 
 HEIGHT, WIDTH = 24, 40
 
@@ -257,7 +257,7 @@ def test_grey_colours_and_coloured_heights_work(tmp_path: Path) -> None:
     assert material.height is not None
     assert (material.base_color.pixels == eight(hills())).all()
     assert (material.height.pixels == eight(hills())).all()
-    assert says(material, "height from a_height.png (G)", "green, by default")
+    assert says(material, "height from a_height.png (G)", "green, the default")
 
 
 @pytest.mark.parametrize(
@@ -331,7 +331,7 @@ def test_heights_in_the_alpha_of_the_normals(tmp_path: Path) -> None:
     assert turned is not None
     assert (turned.pixels == 255 - eight(hills())).all()
     put(tmp_path, "a_height.png", flat(9))
-    assert says(load(tmp_path), "left out a_normal.png (A)")
+    assert says(load(tmp_path), "ignored a_normal.png (A)")
 
 
 def test_a_name_for_normal_and_height(tmp_path: Path) -> None:
@@ -369,17 +369,17 @@ def test_signed_float_normals_are_moved(tmp_path: Path) -> None:
 @pytest.mark.parametrize("size", [(HEIGHT, WIDTH), (2 * HEIGHT, 2 * WIDTH), (600, 1000)])
 def test_slopes_show_every_direction(size: tuple[int, int]) -> None:
     heights, normal = sixteen(hills(*size)), eight(leaning(hills()))
-    found = agreement(heights, normal)
+    found = slope_correlation(heights, normal)
     assert found is not None
     assert found.x > 0.8
     assert found.y > 0.8
     assert not found.green_is_down
     assert not found.heights_are_depths
-    down = agreement(heights, eight(leaning(hills(), green_up=False)))
+    down = slope_correlation(heights, eight(leaning(hills(), green_up=False)))
     assert down is not None
     assert down.green_is_down
     assert not down.heights_are_depths
-    deep = agreement(65535 - heights, normal)
+    deep = slope_correlation(65535 - heights, normal)
     assert deep is not None
     assert deep.heights_are_depths
     assert not deep.green_is_down
@@ -387,23 +387,23 @@ def test_slopes_show_every_direction(size: tuple[int, int]) -> None:
 
 def test_unrelated_or_flat_maps_show_nothing() -> None:
     noise = np.random.default_rng(0).integers(0, 255, (HEIGHT, WIDTH, 1), np.uint8)
-    found = agreement(noise, eight(leaning(hills())))
+    found = slope_correlation(noise, eight(leaning(hills())))
     assert found is not None
-    assert not found.clear
-    assert agreement(flat(5), eight(leaning(hills()))) is None
-    assert agreement(noise[:1, :1], eight(leaning(hills()))) is None
+    assert not found.is_significant
+    assert slope_correlation(flat(5), eight(leaning(hills()))) is None
+    assert slope_correlation(noise[:1, :1], eight(leaning(hills()))) is None
 
 
 @pytest.mark.parametrize(
     ("name", "stored_up", "convention", "loaded_up", "because"),
     [
-        ("normal", True, "auto", True, "heights agree"),
-        ("normal", False, "auto", True, "heights show DX"),
-        ("normal_gl", True, "auto", True, "name says GL"),
-        ("normal_dx", False, "auto", True, "name says DX"),
-        ("normal_gl", False, "auto", False, "heights speak against"),
-        ("normal", True, "dx", False, "asked for DX"),
-        ("normal_dx", True, "gl", True, "asked for GL"),
+        ("normal", True, "auto", True, "confirmed by the heights"),
+        ("normal", False, "auto", True, "DX by comparison with the heights"),
+        ("normal_gl", True, "auto", True, "GL by its name"),
+        ("normal_dx", False, "auto", True, "DX by its name"),
+        ("normal_gl", False, "auto", False, "heights contradict"),
+        ("normal", True, "dx", False, "requested: DX"),
+        ("normal_dx", True, "gl", True, "requested: GL"),
     ],
 )
 def test_green_is_brought_up(
@@ -450,7 +450,7 @@ def test_normals_show_depths_without_a_name(tmp_path: Path) -> None:
     assert material.normal is not None
     assert (material.height.pixels == eight(hills())).all()
     assert (material.normal.pixels == eight(leaning(hills()))).all()
-    assert says(material, "white is deep", "normals show it")
+    assert says(material, "white is deep", "comparison with the normals")
 
 
 # --- the range of heights
@@ -487,7 +487,7 @@ def test_float_heights_beyond_the_range_are_stretched(tmp_path: Path) -> None:
 @pytest.mark.parametrize("value", [0, 77, 255])
 def test_a_flat_height_map_works(tmp_path: Path, value: int) -> None:
     put(tmp_path, "a_height.png", flat(value))
-    assert says(load(tmp_path, stretch_height=True), "relief is flat")
+    assert says(load(tmp_path, stretch_height=True), "heights are constant")
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -538,7 +538,7 @@ def test_lossless_comes_before_lossy(tmp_path: Path) -> None:
     material = load(tmp_path)
     assert material.height is not None
     assert material.height.source == "a_height.png"
-    assert says(material, "a_height.png before a_height.jpg", "loses nothing")
+    assert says(material, "a_height.png before a_height.jpg", "lossless")
 
 
 def test_dx_is_taken_when_asked_for(tmp_path: Path) -> None:
@@ -582,7 +582,7 @@ def test_one_picture_is_a_base_colour(tmp_path: Path) -> None:
     put(tmp_path, "other_height.png")
     material = load(tmp_path / "holiday.png")
     assert [kind for kind, _ in material.maps()] == ["base_color"]
-    assert says(material, "holiday.png taken for base_color")
+    assert says(material, "holiday.png used as base_color")
 
 
 def test_one_picture_brings_those_of_its_name(tmp_path: Path) -> None:
@@ -591,7 +591,7 @@ def test_one_picture_brings_those_of_its_name(tmp_path: Path) -> None:
     put(tmp_path, "bricks3_normal.png", flat(1, 2, 3))
     material = load(tmp_path / "bricks2.png")
     assert [kind for kind, _ in material.maps()] == ["base_color", "height"]
-    assert says(material, "bricks2_disp.png taken along")
+    assert says(material, "bricks2_disp.png loaded too")
 
 
 def test_a_picture_without_a_map_in_its_name_is_the_colour_of_its_folder(tmp_path: Path) -> None:
@@ -629,7 +629,7 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
         (tmp_path / name).write_text("no picture")
     material = load(tmp_path)
     assert [kind for kind, _ in material.maps()] == ["base_color"]
-    assert says(material, "left out a_color_preview.png")
+    assert says(material, "ignored a_color_preview.png")
 
 
 def test_the_only_folder_within_is_searched(tmp_path: Path) -> None:
@@ -638,7 +638,7 @@ def test_the_only_folder_within_is_searched(tmp_path: Path) -> None:
     put(tmp_path / "textures", "a_height.png")
     material = load(tmp_path)
     assert material.height is not None
-    assert says(material, "looked into textures")
+    assert says(material, "searched textures")
 
 
 @pytest.mark.parametrize("grey", [True, False])
@@ -663,7 +663,7 @@ def test_the_scanned_rock_is_understood(rock058: Path) -> None:
     assert [kind for kind, _ in material.maps()] == kinds
     assert material.height is not None
     assert material.normal is not None
-    found = agreement(material.height.pixels, material.normal.pixels)
+    found = slope_correlation(material.height.pixels, material.normal.pixels)
     assert found is not None
     assert min(found.x, found.y) > 0.8
 
@@ -690,7 +690,7 @@ def test_nothing_to_load_is_refused(tmp_path: Path) -> None:
 def test_pictures_that_say_nothing_are_refused(tmp_path: Path) -> None:
     put(tmp_path, "one.png")
     put(tmp_path, "two.png")
-    with pytest.raises(InputError, match=r"says which map it is \(one\.png, two\.png\)"):
+    with pytest.raises(InputError, match=r"identifies a map \(one\.png, two\.png\)"):
         load(tmp_path)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from basrelief.errors import InputError
 from basrelief.material import SAMPLES, Map, Material, hole, sample
-from basrelief.material.evidence import agreement
+from basrelief.material.evidence import slope_correlation
 from basrelief.material.patterns import cells as cells_module
 from basrelief.material.patterns.bricks import _Wall as Wall
 from basrelief.material.patterns.canvas import Canvas, mix, smoothstep
@@ -155,7 +155,7 @@ def test_normals_fit_the_heights_and_the_scale(name: str, drawn: dict[str, Mater
     expected = np.stack([-right, down, np.ones_like(right)], 2)
     expected /= np.linalg.norm(expected, axis=2, keepdims=True)
     assert np.abs(material.normal.linear() * 2 - 1 - expected).max() < 2e-3
-    found = agreement(material.height.pixels, material.normal.pixels)
+    found = slope_correlation(material.height.pixels, material.normal.pixels)
     assert found is not None
     assert min(found.x, found.y) > 0.5
 
@@ -322,7 +322,7 @@ def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
     canvas = Canvas(20, 30, 0)
     for x, y, reach in ((0.01, 0.6, 0.1), (0.98, 0.02, 0.2), (0.5, 0.3, 0.9)):
         window = canvas.around(x, y, reach)
-        rows, columns = (each.ravel() for each in window.there)
+        rows, columns = (each.ravel() for each in window.texels)
         assert len(set(rows)) == len(rows) <= 20
         assert len(set(columns)) == len(columns) <= 30
         off = canvas.x[0, columns] - window.x.ravel() - x

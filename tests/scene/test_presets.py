@@ -286,7 +286,7 @@ def test_maps_of_samples(tmp_path: Path) -> None:
     found = basrelief.load(folder, base_color="sample:grass")
     assert found.base_color is not None
     assert found.name == "hill"
-    assert "base_color from sample:grass: asked for" in map(str, found.notes)
+    assert "base_color from sample:grass: requested" in map(str, found.notes)
     assert basrelief.load(height="sample:grass").name == "grass"
     message = refusal(lambda: basrelief.load(folder, metallic="sample:grass"))
     assert message == "sample:grass has no metallic map; choose another sample, or a file"

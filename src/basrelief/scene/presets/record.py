@@ -14,7 +14,7 @@ import numpy as np
 from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
 from basrelief.material import MAPS, Map, Material, load
-from basrelief.material.load import Reading
+from basrelief.material.load import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
 from basrelief.scene.checks import check_choice
 from basrelief.scene.presets import checks
@@ -202,7 +202,7 @@ class Preset:
         bumpy = Material(
             "any", height=Map(np.array([[[0.0], [1.0]]], np.float32), False, "made up")
         )
-        Reading(**{key: each for key, each in self._table("maps").items() if key not in MAPS})
+        ReadOptions(**{key: each for key, each in self._table("maps").items() if key not in MAPS})
         ours = self._ours()
         if "layer" in ours:
             ours["layer"] = self._layer(bumpy)
