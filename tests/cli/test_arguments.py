@@ -172,7 +172,7 @@ def test_lights() -> None:
         ("point,position=1/2/3,angle=3", "--light point: there is no number angle; there are pos"),
         ("point,position=1/2/3,intensity=1/2", "--light point: intensity 1/2: write a number"),
         ("point,position=1/2/3,color=1", "--light point: color 1: write three numbers"),
-        ("spot,position=0/0/0", "a light needs finite numbers, and a direction of some length"),
+        ("spot,position=0/0/0", "a light needs finite numbers and a direction that is not zero"),
         ("spot,position=0/1/0,angle=190", "a spot of angle 190"),
         ("directional,azimuth=inf", "--light directional: azimuth inf: write a finite number"),
     ],

@@ -494,7 +494,7 @@ def test_straight_down_needs_no_up() -> None:
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: Object("sample:bricks"), "an object's material is one, as load gives"),
+        (lambda: Object("sample:bricks"), "material is 'sample:bricks': give a Material"),
         (lambda: Object(BUMPY, layer="sample:grid"), "layer is 'sample:grid': give a Layer"),
         (lambda: Object(BUMPY, tilings={"normal": (2, 2)}), "tiling of normal is (2, 2): give a"),
         (lambda: Object(BUMPY, scale="x"), "scale is 'x': give a number"),
@@ -507,7 +507,7 @@ def test_straight_down_needs_no_up() -> None:
         ),
         (
             lambda: Object(BUMPY, technique="exact", heights="smooth"),
-            "exact reads its heights sharp or mip; leave heights smooth away",
+            "exact reads its heights sharp or mip; omit heights smooth",
         ),
     ],
 )

@@ -15,7 +15,7 @@ from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
 from basrelief.rendering.programs import depth_program_of, map_edge, object_values
 from basrelief.scene import Object, Scene
-from basrelief.scene.cameras import look
+from basrelief.scene.cameras import look_at
 from basrelief.scene.lights import light_parameters
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import View
@@ -100,7 +100,7 @@ def _looking(
     orthographic_height: float | None = None,
 ) -> Camera:
     up = (0.0, 0.0, 1.0) if abs(way[1]) > 0.9 else (0.0, 1.0, 0.0)
-    return look(
+    return look_at(
         list(position),
         list(position + way),
         up,
