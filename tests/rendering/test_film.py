@@ -323,7 +323,7 @@ def test_a_long_gif_takes_no_more_memory(tmp_path: Path) -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's full disk")
 @pytest.mark.parametrize("suffix", CLOSE)
 def test_a_full_disk(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("basrelief.rendering.film._plain", lambda path: "/dev/full")
+    monkeypatch.setattr("basrelief.rendering.film._ffmpeg_path", lambda path: "/dev/full")
     noise = np.random.default_rng(1).uniform(0.0, 1.0, (9, 64, 64, 4))
     with pytest.raises(InputError, match=r"cannot be written \(.*; choose another place"):
         write_film(tmp_path / f"a{suffix}", [frame(each) for each in noise])

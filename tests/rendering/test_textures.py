@@ -15,7 +15,7 @@ from basrelief.engine import choose_device
 from basrelief.images import srgb_decode
 from basrelief.material import Map, Material, sample
 from basrelief.rendering import textures
-from basrelief.rendering.programs import available_maps, maps_of
+from basrelief.rendering.programs import available_maps, resources_of
 from basrelief.scene import Layer, Object
 from basrelief.techniques import BOUNDS, CONE_MAP
 from basrelief.techniques.cone_bake import cone_of
@@ -291,10 +291,10 @@ def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
     assert textures.bake_texture(material, "wrap", BOUNDS, CPU) is textures.bake_texture(
         material, "wrap", BOUNDS, CPU
     )
-    held = len(textures._made)
+    held = len(textures._cache)
     del material, field, normal
     gc.collect()
-    assert len(textures._made) < held
+    assert len(textures._cache) < held
 
 
 def test_what_one_engine_baked_is_not_given_to_another() -> None:
@@ -328,6 +328,6 @@ def test_which_maps_there_are_is_known_without_baking() -> None:
             continue
         obj = Object(material, layer=layer and Layer(layer), **options)
         there = {f"maps_{name}" for name, has in available_maps(obj).items() if has}
-        assert there == set(maps_of(obj, CPU)) - {"field", "baked"}
+        assert there == set(resources_of(obj, CPU)) - {"field", "baked"}
     assert available_maps(Object(high, technique="texel"))["normal"] is False
     assert available_maps(Object(full, technique="texel"))["normal"] is True

@@ -320,7 +320,7 @@ def test_an_object_or_a_scene_takes_no_preset() -> None:
     obj = Object(bumpy())
     for what in (obj, Scene((obj,))):
         message = refusal(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
-        assert "preset: already said by the" in message
+        assert "preset: already set by the" in message
     assert "no option 'colour'; there are alpha, " in refusal(lambda: drawn("gamedev", colour=1))
 
 

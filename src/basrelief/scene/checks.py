@@ -43,7 +43,7 @@ def settings_record(record: Any, options: Any, owner: str) -> Any:
     if isinstance(options, Mapping):
         return checked_record(record, options, owner)
     if not isinstance(options, record):
-        raise InputError(f"{owner} takes settings of type {record.__what__}")
+        raise InputError(f"{owner} takes settings of type {record.__name__}")
     return checked_record(record, {f.name: getattr(options, f.name) for f in fields(record)}, owner)
 
 
