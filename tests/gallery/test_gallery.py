@@ -238,7 +238,7 @@ def test_only_our_own_files_are_written_over(tmp_path: Path) -> None:
     links = Reader(tmp_path / "index.html").links
     assert links == ["normal-map.html", "clamped.html"]
     (tmp_path / "index.html").write_text("<p>mine</p>")
-    assert "index.html: is there, and not a page of the gallery" in refused(*command)
+    assert "index.html: exists and is not a page of the gallery" in refused(*command)
     assert (tmp_path / "index.html").read_text() == "<p>mine</p>"
 
 

@@ -187,7 +187,7 @@ def test_the_page_stands_alone(found, tmp_path) -> None:
     again = found.save(tmp_path / "out")
     assert again == page
     page.write_text("my own")
-    with pytest.raises(InputError, match="is there, and not a comparison's page"):
+    with pytest.raises(InputError, match="exists and is not a comparison's page"):
         found.save(tmp_path / "out")
 
 
