@@ -18,7 +18,7 @@ from basrelief.scene import SHAPES, Object, Orbit, Scene, directional, point, sp
 from basrelief.shading.pixel import Pixel
 from basrelief.techniques import TECHNIQUES
 from helpers import agreement
-from helpers.agreement import ALIKE, steps_apart
+from helpers.agreement import COLOR_TOLERANCE, color_difference
 from helpers.plain_python import pixel_in_python
 
 SIZE = (160, 90)
@@ -174,7 +174,7 @@ def test_small_pictures_agree(size: tuple[int, int]) -> None:
     one, other = (drawn(scene_of_two(), engine, size) for engine in (cpu(), gpu()))
     assert one.color.shape == other.color.shape == (size[1], size[0], 4)
     np.testing.assert_array_equal(one.hit, other.hit)
-    assert np.quantile(steps_apart(one, other), 0.98) <= ALIKE
+    assert np.quantile(color_difference(one, other), 0.98) <= COLOR_TOLERANCE
 
 
 def test_a_pixel_is_the_same_in_a_picture_of_rows_and_alone() -> None:

@@ -23,7 +23,7 @@ from basrelief.rendering.render import render
 from helpers import goldens
 from helpers.command_line import done, refused
 from helpers.features import COUNTS
-from helpers.goldens import GOLDEN, SIZE, golden, share_apart, strip
+from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, strip
 from helpers.repository import commands
 
 MOST_APART = 0.005
@@ -36,7 +36,7 @@ VOID = {"img", "meta", "br", "link", "input", "hr"}
 def assert_like_golden(page: Page, drawn: np.ndarray) -> None:
     kept = golden(page.name)
     assert drawn.shape == kept.shape, f"{page.name} has other panels; see scripts/goldens"
-    share = share_apart(drawn, kept)
+    share = fraction_different(drawn, kept)
     assert share <= MOST_APART, f"{page.name}: {share:.2%} of the pixels differ from its golden"
 
 
@@ -77,7 +77,7 @@ def test_panels_of_a_page_differ() -> None:
         for n, one in enumerate(panels):
             assert one.std() > 10.0, f"{page.name}: panel {n + 1} shows nothing"
             for m, other in enumerate(panels[n + 1 :], n + 1):
-                alike = share_apart(one, other) < 0.005
+                alike = fraction_different(one, other) < 0.005
                 assert alike == ((page.name, n, m) in same), f"{page.name}: {n + 1} and {m + 1}"
 
 

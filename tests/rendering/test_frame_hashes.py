@@ -12,7 +12,7 @@ import pytest
 from basrelief import Frame, InputError, Map, Material, Object, Scene
 from basrelief.engine.gpu import GpuEngine
 from basrelief.rendering.programs import depth_program_of, program_of
-from helpers.frame_cases import BESIDE, CASES, DRAWN_WITH, MENUS, SHAPES, drawn, scene_of
+from helpers.frame_cases import ALL_TECHNIQUES, CASES, MENUS, OTHER_OPTIONS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 
 
@@ -91,7 +91,7 @@ def test_nan_is_not_stored() -> None:
 def menus() -> dict[str, tuple[str, ...]]:
     """What each menu has to choose from, its default as the empty name."""
     options = {name: ("", *menu) for name, menu in MENUS.items()}
-    return {"technique": tuple(DRAWN_WITH), "shape": tuple(SHAPES), **options}
+    return {"technique": tuple(ALL_TECHNIQUES), "shape": tuple(SHAPES), **options}
 
 
 def chosen_in(case: str) -> dict[str, str]:
@@ -125,7 +125,7 @@ def test_every_two_choices_meet_in_a_case() -> None:
     assert not missing, f"in no case together: {missing}"
 
 
-@pytest.mark.parametrize("option", BESIDE)
+@pytest.mark.parametrize("option", OTHER_OPTIONS)
 def test_options_of_no_menu_are_in_a_case(option: str) -> None:
     assert any(option in case.split() for case in CASES)
 

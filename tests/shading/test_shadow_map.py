@@ -17,7 +17,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed, point, spot
-from basrelief.scene.cameras import look
+from basrelief.scene.cameras import look_at
 from basrelief.shading.brdf import Shading
 from basrelief.shading.camera import primary_ray, seen_from
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
@@ -385,7 +385,7 @@ def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at,
     if across < 0.3:
         target = (eye[0] + 1.0, eye[1], eye[2])
     lens = {"orthographic_height": 2.0} if parallel else {"field_of_view": 50.0}
-    camera = look(eye, target, size=(64, 40), **lens)
+    camera = look_at(eye, target, size=(64, 40), **lens)
     ray = primary_ray(camera, Vec2(*at))
     place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
     seen = seen_from(camera, vector(place))
@@ -401,8 +401,8 @@ def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at,
 
 FIRST, MAP = (3, 2), 8
 """Where in a sheet of depth maps a view's own begins, and its texels a side."""
-PARALLEL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), orthographic_height=1.6)
-CENTRAL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), field_of_view=30.0)
+PARALLEL = look_at((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), orthographic_height=1.6)
+CENTRAL = look_at((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), field_of_view=30.0)
 """Views down the z axis: of texels 0.2 wide, and of some that widen with the distance."""
 
 
