@@ -98,7 +98,7 @@ def test_a_brick_goes_on_beyond_the_edge() -> None:
 
 
 @pytest.mark.parametrize("name", SAMPLES)
-def test_the_seed_decides(name: str, drawn: dict[str, Material]) -> None:
+def test_the_seed_determines_the_maps(name: str, drawn: dict[str, Material]) -> None:
     for (_, one), (_, same), (_, other) in zip(
         drawn[name].maps(),
         sample(name, SIZE).maps(),
@@ -168,7 +168,7 @@ def test_every_size_works(name: str, size: int | tuple[int, int]) -> None:
     assert {(each.height, each.width) for _, each in material.maps()} == {shape}
 
 
-def test_impossible_requests_are_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     with pytest.raises(InputError, match="no sample 'brick'; choose one of bricks, cobbles"):
         sample("brick")
     for size in (0, -3, (4, 0), 100_000):
@@ -247,7 +247,7 @@ def test_a_closed_hole_is_a_whole_surface(ground: tuple[Material, Material]) -> 
 
 
 @given(one=st.floats(0, 1), other=st.floats(0, 1))
-def test_as_a_hole_opens_nothing_rises(
+def test_heights_never_rise_as_a_hole_opens(
     ground: tuple[Material, Material], one: float, other: float
 ) -> None:
     less, more = (hole(*ground, opening) for opening in sorted((one, other)))
@@ -259,12 +259,12 @@ def test_as_a_hole_opens_nothing_rises(
     assert (more.base_color.pixels <= less.base_color.pixels).all()
 
 
-def test_a_hole_is_what_its_formula_says() -> None:
+def test_a_hole_follows_its_formula() -> None:
     """Cracks of the heights 0, ½ and 1 under dust of 1, half open: 1.4 − h beyond the limit."""
-    cracks = plain([[0, 0.5, 1]], "ground")
-    sunk = heights(hole(cracks, plain([[1, 1, 1]], "dust"), 0.5))[0]
+    cracks = heights_only([[0, 0.5, 1]], "ground")
+    sunk = heights(hole(cracks, heights_only([[1, 1, 1]], "dust"), 0.5))[0]
     assert sunk == pytest.approx(np.exp(-np.array([1.4, 0.9, 0.4]) / 0.45), abs=1e-5)
-    assert (heights(hole(cracks, plain([[0, 0, 0]], "dust"), 1)) == 1).all()
+    assert (heights(hole(cracks, heights_only([[0, 0, 0]], "dust"), 1)) == 1).all()
 
 
 def test_cracks_open_before_the_ground_between_them_falls(
@@ -279,7 +279,7 @@ def test_cracks_open_before_the_ground_between_them_falls(
     assert (much[dust < 0.2] > 0.5).mean() > 0.9
 
 
-def test_holes_that_cannot_be(ground: tuple[Material, Material]) -> None:
+def test_invalid_holes_are_refused(ground: tuple[Material, Material]) -> None:
     cracks, dust = ground
     for opening in (-0.1, 1.1, float("nan")):
         with pytest.raises(InputError, match=r"opening is 0 \(whole\) to 1 \(open\), not"):
@@ -291,17 +291,21 @@ def test_holes_that_cannot_be(ground: tuple[Material, Material]) -> None:
 
 
 def test_a_hole_in_a_surface_of_floats_without_colour_or_size() -> None:
-    opened = hole(plain([[1.0]], "ground"), plain([[1.0]], "dust"), 1)
+    opened = hole(heights_only([[1.0]], "ground"), heights_only([[1.0]], "dust"), 1)
     assert opened.base_color is None
     assert opened.scale is None
     bright = Map(np.full((1, 1, 3), 4, np.float32), False, "bright")
-    shaded = hole(replace(plain([[1.0]], "ground"), base_color=bright), plain([[1.0]], "dust"), 0.5)
+    shaded = hole(
+        replace(heights_only([[1.0]], "ground"), base_color=bright),
+        heights_only([[1.0]], "dust"),
+        0.5,
+    )
     depth = np.exp(-0.4 / 0.45)
     assert shaded.base_color is not None
     assert shaded.base_color.pixels[0, 0] == pytest.approx(4 * depth ** np.array([1.5, 2, 2.5]))
 
 
-def test_the_sample_of_a_hole_is_settled() -> None:
+def test_the_sample_hole() -> None:
     material = sample("hole", 64)
     assert material.name == "hole"
     assert material.scale == pytest.approx(0.3)
@@ -310,7 +314,7 @@ def test_the_sample_of_a_hole_is_settled() -> None:
     assert "opened by 0.6" in str(material.notes[-1])
 
 
-def plain(values: list[list[float]], name: str) -> Material:
+def heights_only(values: list[list[float]], name: str) -> Material:
     relief = np.array(values, np.float32)[:, :, None]
     return Material(name, height=Map(relief, False, name))
 
@@ -377,7 +381,7 @@ def test_noise_does_not_depend_on_the_size() -> None:
     assert shrunk(fine[:, :, None], 2)[:, :, 0] == pytest.approx(coarse, abs=0.02)
 
 
-def test_names_draw_apart() -> None:
+def test_random_generators_are_independent() -> None:
     canvas = Canvas(8, 8, 0)
     assert canvas.random("a").random() != canvas.random("b").random()
     assert canvas.random("a").random() == Canvas(9, 9, 0).random("a").random()
@@ -424,7 +428,7 @@ def test_blending() -> None:
     assert mix((0, 0, 0), (1, 2, 3), share)[0].tolist() == [[0, 0, 0], [1, 2, 3]]
 
 
-def test_maps_say_where_they_come_from(drawn: dict[str, Material]) -> None:
+def test_maps_have_sources(drawn: dict[str, Material]) -> None:
     material = drawn["tiles"]
     assert isinstance(material.metallic, Map)
     assert material.metallic.source == "sample tiles, metallic"

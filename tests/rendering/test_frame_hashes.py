@@ -42,9 +42,9 @@ def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
     programs = [program_of(obj, scene) for scene in scenes for obj in scene.objects]
     casting = [scene for scene in scenes if scene.casts]
     programs += [depth_program_of(obj) for scene in casting for obj in scene.objects]
-    found = {program.key: program for program in programs}
-    assert len(found) > 140
-    for program in found.values():
+    distinct = {program.key: program for program in programs}
+    assert len(distinct) > 140
+    for program in distinct.values():
         engine.compile(program)
 
 
@@ -94,7 +94,7 @@ def menus() -> dict[str, tuple[str, ...]]:
     return {"technique": tuple(ALL_TECHNIQUES), "shape": tuple(SHAPES), **options}
 
 
-def chosen_in(case: str) -> dict[str, str]:
+def options_of(case: str) -> dict[str, str]:
     """What a case chooses from each menu."""
     technique, shape, *options = case.split()
     of_menus = {menu: [name for name in options if name in MENUS[menu]] for menu in MENUS}
@@ -103,7 +103,7 @@ def chosen_in(case: str) -> dict[str, str]:
     return {"technique": technique, "shape": shape, **chosen}
 
 
-def can_be_drawn(first: tuple[str, str], second: tuple[str, str]) -> bool:
+def is_valid_pair(first: tuple[str, str], second: tuple[str, str]) -> bool:
     """Whether the library takes two choices at once."""
     case = {"technique": "relief", "shape": "plane", **dict([first, second])}
     try:
@@ -113,14 +113,16 @@ def can_be_drawn(first: tuple[str, str], second: tuple[str, str]) -> bool:
     return True
 
 
-def test_every_two_choices_meet_in_a_case() -> None:
-    met = {pair for case in CASES for pair in itertools.combinations(chosen_in(case).items(), 2)}
+def test_every_pair_of_options_is_in_a_case() -> None:
+    covered = {
+        pair for case in CASES for pair in itertools.combinations(options_of(case).items(), 2)
+    }
     missing = [
         (first, second)
         for one, other in itertools.combinations(menus(), 2)
         for first in itertools.product([one], menus()[one])
         for second in itertools.product([other], menus()[other])
-        if (first, second) not in met and can_be_drawn(first, second)
+        if (first, second) not in covered and is_valid_pair(first, second)
     ]
     assert not missing, f"in no case together: {missing}"
 

@@ -79,7 +79,7 @@ def test_a_frame_is_rows_by_columns() -> None:
     assert frame.image.pixels is frame.color
 
 
-def test_where_nothing_is_depth_is_infinite() -> None:
+def test_distance_is_infinite_without_a_hit() -> None:
     frame = drawn(BRICKS)
     assert frame.hit.any()
     assert not frame.hit.all()
@@ -142,7 +142,7 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(replace(BRICKS, height=None), technique="steep"), "has no height map"),
     ],
 )
-def test_what_makes_no_picture_is_refused_in_a_line(make, message) -> None:
+def test_invalid_arguments_are_refused_in_a_line(make, message) -> None:
     assert message in refused(make)
 
 
@@ -151,23 +151,23 @@ def test_an_unknown_device_is_refused() -> None:
     assert message == "no device is called 'quantum'; use one of auto, cpu, gpu"
 
 
-def test_devices_go_by_their_names() -> None:
+def test_devices_are_chosen_by_name() -> None:
     assert drawn(BRICKS, (3, 2), device="cpu").device.startswith("cpu: ")
     assert drawn(BRICKS, (3, 2), device="auto").device.split(":")[0] in ("cpu", "gpu")
 
 
 @pytest.mark.gpu
-def test_the_gpu_goes_by_its_name() -> None:
+def test_the_gpu_is_chosen_by_name() -> None:
     assert drawn(BRICKS, (3, 2), device="gpu").device.startswith("gpu: ")
 
 
-def test_progress_reaches_the_whole_and_never_turns_back() -> None:
-    told: list[float] = []
+def test_progress_grows_to_1() -> None:
+    fractions: list[float] = []
     scene = Scene((Object(BRICKS), Object(BRICKS, shape="sphere")), camera=Orbit(distance=3.0))
-    drawn(scene, samples=3, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1.0)
-    assert 0.0 < told[0] < 0.3
+    drawn(scene, samples=3, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
+    assert 0.0 < fractions[0] < 0.3
 
 
 def test_a_picture_is_saved_as_it_was_drawn(tmp_path) -> None:
@@ -286,7 +286,7 @@ def pane(code: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Object:
 
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True), (65535, True)])
-def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None:
+def test_coverage_of_a_half_has_a_distance(code: int, solid: bool) -> None:
     """Coverage below a half only tints: depth, uv and hit are those of what lies behind."""
     camera = LookAt((0.3, -0.1, 4.0), (0.3, -0.1, 0.0), orthographic_height=0.2)
     scene = {"camera": camera, "lights": (), "shading": WHITE, "background": (0.0, 0.0, 1.0)}
@@ -319,7 +319,7 @@ def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None
 
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True)])
-def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool) -> None:
+def test_coverage_of_a_half_casts_a_full_shadow(code: int, solid: bool) -> None:
     """Light falls through what covers less, as if nothing were there."""
     wall = Object(colored(1.0), transform=placed((0.0, 0.0, -1.0), 8.0))
     light = (directional(-60.0, 0.0),)
@@ -383,7 +383,7 @@ def test_a_material_without_heights_is_drawn_flat() -> None:
     assert frame.hit.any()
 
 
-def test_a_material_of_nothing_is_grey() -> None:
+def test_a_material_without_maps_is_grey() -> None:
     scene = Scene((Object(Material("nothing")),), camera=ABOVE, lights=(), shading=WHITE)
     np.testing.assert_allclose(drawn(scene).color[18, 32], [0.6, 0.6, 0.6, 1.0], atol=1e-6)
 
@@ -512,7 +512,7 @@ def lifted(ray: Ray, height: float, strength: float) -> float:
 
 
 @technique(reference_height=0.5)
-def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
+def lift_technique(field: HeightField, ray: Ray, settings: Lift) -> Hit:
     """Go down by the height found where the ray comes in, again and again."""
     height = ray.reference_height
     for _ in range(settings.times):
@@ -522,19 +522,21 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
 
 
 @technique()
-def nothing_at_all(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
+def without_a_hit(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     """Stay where the ray comes in, and say that it took seven reads."""
     return hit_at(ray, t_at(ray, ray.reference_height), False, 7)
 
 
 def own_scene(**settings) -> Scene:
     material = replace(BRICKS, height=map_of(np.full((4, 4), 0.25)))
-    made = Object(material, technique=lifting, settings=settings, scale=0.2, transform=np.eye(4))
+    made = Object(
+        material, technique=lift_technique, settings=settings, scale=0.2, transform=np.eye(4)
+    )
     camera = LookAt((0.9, -1.1, 1.4), up=(0.0, 0.0, 1.0), field_of_view=35.0)
     return Scene((made,), camera=camera, lights=(directional(20.0, 60.0),))
 
 
-def moved_as_expected(frame, scene, strength: float) -> None:
+def assert_shifted(frame, scene, strength: float) -> None:
     """On a plane of height ¼: by scale · strength · ¼ towards where the ray is lower."""
     still = drawn(
         replace(scene, objects=(replace(scene.objects[0], technique="flat", settings={}),))
@@ -550,31 +552,31 @@ def moved_as_expected(frame, scene, strength: float) -> None:
     np.testing.assert_allclose(moved, 0.2 * 0.25 * strength * across, atol=2e-4)
 
 
-def test_a_technique_of_ones_own_runs_on_the_cpu() -> None:
+def test_a_user_defined_technique_runs_on_the_cpu() -> None:
     """C14: with its own settings, which change the picture and compile nothing anew."""
     once, twice = own_scene(times=1, strength=1.0), own_scene(times=3, strength=2.0)
-    moved_as_expected(drawn(once), once, 1.0)
-    moved_as_expected(drawn(twice), twice, 2.0)
+    assert_shifted(drawn(once), once, 1.0)
+    assert_shifted(drawn(twice), twice, 2.0)
     assert drawn(twice).reads.max() == 3
     keys = {program_of(scene.objects[0]).key for scene in (once, twice)}
     assert len(keys) == 1
     assert drawn(own_scene(times=0)).reads.max() == 0
-    frame = drawn(Scene((Object(BRICKS, technique=nothing_at_all),)))
+    frame = drawn(Scene((Object(BRICKS, technique=without_a_hit),)))
     assert set(np.unique(frame.reads[frame.hit])) == {7}
 
 
 @pytest.mark.gpu
-def test_a_technique_of_ones_own_runs_on_the_gpu() -> None:
+def test_a_user_defined_technique_runs_on_the_gpu() -> None:
     """C14."""
     from basrelief.engine.gpu import GpuEngine
 
     scene = own_scene(times=2, strength=1.5)
     frame = drawn(scene, device=GpuEngine())
-    moved_as_expected(frame, scene, 1.5)
+    assert_shifted(frame, scene, 1.5)
     np.testing.assert_allclose(frame.color, drawn(scene).color, atol=2e-3)
 
 
-def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
+def test_a_user_defined_technique_runs_as_plain_python() -> None:
     """C14: the whole pixel, stepped through, is the CPU's bit for bit."""
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
@@ -588,7 +590,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
         assert one.reads == frame.reads[y, x] == 2
 
 
-def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
+def test_a_technique_from_a_file_draws_the_same(tmp_path) -> None:
     """C14: FILE.py:NAME."""
     file = tmp_path / "mine.py"
     file.write_text(
@@ -652,7 +654,7 @@ def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
         np.testing.assert_array_equal(seen["wrap"], seen["clip"])
 
 
-def test_lights_that_give_nothing_read_nothing() -> None:
+def test_lights_without_contribution_read_no_heights() -> None:
     obj = Object(BRICKS, technique="steep", scale=0.1, transform=np.eye(4))
     camera = LookAt((0.4, -0.6, 1.4), up=(0.0, 0.0, 1.0))
     reads = []

@@ -62,9 +62,9 @@ def test_levels_are_area_averages_and_keep_the_mean(rows, columns, seed, colored
     shape = (rows, columns, 4) if colored else (rows, columns)
     level = np.random.default_rng(seed).random(shape).astype(np.float32)
     made = halved(level)
-    wanted = np.einsum("ir,jc,rc...->ij...", overlap(rows), overlap(columns), level.astype(float))
+    expected = np.einsum("ir,jc,rc...->ij...", overlap(rows), overlap(columns), level.astype(float))
     assert made.dtype == np.float32
-    np.testing.assert_allclose(made, wanted, atol=1e-6)
+    np.testing.assert_allclose(made, expected, atol=1e-6)
     np.testing.assert_allclose(made.mean(axis=(0, 1)), level.mean(axis=(0, 1)), atol=2e-6)
 
 
@@ -109,7 +109,7 @@ def test_heights_are_never_decoded_from_srgb() -> None:
     np.testing.assert_allclose(field.levels[0], [[0.0, 128 / 255, 1.0]], atol=1e-7)
 
 
-def test_what_is_missing_has_no_pyramid() -> None:
+def test_missing_maps_have_no_texture() -> None:
     nothing = Material("nothing")
     assert textures.height_field(nothing, "wrap") is None
     assert textures.base_color(nothing, "wrap") is None
@@ -136,10 +136,10 @@ def test_colours_are_decoded_from_srgb_only_where_they_are_srgb(dtype) -> None:
     most = np.iinfo(dtype).max
     codes = np.array([[[0.1, 0.5, 0.9]]]) * most
     shares = codes.astype(dtype) / most
-    for srgb, wanted in ((True, srgb_decode(shares)), (False, shares)):
+    for srgb, expected in ((True, srgb_decode(shares)), (False, shares)):
         texture = textures.base_color(Material("x", base_color=map_of(codes, dtype, srgb)), "wrap")
         assert texture is not None
-        np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT, wanted, atol=0.6 / UNIT)
+        np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT, expected, atol=0.6 / UNIT)
 
 
 def test_opacity_is_the_fourth_channel_at_the_colours_size() -> None:
@@ -151,8 +151,8 @@ def test_opacity_is_the_fourth_channel_at_the_colours_size() -> None:
         Material("x", base_color=color, opacity=map_of([[1, 0, 0.5, 1], [0, 0, 1, 1]])), "wrap"
     )
     assert cut is not None
-    wanted = [[1, 0, 0.5, 1], [0, 0, 1, 1]]
-    np.testing.assert_allclose(cut.levels[0][:, :, 3] / UNIT, wanted, atol=1e-4)
+    expected = [[1, 0, 0.5, 1], [0, 0, 1, 1]]
+    np.testing.assert_allclose(cut.levels[0][:, :, 3] / UNIT, expected, atol=1e-4)
 
 
 def test_opacity_finer_than_the_colour_keeps_its_texels() -> None:
@@ -202,12 +202,12 @@ def test_the_response_packs_maps_of_different_sizes() -> None:
     assert first.shape == (2, 4, 4)
     np.testing.assert_allclose(first[:, :, 0], np.linspace(0, 1, 8).reshape(2, 4), atol=1e-4)
     # bilinear between centres and around the edge
-    wanted = [0.75 * 0.2 + 0.25 * 0.6, 0.75 * 0.2 + 0.25 * 0.6, 0.25 * 0.2 + 0.75 * 0.6, 0.5]
-    np.testing.assert_allclose(first[:, :, 1], [wanted, wanted], atol=1e-4)
+    expected = [0.75 * 0.2 + 0.25 * 0.6, 0.75 * 0.2 + 0.25 * 0.6, 0.25 * 0.2 + 0.75 * 0.6, 0.5]
+    np.testing.assert_allclose(first[:, :, 1], [expected, expected], atol=1e-4)
     np.testing.assert_allclose(first[:, :, 2], 1.0, atol=1e-4)
 
 
-def test_missing_parts_of_the_response_are_plain() -> None:
+def test_missing_channels_of_the_response_get_defaults() -> None:
     """As `response_of` has them: not occluded, fairly rough, no metal."""
     texture = textures.response(Material("x", occlusion=map_of([[0.5]])), "wrap")
     assert texture is not None
@@ -233,9 +233,9 @@ def test_normals_lean_away_from_the_rise(rise_u, rise_v) -> None:
     columns, rows, scale = 12, 12, 0.3
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     made = normals_from(0.5 + rise_u * (u - 0.5) + rise_v * (v - 0.5), scale)[1:-1, 1:-1]
-    wanted = np.array([-rise_u * scale, rise_v * scale, 1.0])
-    wanted /= np.linalg.norm(wanted)
-    np.testing.assert_allclose(made, np.broadcast_to(wanted, made.shape), atol=1e-4)
+    expected = np.array([-rise_u * scale, rise_v * scale, 1.0])
+    expected /= np.linalg.norm(expected)
+    np.testing.assert_allclose(made, np.broadcast_to(expected, made.shape), atol=1e-4)
 
 
 def test_normals_of_a_wide_map_have_square_texels() -> None:
@@ -249,10 +249,10 @@ def test_normals_of_a_wide_map_have_square_texels() -> None:
 
 def test_normals_at_the_edge_follow_the_edge_policy() -> None:
     heights = np.array([[0.0, 0.1, 0.4, 0.9]])
-    wrapped, held = normals_from(heights, 0.5, "wrap"), normals_from(heights, 0.5, "clamp")
+    wrapped, count = normals_from(heights, 0.5, "wrap"), normals_from(heights, 0.5, "clamp")
     slope = lambda n: -n[0, :, 0] / n[0, :, 2] / (0.5 * 4)  # noqa: E731
     np.testing.assert_allclose(slope(wrapped), [-0.4, 0.2, 0.4, -0.2], atol=1e-3)
-    np.testing.assert_allclose(slope(held), [0.05, 0.2, 0.4, 0.25], atol=1e-3)
+    np.testing.assert_allclose(slope(count), [0.05, 0.2, 0.4, 0.25], atol=1e-3)
 
 
 def test_normals_of_a_sample_are_those_of_its_heights() -> None:
@@ -280,7 +280,7 @@ def test_without_depth_heights_have_no_normals() -> None:
 # --- kept -----------------------------------------------------------------------------------------
 
 
-def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
+def test_textures_are_cached_while_their_map_exists() -> None:
     material = Material("x", height=map_of([[0, 1]]))
     field = textures.height_field(material, "wrap")
     assert textures.height_field(material, "wrap") is field
@@ -291,13 +291,13 @@ def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
     assert textures.bake_texture(material, "wrap", BOUNDS, CPU) is textures.bake_texture(
         material, "wrap", BOUNDS, CPU
     )
-    held = len(textures._cache)
+    count = len(textures._cache)
     del material, field, normal
     gc.collect()
-    assert len(textures._cache) < held
+    assert len(textures._cache) < count
 
 
-def test_what_one_engine_baked_is_not_given_to_another() -> None:
+def test_bakes_are_cached_per_engine() -> None:
     material = Material("x", height=map_of([[0.2, 1.0, 0.4], [0.5, 0.1, 0.9]]))
     other = RecordingEngine()
     for _ in range(2):
@@ -311,7 +311,7 @@ def test_what_one_engine_baked_is_not_given_to_another() -> None:
     assert normals in other.entries
 
 
-def test_which_maps_there_are_is_known_without_baking() -> None:
+def test_available_maps_are_found_without_baking() -> None:
     """As the program of an object asks; and it is what its values then hold."""
     heights, other = map_of([[0.2, 1.0], [0.5, 0.1]]), map_of([[0.5]])
     bare, high = Material("bare"), Material("high", height=heights)

@@ -61,7 +61,7 @@ def test_normals_of_a_layer_are_baked_there_too(engine: RecordingEngine) -> None
     assert engine.entries.count(normals) == 1
 
 
-def test_what_casts_shadows_is_baked_there_too(engine: RecordingEngine) -> None:
+def test_shadow_casters_are_baked_there_too(engine: RecordingEngine) -> None:
     ground = Object(bumps(3), technique="flat")
     ball = Object(bumps(4), "sphere", "cone", transform=placed(position=(0.0, 0.5, 0.0)))
     scene = Scene((ground, ball), camera=Orbit(20.0, 40.0, 3.0), shadows="hard")
