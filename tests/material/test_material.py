@@ -1,6 +1,6 @@
-"""Materials: names and conventions, preferences, channels, directions, and what is refused.
+"""Loading of materials: names, conventions, preferences, channels, directions and errors.
 
-Pictures are small, not square and not symmetrical, so that a mirrored or turned axis shows.
+Pictures are small, not square and not symmetrical, so that mirrored or swapped axes show.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def hills(height: int = HEIGHT, width: int = WIDTH) -> np.ndarray:
 
 
 def normals_of(heights: np.ndarray, green_up: bool = True) -> np.ndarray:
-    """The normals of heights, by a formula of this file's own, stored 0 to 1."""
+    """Normals of heights by an independent formula, stored 0 to 1."""
     down, right = np.gradient(heights * 8)
     y = down if green_up else -down  # up in the picture is against the rows
     normal = np.stack([-right, y, np.ones_like(right)], 2)
@@ -55,12 +55,12 @@ def flat(*channels: int, height: int = HEIGHT, width: int = WIDTH) -> np.ndarray
 
 
 def write_picture_file(folder: Path, name: str, pixels: np.ndarray | None = None) -> Path:
-    """A picture of that name; a grey slope unless told otherwise."""
+    """Write a picture file, by default of grey heights."""
     return write_data(folder / name, eight(hills()) if pixels is None else pixels)
 
 
 def has_note(material: Material, *words: str) -> bool:
-    """Does one note hold all these words?"""
+    """Whether a single note contains all the words."""
     return any(all(word in str(note) for word in words) for note in material.notes)
 
 
@@ -655,7 +655,7 @@ def test_bump_maps_are_classified_by_their_colours(tmp_path: Path, grey: bool) -
 
 
 def test_samples_load_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    # of their own size, which other tests have smaller
+    # at the default size, which other tests reduce
     monkeypatch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
     material = load("sample:bricks", tile=3.0)
     assert (material.name, material.tile) == ("bricks", 3.0)
@@ -674,7 +674,7 @@ def test_the_scanned_rock_is_recognised(rock058: Path) -> None:
     assert min(found.x, found.y) > 0.8
 
 
-# --- what is refused
+# --- errors
 
 
 def test_nothing_to_load_is_refused(tmp_path: Path) -> None:
@@ -872,7 +872,7 @@ def test_any_folder_gives_a_material_or_one_clear_line(
 
 @pytest.mark.parametrize("technique", ["relief", "parallax_occlusion"])
 def test_rendered_pictures_are_no_maps(tmp_path: Path, technique: str) -> None:
-    """`render` names its pictures so that the next run does not take one for heights."""
+    """`render` names its pictures so that `load` does not read one as heights."""
     write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
     write_picture_file(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
     assert load(tmp_path).height is None

@@ -1,4 +1,4 @@
-"""Procedural samples: seamless, seeded, the same at every size, and true to their own heights."""
+"""Procedural samples: seamless, reproducible, the same at every size, with matching normals."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_all_maps_are_there(name: str, drawn: dict[str, Material]) -> None:
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
-    """Colours vary, nothing is clipped away, and roughness keeps off a perfect mirror."""
+    """Colours vary, little is clipped, and roughness stays above a perfect mirror's."""
     material = drawn[name]
     assert material.base_color is not None
     color = material.base_color.pixels
@@ -73,7 +73,7 @@ def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
 @pytest.mark.parametrize("name", SAMPLES)
 @pytest.mark.parametrize("axis", [0, 1])
 def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> None:
-    """The step across the edge is of the size of the steps within."""
+    """Steps across the edge are no larger than those inside."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
         steps = np.abs(values - np.roll(values, 1, axis)).mean(axis=(1 - axis, 2))
@@ -83,7 +83,7 @@ def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> N
 @pytest.mark.parametrize("name", ["cobbles", "gravel", "terrain"])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_nothing_is_cut_at_the_edge(name: str, axis: int, drawn: dict[str, Material]) -> None:
-    """Of the steps across the edge, not many are among the greatest 3 % of all: stones go on."""
+    """Few steps across the edge are among the largest 3 %, so stones continue there."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
         steps = np.moveaxis(np.abs(values - np.roll(values, 1, axis)).max(axis=2), axis, 0)
@@ -126,7 +126,7 @@ def test_a_larger_picture_shows_the_same(name: str, drawn: dict[str, Material]) 
 
 @pytest.mark.parametrize("name", RELIEFS)
 def test_a_strip_keeps_the_proportions(name: str) -> None:
-    """Twice as wide as high: maps of that size, still without a seam, stones as wide as high."""
+    """A picture twice as wide as high is still seamless, with undistorted stones."""
     material = sample(name, (64, 128))
     assert {(each.height, each.width) for _, each in material.maps()} == {(64, 128)}
     steps = np.abs(heights(material) - np.roll(heights(material), 1, 0)).mean(axis=1)
@@ -143,7 +143,7 @@ def test_no_mirror_leaves_it_the_same(name: str, mirror, drawn: dict[str, Materi
 
 @pytest.mark.parametrize("name", RELIEFS)
 def test_normals_fit_the_heights_and_the_scale(name: str, drawn: dict[str, Material]) -> None:
-    """Slopes taken from the stored heights, here, give the stored normals."""
+    """Slopes of the stored heights give the stored normals."""
     material = drawn[name]
     assert material.normal is not None
     assert material.height is not None
@@ -178,11 +178,11 @@ def test_invalid_arguments_are_refused() -> None:
         sample("bricks", 8, seed=-1)
 
 
-# --- samples for special ends
+# --- special samples
 
 
 def test_a_detail_grid_keeps_the_brightness_of_what_lies_below() -> None:
-    """Colour and normals alone; the mean is middle grey; lines are dark, and a corner is marked."""
+    """Colour and normals only: middle grey on average, dark lines, a marked corner."""
     for size in (64, 128, (96, 48)):
         grid = sample("grid", size)
         assert {kind for kind, _ in grid.maps()} == {"base_color", "normal"}
@@ -260,7 +260,7 @@ def test_heights_never_rise_as_a_hole_opens(
 
 
 def test_a_hole_follows_its_formula() -> None:
-    """Cracks of the heights 0, ½ and 1 under dust of 1, half open: 1.4 − h beyond the limit."""
+    """Crack heights of 0, ½ and 1 under dust of 1, half open: the excess is 1.4 − h."""
     cracks = heights_only([[0, 0.5, 1]], "ground")
     sunk = heights(hole(cracks, heights_only([[1, 1, 1]], "dust"), 0.5))[0]
     assert sunk == pytest.approx(np.exp(-np.array([1.4, 0.9, 0.4]) / 0.45), abs=1e-5)
@@ -319,7 +319,7 @@ def heights_only(values: list[list[float]], name: str) -> Material:
     return Material(name, height=Map(relief, False, name))
 
 
-# --- what samples are made of
+# --- canvas, noise and cells
 
 
 def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
@@ -348,7 +348,7 @@ def test_distances_in_a_window() -> None:
 
 
 def test_a_ramp_of_heights_has_the_slope_of_its_scale() -> None:
-    """Rising to the right by half the range over the width: slope scale / 2, seen in x alone."""
+    """Heights that rise by half the range over the width have the slope scale ÷ 2, in x only."""
     rise = np.tile(np.linspace(0, 0.5, 8, endpoint=False), (4, 1))
     normal = normals(rise, scale=0.4)[1, 3]
     assert normal == pytest.approx([-0.2 / 1.04**0.5, 0, 1 / 1.04**0.5], abs=1e-6)
@@ -388,7 +388,7 @@ def test_random_generators_are_independent() -> None:
 
 
 def test_cells_are_those_of_the_nearest_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nearest point and distance to the border, against all points, one by one."""
+    """Nearest point and distance to the border, against a search over all points."""
     monkeypatch.setattr(cells_module, "_RIPPLE", np.float32(0))
     across, down, roundness = 5, 4, 0.01
     cell = cells(Canvas(32, 40, seed=5), "stones", across, jitter=0.3, roundness=roundness)

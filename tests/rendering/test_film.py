@@ -1,4 +1,4 @@
-"""Films read back as what was drawn: how many frames, how fast, in which colours, whole or not."""
+"""Films decode to the drawn frames: number, rate, colours, transparency, and atomic writing."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def gradient(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> n
     """Red grows to the right, green downwards, blue with time; the top left corner is orange."""
     width, height = size
     codes = np.empty((height, width, 3))
-    # never halfway between two of 255: which of them it is would go by the processor's last bit
+    # never halfway between two codes, where the result would depend on the last bit
     codes[:, :, 0] = np.linspace(25.4, 229.4, width)
     codes[:, :, 1] = np.linspace(51.0, 178.4, height)[:, None]
     codes[:, :, 2] = 38.25 + 153.0 * number / count
@@ -69,7 +69,7 @@ def gradient(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> n
 
 
 def with_hole(number: int) -> np.ndarray:
-    """The same with nothing in a corner, and half of something beside it."""
+    """The gradient with a transparent corner and a half-transparent strip."""
     color = gradient(number)
     color[16:, :20, 3] = 0.0
     color[16:, 20:26, 3] = 0.5
@@ -77,7 +77,7 @@ def with_hole(number: int) -> np.ndarray:
 
 
 class ReadFilm(NamedTuple):
-    """A film read back: its pictures in sRGB, (…, 4), and how many seconds each stays."""
+    """A decoded film: its pictures in sRGB, (…, 4), and their durations in seconds."""
 
     pictures: list[np.ndarray]
     seconds: list[float]
@@ -88,18 +88,18 @@ def read_film(path: Path) -> ReadFilm:
 
 
 def read_video(path: Path) -> ReadFilm:
-    """With FFmpeg, by what the file itself says of its colours."""
+    """Decode with FFmpeg by the colour tags of the file."""
     import av
 
     with av.open(str(path)) as file:
         coded = list(file.decode(video=0))
-    # swscale's bicubic, with chroma between the pixels and rounded
+    # swscale: bicubic, with interpolated chroma and rounding
     pictures = [each.reformat(format="rgba", interpolation=0x42004).to_ndarray() for each in coded]
     return ReadFilm(pictures, [float(each.duration * each.time_base) for each in coded])
 
 
 def read_webp(path: Path) -> ReadFilm:
-    """From the chunks of the file (RFC 9649, 2024), each of its pictures read as a still one."""
+    """Decode from the chunks of the file (RFC 9649, 2024), each frame as a still picture."""
     data = path.read_bytes()
     assert (data[:4], data[8:12]) == (b"RIFF", b"WEBP")
     found = dict(chunks(data[12:], but=b"ANMF"))
@@ -136,7 +136,7 @@ def chunks(data: bytes, but: bytes = b"") -> Iterator[tuple[bytes, bytes]]:
 
 
 def read_still(body: bytes, file: Path) -> np.ndarray:
-    """A picture of its own of what is in an ANMF chunk."""
+    """Decode the contents of an ANMF chunk as a still picture."""
     inside = dict(chunks(body))
     head = b""
     if b"ALPH" in inside:
@@ -153,9 +153,9 @@ def read_still(body: bytes, file: Path) -> np.ndarray:
 # --- colours, sizes, rates ------------------------------------------------------------------------
 
 CLOSE = {".mp4": (5.5, 8), ".gif": (12.0, 25), ".webp": (5.5, 8)}
-"""How far colours may be off in 255ths: on average, and at nine of ten pixels, the others being
-those beside the corner, whose chroma is blurred. Upside down they are off by 59 on average, a frame
-too late by 20. A GIF of so many colours is the worst that there is."""
+"""Tolerances of colours in 255ths, on average and for 90 % of the pixels; the others are near the
+corner, whose chroma is blurred. A flipped picture is off by 59 on average, the next frame by 20. A
+GIF of so many colours is the worst case."""
 
 
 @pytest.mark.parametrize("suffix", CLOSE)
@@ -180,7 +180,7 @@ def test_a_film_reads_back(suffix: str, fps: float, tmp_path: Path) -> None:
 
 
 def test_mp4_tags_its_colours(tmp_path: Path) -> None:
-    """Where chroma is even, colours are those of the still picture to the rounding of 8 bits."""
+    """In areas of constant chroma, colours match the still picture to 8-bit rounding."""
     import av
 
     even = np.empty((32, 48, 4))
@@ -309,7 +309,7 @@ def test_finished_pictures_stay(tmp_path: Path) -> None:
 
 
 def test_a_long_gif_takes_no_more_memory(tmp_path: Path) -> None:
-    """Twice over the frames, a quarter of a megabyte each; none is kept but on the disk."""
+    """Two passes over frames of a quarter of a megabyte keep none in memory."""
     few = [frame(gradient(k, 8, (320, 200))) for k in range(8)]
     memory: list[int] = []
 
@@ -365,7 +365,7 @@ def test_frames_are_the_pictures_of_their_moments(material: basrelief.Material) 
 
 
 def test_scrolling_shifts_the_maps(material: basrelief.Material) -> None:
-    """After a second a quarter of the shape has passed."""
+    """The maps shift by a quarter of the shape per second."""
     obj = Object(material, shape="cylinder", tiling=(3.0, 1.0))
     start, *_, last = frames(Scene((obj,)), [Scrolling()], count=9, fps=8.0, **FAST)
     moved = Object(material, shape="cylinder", tiling=(3.0, 1.0), shift=(0.75, 0.0))
@@ -374,7 +374,7 @@ def test_scrolling_shifts_the_maps(material: basrelief.Material) -> None:
 
 
 def test_arguments_of_render(material: basrelief.Material) -> None:
-    """A material and options, as `render`; and the share of the whole film that is done."""
+    """`frames` takes a material and options as `render` does, and reports progress of the film."""
     shares: list[float] = []
     drawn = frames(
         material, [Lighting()], count=3, technique="steep", progress=shares.append, **FAST
@@ -389,7 +389,7 @@ def test_arguments_of_render(material: basrelief.Material) -> None:
 
 
 def test_only_one_frame_is_kept(material: basrelief.Material) -> None:
-    """Forty frames of 0.4 MB take no more than a few of them."""
+    """Forty frames of 0.4 MB take the memory of a few."""
     size = (160, 100)
     drawn = frames(material, count=40, size=size, samples=1, device="cpu")
     next(drawn)
@@ -420,7 +420,7 @@ def test_invalid_films_are_refused_on_the_call(
 
 
 def test_a_camera_that_moves_behind_a_plane_is_refused(material: basrelief.Material) -> None:
-    """Half-way round an upright plane it stands behind it."""
+    """Half a turn around an upright plane ends behind it."""
     from basrelief.scene import rotated
 
     scene = Scene((Object(material, transform=rotated("y", 0.0)),), camera=Orbit(0.0, 10.0))
@@ -453,7 +453,7 @@ def test_a_film_by_command(file: str, bumps: Path, here: Path) -> None:
 
 
 def test_pictures_by_command(bumps: Path, here: Path) -> None:
-    """Under the name by default, which `load` takes for no map of another material."""
+    """The default name is one that `load` does not read as a map."""
     motions = ("--motion", "orbit,turns=-0.5", "--motion", "scroll,u=0,v=0.5")
     printed = done("render", bumps, *DRAW, "--frames", "3", "--fps", "2", *motions)
     names = [f"bumps-relief-basrelief-000{k}.png" for k in (1, 2, 3)]
@@ -531,7 +531,7 @@ def test_without_the_codec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_ctrl_c(bumps: Path, here: Path) -> None:
-    """A long film, stopped when the first of it is on the disk."""
+    """Interrupt a long film after its first bytes are on disk."""
     arguments = ("render", bumps, *DRAW, "--frames", "100000")
     with subprocess.Popen(
         [*COMMAND, *map(str, arguments), "-o", "a.mp4"],

@@ -1,4 +1,4 @@
-"""The CPU draws the same bytes as when `frame_hashes.json` was stored; see `frame_hashes.py`."""
+"""The CPU's frames match the digests in `frame_hashes.json`; see `frame_hashes.py`."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_the_store_has_the_cases_and_no_others_in_order() -> None:
 
 @pytest.mark.gpu
 def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
-    """Every two choices, then, compile on both engines: the CPU has drawn the cases."""
+    """Every pair of options then compiles on both engines, as the CPU draws all cases."""
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
     programs = [program_of(obj, scene) for scene in scenes for obj in scene.objects]
@@ -89,13 +89,13 @@ def test_nan_is_not_stored() -> None:
 
 
 def menus() -> dict[str, tuple[str, ...]]:
-    """What each menu has to choose from, its default as the empty name."""
+    """Options of each menu, with its default as the empty name."""
     options = {name: ("", *menu) for name, menu in MENUS.items()}
     return {"technique": tuple(ALL_TECHNIQUES), "shape": tuple(SHAPES), **options}
 
 
 def options_of(case: str) -> dict[str, str]:
-    """What a case chooses from each menu."""
+    """Option of a case from each menu."""
     technique, shape, *options = case.split()
     of_menus = {menu: [name for name in options if name in MENUS[menu]] for menu in MENUS}
     assert all(len(names) <= 1 for names in of_menus.values()), f"{case}: two options of one menu"
@@ -104,7 +104,7 @@ def options_of(case: str) -> dict[str, str]:
 
 
 def is_valid_pair(first: tuple[str, str], second: tuple[str, str]) -> bool:
-    """Whether the library takes two choices at once."""
+    """Whether the library accepts two options together."""
     case = {"technique": "relief", "shape": "plane", **dict([first, second])}
     try:
         scene_of(" ".join(case.values()))
@@ -138,7 +138,7 @@ def objects() -> list[Object]:
 
 
 def menu_values(record: type) -> dict[str, set[Any]]:
-    """The values that the fields of a dataclass allow, where their types list them."""
+    """Allowed values of the fields of a dataclass that have Literal types."""
     allowed = {}
     for name, hint in get_type_hints(record).items():
         literals = [part for part in (hint, *get_args(hint)) if get_origin(part) is Literal]

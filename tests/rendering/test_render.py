@@ -1,4 +1,4 @@
-"""Rendering from Python: what makes a frame, what is refused, and what must simply work."""
+"""Rendering from Python: frames, errors, samples, edges, objects, user-defined techniques."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def test_a_picture_is_saved_as_it_was_drawn(tmp_path) -> None:
 
 @pytest.mark.parametrize("rows", [1, 7, 36])
 def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
-    """Bands of a row, of seven with a rest, and the picture whole."""
+    """Bands of one row, of seven with a remainder, and of the whole picture."""
     scene = Scene((Object(BRICKS), Object(BRICKS, shape="sphere")), camera=Orbit(distance=3.0))
     whole = drawn(scene, samples=3)
     monkeypatch.setattr("basrelief.rendering.render._BAND", rows * SIZE[0])
@@ -206,7 +206,7 @@ def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
 
 
 def test_samples_step_by_the_powers_of_the_plastic_number() -> None:
-    """g³ = g + 1: from place to place by 1 ÷ g and 1 ÷ g², of which only the fraction counts."""
+    """With g³ = g + 1, positions step by 1 ÷ g and 1 ÷ g², modulo 1."""
     plastic = max(np.roots([1.0, 0.0, -1.0, -1.0]).real)
     places = np.array(sample_positions(50))
     steps = np.array([1.0 / plastic, 1.0 / plastic**2])
@@ -215,7 +215,7 @@ def test_samples_step_by_the_powers_of_the_plastic_number() -> None:
 
 
 def test_samples_are_averaged() -> None:
-    """As many single pictures, each with its camera moved within the pixel, make the same."""
+    """The mean of single-sample pictures with cameras moved within the pixel is the same."""
     camera = ABOVE
     width, height = SIZE
     scene = Scene((Object(BRICKS),), camera=camera, background=(0.25, 0.5, 0.75))
@@ -243,7 +243,7 @@ def test_more_samples_smooth_the_outline() -> None:
 
 
 def test_a_transparent_background_leaves_colours_whole() -> None:
-    """Coverage in alpha, and the object's own colour up to its edge."""
+    """Alpha is coverage, and the colour is the object's up to its border."""
     scene = Scene(
         (Object(colored((0.2, 0.4, 0.8))),),
         camera=Orbit(20.0, 30.0),
@@ -279,7 +279,7 @@ BARELY_NOT, BARELY = 32767, 32768
 
 
 def pane(code: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Object:
-    """A green pane of an opacity, four times as wide as it is high, that faces +z."""
+    """A green pane of an opacity, four times as wide as high, facing +z."""
     opacity = map_of([[code]], np.uint16)
     shape = placed((x, y, z), (2.0, 0.5, 1.0))
     return Object(colored((0.1, 0.8, 0.2), opacity=opacity), transform=shape)
@@ -287,7 +287,7 @@ def pane(code: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Object:
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True), (65535, True)])
 def test_coverage_of_a_half_has_a_distance(code: int, solid: bool) -> None:
-    """Coverage below a half only tints: depth, uv and hit are those of what lies behind."""
+    """Coverage below a half only tints: distance, uv and hit are those of the object behind."""
     camera = LookAt((0.3, -0.1, 4.0), (0.3, -0.1, 0.0), orthographic_height=0.2)
     scene = {"camera": camera, "lights": (), "shading": WHITE, "background": (0.0, 0.0, 1.0)}
     share = code / 65535
@@ -305,7 +305,7 @@ def test_coverage_of_a_half_has_a_distance(code: int, solid: bool) -> None:
     else:
         assert np.isinf(lone.distance).all()
         assert (lone.uv == 0.0).all()
-    # before a whole one, whichever comes first in the scene
+    # in front of an opaque one, in either order
     wall = Object(colored((0.9, 0.3, 0.6)), transform=placed((0.0, 0.1, -1.5), 3.0))
     for objects in ((wall, pane(code, 0.1)), (pane(code, 0.1), wall)):
         frame = drawn(Scene(objects, **scene), (8, 4))
@@ -320,7 +320,7 @@ def test_coverage_of_a_half_has_a_distance(code: int, solid: bool) -> None:
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True)])
 def test_coverage_of_a_half_casts_a_full_shadow(code: int, solid: bool) -> None:
-    """Light falls through what covers less, as if nothing were there."""
+    """Smaller coverage casts no shadow."""
     wall = Object(colored(1.0), transform=placed((0.0, 0.0, -1.0), 8.0))
     light = (directional(-60.0, 0.0),)
     matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
@@ -337,12 +337,12 @@ def test_coverage_of_a_half_casts_a_full_shadow(code: int, solid: bool) -> None:
     np.testing.assert_allclose(shadowed[shadow], 0.0 if solid else 0.5, atol=1e-3)
 
 
-# --- what must simply work ------------------------------------------------------------------------
+# --- special materials and edges ------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", TECHNIQUES)
 def test_a_height_map_of_one_texel_is_flat(name) -> None:
-    """Wherever it lies: a picture without relief, shifted; at the level itself, not even that."""
+    """A constant height at the reference height shifts nothing."""
     material = replace(colored(0.5), height=map_of([[0.5]]))
     frame = drawn(Object(material, technique=name, reference_height=0.5, scale=0.1))
     still = drawn(Object(material, technique="flat", scale=0.1))
@@ -354,7 +354,7 @@ def test_a_height_map_of_one_texel_is_flat(name) -> None:
 
 
 def test_maps_of_different_sizes_lie_over_each_other() -> None:
-    """Each map stretches over the whole tile, whatever its size."""
+    """Maps of any size are stretched over the whole tile."""
     u, v = np.meshgrid((np.arange(48) + 0.5) / 48, (np.arange(32) + 0.5) / 32)
     height = 0.5 + 0.4 * np.sin(2 * np.pi * u) * np.cos(2 * np.pi * v)
 
@@ -389,7 +389,7 @@ def test_a_material_without_maps_is_grey() -> None:
 
 
 def test_clip_draws_nothing_beyond_the_tile() -> None:
-    """B8: seen from aside, the relief ends at the map's edge; wrapped, it goes on."""
+    """B8: with `clip` the relief ends at the border of the map; with `wrap` it continues."""
     camera = Orbit(0.0, 25.0, 1.8)
     whole = drawn(Object(BRICKS, scale=0.2), camera=camera)
     cut = drawn(Object(BRICKS, scale=0.2, edge="clip"), camera=camera)
@@ -401,7 +401,7 @@ def test_clip_draws_nothing_beyond_the_tile() -> None:
 
 
 def test_clamp_stretches_the_border() -> None:
-    """Beyond the tile the last texel's centre goes on, where wrap starts anew."""
+    """Beyond the tile `clamp` continues the last texel, where `wrap` repeats the map."""
     color = np.zeros((2, 4, 3))
     color[:, :, 0] = [0.2, 0.4, 0.6, 0.8]
     options = {"tiling": (2.0, 1.0), "camera": ABOVE, "lights": (), "shading": WHITE}
@@ -450,7 +450,7 @@ def test_objects_hide_each_other_by_their_displaced_depth() -> None:
 
 
 def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
-    """A relief that is pushed in shows more of a ball that lies in it; raised, less."""
+    """A pushed-in relief shows more of a ball in it than a raised one."""
     flat_height = replace(colored((1.0, 1.0, 1.0)), height=map_of(np.full((4, 4), 0.5)))
     ball = Object(colored((0.0, 1.0, 0.0)), shape="sphere", transform=placed(scale=0.5))
     shares = []
@@ -463,7 +463,7 @@ def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
 
 
 def test_reads_of_all_objects_are_counted() -> None:
-    """Also of those that are hidden: each object is drawn at every pixel."""
+    """Reads of hidden objects count too: each object is drawn at every pixel."""
     flat = replace(colored((1.0, 1.0, 1.0)), height=map_of(np.full((4, 4), 0.5)))
     near = Object(flat, technique="steep", settings={"steps": 8}, transform=np.eye(4))
     far = Object(
@@ -494,7 +494,7 @@ def test_emission_of_any_brightness_arrives() -> None:
     np.testing.assert_allclose(drawn(scene).color[18, 32], [6.0, 1.5, 0.0, 1.0], atol=1e-3)
 
 
-# --- a technique of one's own ---------------------------------------------------------------------
+# --- a user-defined technique ---------------------------------------------------------------------
 
 
 @struct
@@ -513,7 +513,7 @@ def lifted(ray: Ray, height: float, strength: float) -> float:
 
 @technique(reference_height=0.5)
 def lift_technique(field: HeightField, ray: Ray, settings: Lift) -> Hit:
-    """Go down by the height found where the ray comes in, again and again."""
+    """Go down by the height at the entry of the ray, `times` times."""
     height = ray.reference_height
     for _ in range(settings.times):
         start = t_at(ray, ray.reference_height)
@@ -523,7 +523,7 @@ def lift_technique(field: HeightField, ray: Ray, settings: Lift) -> Hit:
 
 @technique()
 def without_a_hit(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    """Stay where the ray comes in, and say that it took seven reads."""
+    """Stay at the entry of the ray, and report seven reads."""
     return hit_at(ray, t_at(ray, ray.reference_height), False, 7)
 
 
@@ -537,7 +537,7 @@ def own_scene(**settings) -> Scene:
 
 
 def assert_shifted(frame, scene, strength: float) -> None:
-    """On a plane of height ¼: by scale · strength · ¼ towards where the ray is lower."""
+    """On a plane of height ¼, the shift is scale · strength · ¼ down along the ray."""
     still = drawn(
         replace(scene, objects=(replace(scene.objects[0], technique="flat", settings={}),))
     )
@@ -553,7 +553,7 @@ def assert_shifted(frame, scene, strength: float) -> None:
 
 
 def test_a_user_defined_technique_runs_on_the_cpu() -> None:
-    """C14: with its own settings, which change the picture and compile nothing anew."""
+    """C14: its settings change the picture without a new compilation."""
     once, twice = own_scene(times=1, strength=1.0), own_scene(times=3, strength=2.0)
     assert_shifted(drawn(once), once, 1.0)
     assert_shifted(drawn(twice), twice, 2.0)
@@ -577,7 +577,7 @@ def test_a_user_defined_technique_runs_on_the_gpu() -> None:
 
 
 def test_a_user_defined_technique_runs_as_plain_python() -> None:
-    """C14: the whole pixel, stepped through, is the CPU's bit for bit."""
+    """C14: the pixel in plain Python equals the CPU's bit for bit."""
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
     program, values = program_of(made), values_of(made, scene, SIZE, CpuEngine())
@@ -624,7 +624,7 @@ def test_a_technique_from_a_file_draws_the_same(tmp_path) -> None:
 
 
 def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
-    """The whole renderer is the same in every direction of the world, lights with it."""
+    """Rendering does not depend on the direction in the world, lights included."""
 
     def at_angle(angle: float):
         turn = rotated("y", angle)
@@ -642,7 +642,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
 
 
 def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
-    """Around it there is no edge: what is displaced beyond u = 1 goes on at 0."""
+    """Round shapes have no border along u: coordinates beyond 1 continue at 0."""
     ground = Material("hills", height=map_of(np.random.default_rng(4).random((32, 32))))
     for shape in ("cylinder", "sphere"):
         seen = {}

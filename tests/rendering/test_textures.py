@@ -1,4 +1,4 @@
-"""Pyramids: levels are area averages, codes keep their bits, colours are averaged as light."""
+"""Textures: mip levels are area averages, codes keep their bits, colours are averaged linearly."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def map_of(values, dtype=np.float32, srgb: bool = False) -> Map:
 
 
 def overlap(count: int) -> np.ndarray:
-    """The share of each of `count` texels in each of the half as many, (half, count), float64."""
+    """Weights of `count` texels in the texels of the next level, (half, count), float64."""
     half = max(count // 2, 1)
     wide = count / half
     starts = np.arange(half)[:, None] * wide
@@ -51,7 +51,7 @@ def test_an_even_level_is_the_mean_of_four() -> None:
 
 
 def test_an_odd_level_shares_the_texel_in_the_middle() -> None:
-    """Three texels become one, five become two: 2 and a half each."""
+    """Three texels become one; five become two, of 2½ each."""
     assert halved(np.array([[3, 6, 12]], np.float32)).tolist() == [[7.0]]
     row = halved(np.array([[10, 20, 40, 80, 160]], np.float32))
     np.testing.assert_allclose(row, [[(10 + 20 + 20) / 2.5, (20 + 80 + 160) / 2.5]], rtol=1e-6)
@@ -122,7 +122,7 @@ def test_missing_maps_have_no_texture() -> None:
 
 
 def test_colours_become_light_before_they_are_averaged() -> None:
-    """Black and white squares from afar are half the light, not the code 127."""
+    """Black and white squares average to half the light, not to the code 127."""
     board = np.indices((2, 4)).sum(axis=0) % 2 * 255
     color = map_of(np.repeat(board[:, :, None], 3, 2), np.uint8, srgb=True)
     texture = textures.base_color(Material("x", base_color=color), "wrap")
@@ -208,7 +208,7 @@ def test_the_response_packs_maps_of_different_sizes() -> None:
 
 
 def test_missing_channels_of_the_response_get_defaults() -> None:
-    """As `response_of` has them: not occluded, fairly rough, no metal."""
+    """Defaults as in `response_of`: not occluded, fairly rough, not metallic."""
     texture = textures.response(Material("x", occlusion=map_of([[0.5]])), "wrap")
     assert texture is not None
     np.testing.assert_allclose(texture.levels[0][0, 0, :3] / UNIT, [0.5, 0.8, 0.0], atol=1e-4)
@@ -229,7 +229,7 @@ def normals_from(heights, scale: float, edge: str = "clamp") -> np.ndarray:
 
 @pytest.mark.parametrize(("rise_u", "rise_v"), [(0.5, 0.0), (-0.3, 0.0), (0.0, 0.4), (0.2, -0.5)])
 def test_normals_lean_away_from_the_rise(rise_u, rise_v) -> None:
-    """x against what rises along u; y with what rises along v, since y is up: green up."""
+    """x opposes the rise along u; y follows the rise along v, since green is up."""
     columns, rows, scale = 12, 12, 0.3
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     made = normals_from(0.5 + rise_u * (u - 0.5) + rise_v * (v - 0.5), scale)[1:-1, 1:-1]
@@ -239,7 +239,7 @@ def test_normals_lean_away_from_the_rise(rise_u, rise_v) -> None:
 
 
 def test_normals_of_a_wide_map_have_square_texels() -> None:
-    """The scale is of the width: a rise of h from row to row is h · scale · columns in a texel."""
+    """A rise of h from row to row is a slope of h · scale · columns."""
     columns, rows, scale = 16, 4, 0.2
     heights = np.repeat(np.linspace(0.2, 0.5, rows)[:, None], columns, 1)
     made = normals_from(heights, scale)[1:-1]
@@ -256,7 +256,7 @@ def test_normals_at_the_edge_follow_the_edge_policy() -> None:
 
 
 def test_normals_of_a_sample_are_those_of_its_heights() -> None:
-    """The sample's own normal map was made apart from this."""
+    """The sample's normal map comes from independent code."""
     bricks = sample("bricks", (48, 64))
     assert bricks.height is not None
     assert bricks.normal is not None
@@ -277,7 +277,7 @@ def test_without_depth_heights_have_no_normals() -> None:
     assert textures.normal(Material("x", height=map_of([[0, 1]])), "wrap", 0.0, CPU) is None
 
 
-# --- kept -----------------------------------------------------------------------------------------
+# --- caching --------------------------------------------------------------------------------------
 
 
 def test_textures_are_cached_while_their_map_exists() -> None:
@@ -312,7 +312,7 @@ def test_bakes_are_cached_per_engine() -> None:
 
 
 def test_available_maps_are_found_without_baking() -> None:
-    """As the program of an object asks; and it is what its values then hold."""
+    """Available maps are those in the values of the object's program."""
     heights, other = map_of([[0.2, 1.0], [0.5, 0.1]]), map_of([[0.5]])
     bare, high = Material("bare"), Material("high", height=heights)
     full = Material(

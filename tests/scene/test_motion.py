@@ -1,4 +1,4 @@
-"""Motions change what they say, by how much they say, and nothing else."""
+"""Motions change what they describe, by the right amount, and nothing else."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_the_distance_is_the_largest_on_the_way_round(
     position: tuple[float, float, float],
     orthographic: bool,
 ) -> None:
-    """What `framing` finds a degree at a time never needs more, and comes close."""
+    """The maximum of `framing` over whole degrees is close to it, and never larger."""
     lens = {"orthographic_height": 1.5} if orthographic else {"field_of_view": view}
     camera = Orbit(0.0, elevation, None, (0.1, -0.2, 0.05), **lens)
     points = scene(shape=shape, transform=placed(position, stretch)).objects[0].bounding_points()
@@ -100,7 +100,7 @@ def test_the_distance_is_the_largest_on_the_way_round(
 
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
 def test_the_object_stays_in_the_frame(shape: str) -> None:
-    """All points of the outline fall within the picture, and some come to its edge."""
+    """All bounding points lie within the picture, and some near its border."""
     width, height = SIZE
     start = scene(shape=shape)
     furthest = 0.0
@@ -129,7 +129,7 @@ def test_a_look_at_camera_rotates_around_its_target() -> None:
 
 
 def test_look_at_and_orbit_rotate_alike() -> None:
-    """Both cameras of the shaders are the same after any part of a turn."""
+    """Both shader cameras are equal at any fraction of a turn."""
     start = Orbit(0.0, 40.0, 2.0, (0.1, 0.2, 0.3))
     stood = LookAt(tuple(map(float, start.camera(SIZE).position)), start.target)
     for share in (0.0, 0.1, 0.6):
@@ -216,7 +216,7 @@ def test_a_film_begins_with_the_initial_scene(name: str) -> None:
 
 
 def test_a_hole_opens_and_closes_again() -> None:
-    """L7: whole at the ends of the film, widest in the middle, the same on the way back."""
+    """L7: closed at the ends of the film, widest in the middle, symmetrical in time."""
     ground = sample("cracks", 32)
     start = Scene((Object(ground, scale=0.3), Object(BUMPY)))
     shares = [0.0, 0.2, 0.5, 0.8, 1.0]

@@ -1,4 +1,4 @@
-"""Presets say what their articles say, give way to what is said explicitly, and can be written."""
+"""Presets follow their articles, yield to explicit options, and can be saved."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def material_of_heights(value: float | None = None, **maps: Any) -> Material:
 
 
 def drawn(name: str, **options: Any) -> tuple[Object, Scene]:
-    """The object and the scene that a preset makes."""
+    """The object and the scene of a preset."""
     scene = preset(name).scene(material_of_heights(), **options)
     return scene.objects[0], scene
 
@@ -50,7 +50,7 @@ def error_message(make: Any) -> str:
     return str(caught.value)
 
 
-# --- each of them ---------------------------------------------------------------------------------
+# --- all presets ----------------------------------------------------------------------------------
 
 
 def test_names_of_the_presets() -> None:
@@ -59,7 +59,7 @@ def test_names_of_the_presets() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_each_preset_draws(name: str) -> None:
-    """On its sample, by name, as its tables say; not as without it."""
+    """A preset draws its sample by name and by its tables alike, and changes the picture."""
     made = preset(name)
     assert made.name == name
     assert len(made.about) > 80
@@ -85,7 +85,7 @@ def test_each_number_has_a_source(name: str) -> None:
             assert "article's" in comment or "chosen" in comment or "landscape's" in comment, line
 
 
-# --- with that article's defaults -----------------------------------------------------------------
+# --- the numbers of the articles ------------------------------------------------------------------
 
 
 def test_catlike_follows_its_article() -> None:
@@ -117,7 +117,7 @@ def test_wikibooks_follows_its_article() -> None:
     assert scene.shading.specular == scene.shading.diffuse * Vec3(1.0)
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff) == (POINT, 1.0)
-    # the mesh's coordinates are shifted: a tile of a quarter of the shape moves four times as far
+    # coordinates of the mesh are shifted: tiles of a quarter of the shape shift four times as far
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0))
     assert obj.scale == pytest.approx(0.04)
     assert obj.settings.max_offset == pytest.approx(0.04)
@@ -185,8 +185,8 @@ def test_habrador_follows_its_article() -> None:
 
 
 def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray, np.ndarray]:
-    """How far texture coordinates move on a plane whose heights are all of one value, and the unit
-    view vectors of tangent space, (height, width, 2) and (height, width, 3)."""
+    """Shift of texture coordinates on a plane of constant height, (n, 2), and the unit view vectors
+    in tangent space, (n, 3)."""
     camera = basrelief.LookAt((0.6, 0.5, 0.9))
     options = {"camera": camera, "transform": np.eye(4), **options}
     standing = {"lights": [basrelief.directional()], **options}
@@ -203,7 +203,7 @@ def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray
 
 
 def to_texture(move: np.ndarray) -> np.ndarray:
-    """v runs down where y runs up."""
+    """From tangent space to texture space, where v points down."""
     return move * (1.0, -1.0)
 
 
@@ -220,7 +220,7 @@ def test_the_stock_offset(height: float) -> None:
 
 
 def test_the_clamped_offset() -> None:
-    """W2 and W3: max height · (h − ½) · xy ÷ z, each component within its greatest."""
+    """W2 and W3: max height · (h − ½) · xy ÷ z, each component clamped."""
     shift, view = displayed_shift("wikibooks", 0.9)
     expected = to_texture(0.01 * (0.9 - 0.5) * view[:, :2] / view[:, 2:])
     assert shift == pytest.approx(expected, abs=2e-6)
@@ -237,7 +237,7 @@ def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
         1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white")
     )
     options = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
-    # within the 16 bits of the normals that are made from the heights
+    # within the 16-bit precision of normals from heights
     tinted = {"surface_parameters": {"base_color": (1.0, 0.5, 0.25)}}
     frame = basrelief.render(material, preset="gamedev", **options, **tinted, **SMALL)
     facing = max(0.0, np.sin(np.radians(elevation)))
@@ -248,7 +248,7 @@ def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
 
 
 def test_the_lamp_of_gamedev_has_no_attenuation() -> None:
-    """Its own lamp neither fades nor is it brighter than 1."""
+    """Its light has intensity 1 and no attenuation."""
     _, scene = drawn("gamedev")
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff, lamp.color) == (POINT, 0.0, Vec3(1.0))
@@ -258,7 +258,7 @@ def test_the_lamp_of_gamedev_has_no_attenuation() -> None:
 
 
 def test_presets_choose_the_channels_of_maps(tmp_path: Path) -> None:
-    """Heights in G; in A, or else in R; normals in A and G, or else as they are."""
+    """Heights in G, or in A or else R; normals in A and G, or else as stored."""
     noise = np.random.default_rng(6).integers(0, 255, (6, 6, 4), np.uint8)
     solid = noise.copy()
     solid[..., 3] = 255
@@ -296,7 +296,7 @@ def test_maps_of_samples(tmp_path: Path) -> None:
     assert message == "sample:grass has no metallic map; choose another sample, or a file"
 
 
-# --- what is said explicitly wins -----------------------------------------------------------------
+# --- explicit options override --------------------------------------------------------------------
 
 
 def test_options_win_over_a_preset() -> None:
@@ -308,7 +308,7 @@ def test_options_win_over_a_preset() -> None:
     assert (scene.shading.diffuse, scene.shading.ambient) == (np.float32(0.9), Vec3(0.1))
     assert (scene.shading_model, scene.camera) == ("ggx", Orbit(10.0))
     assert [each.kind for each in scene.lights] == [DIRECTIONAL]
-    # another technique keeps the settings that it has too
+    # another technique keeps the settings it shares
     obj, _ = drawn("gamedev", technique="relief")
     assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
     obj, _ = drawn("gamedev", technique="steep")
@@ -343,7 +343,7 @@ def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     line = refused("render", "sample:bricks", "--preset", "mine", *small)
     assert line.startswith("no preset is called 'mine'; use one of catlike, ")
     assert line.endswith(", wikibooks, or a .toml file")
-    # a depth that is given comes before the preset's scale
+    # an explicit depth overrides the preset's scale
     done("render", "sample:bricks", "--preset", "gamedev", "--depth", "0.2", "--tile", "1", *small,
          "-o", "a.tif", "--bits", "32")  # fmt: skip
     expected = basrelief.render("sample:bricks", preset="gamedev", scale=0.2, **SMALL).color
@@ -362,7 +362,7 @@ def test_a_preset_scrolls_its_film() -> None:
     assert len(list(frames)) == 2
 
 
-# --- files of one's own ---------------------------------------------------------------------------
+# --- user-defined files ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -438,7 +438,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 def test_paths_are_from_the_folder_of_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Wherever it is read from, and wherever one works."""
+    """Paths in a file are relative to its folder, whatever the working directory."""
     home = tmp_path / "home"
     home.mkdir()
     write_data(home / "moss.png", np.full((8, 8, 3), 90, np.uint8))
@@ -576,7 +576,7 @@ position = [
 
 
 def test_a_saved_preset_has_its_tables_in_their_order() -> None:
-    """The texts first, then tables as they were given, each number on a line of its own."""
+    """Texts come first, then tables in their order, with each number on its own line."""
     made = Preset(
         "mine",
         "Bricks in two lines:\nthe second.",

@@ -1,4 +1,4 @@
-"""Scenes: what they hold by default, and one clear line for each thing that makes no picture."""
+"""Scenes: defaults, and one-line messages for invalid values."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def obj(**options) -> Object:
 
 
 def refused(make) -> str:
-    """The message, which is one line."""
+    """The one-line error message."""
     with pytest.raises(InputError) as caught:
         make()
     message = str(caught.value)
@@ -179,12 +179,12 @@ def test_tiles_are_about_square() -> None:
 
 
 def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
-    """The picture's top is away from a camera at azimuth 0; its sides are its maps'."""
+    """The picture's top is away from a camera at azimuth 0; the sides are those of the maps."""
     wide, high = Object(heights(np.full((2, 4), 0.5))), Object(heights(np.full((4, 2), 0.5)))
     corner = np.array([-0.5, 0.5, 0.0, 1.0])  # top left
     np.testing.assert_allclose((wide.to_world @ corner)[:3], [-0.5, 0, -0.25], atol=1e-12)
     np.testing.assert_allclose((high.to_world @ corner)[:3], [-0.25, 0, -0.5], atol=1e-12)
-    # as deep as wide: the depth is a share of a tile's width, which on the high one is half
+    # z is scaled like x: the scale is a fraction of a tile's width, which for the high one is half
     np.testing.assert_allclose((wide.to_world @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
     np.testing.assert_allclose((high.to_world @ [0, 0, 1, 0])[:3], [0, 0.5, 0], atol=1e-12)
     assert np.array_equal(Object(BUMPY, shape="box").to_world, np.eye(4))
@@ -292,7 +292,7 @@ INSIDE = {
 
 @pytest.mark.parametrize("shape", INSIDE)
 def test_a_camera_inside_an_object_is_refused(shape) -> None:
-    """In the object's own space: the same camera beside it is fine."""
+    """Tested in object space: a camera just outside is accepted."""
     inside, beside = (np.array([*place, 1.0]) for place in INSIDE[shape])
     matrix = placed((0.3, 0.2, 0.1), (0.5, 2.0, 1.5)) @ rotated("z", 30.0)
     made = Object(BUMPY, shape=shape, transform=matrix)
@@ -356,7 +356,7 @@ def test_invalid_cameras_are_refused(camera) -> None:
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("size", [1.0, 5.0])
 def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> None:
-    """By default, small or large: nothing of it touches the border of a wide picture."""
+    """The default distance fits objects of any size into a wide picture."""
     plain = obj(shape=shape, technique="flat")
     one = obj(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
     hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, device=CPU).hit
@@ -367,7 +367,7 @@ def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> N
 CPU = CpuEngine()
 
 
-# --- a technique of one's own ---------------------------------------------------------------------
+# --- a user-defined technique ---------------------------------------------------------------------
 
 
 @struct
@@ -381,7 +381,7 @@ class Slide:
 
 @technique(reference_height=0.5)
 def sliding(field: HeightField, ray: Ray, settings: Slide) -> Hit:
-    """Each texel some way further along the ray."""
+    """Go down by a constant height."""
     height = ray.reference_height - settings.along * float(settings.times)
     return hit_at(ray, t_at(ray, height), True, settings.times)
 
@@ -484,7 +484,7 @@ def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -
 
 
 def test_a_vertical_view_needs_no_up() -> None:
-    """As an orbit's elevation of 90 does: the picture's top is where −z is."""
+    """As with an orbit at elevation 90, the picture's top is towards −z."""
     down = LookAt((0.0, 2.0, 0.0)).camera((8, 8))
     assert tuple(down.right) == pytest.approx((1.0 * float(down.right.x), 0.0, 0.0), abs=1e-7)
     assert float(down.right.x) > 0.0

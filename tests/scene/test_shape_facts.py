@@ -1,4 +1,4 @@
-"""The facts about shapes against their shaders."""
+"""Properties of shapes against their shaders."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
     facts = SHAPES[name]
     inside = []
     for place in PLACES:
-        # a flat shape is met by a ray from straight above
+        # a flat shape is hit by a ray from straight above
         direction = np.array([0.0, 0.0, -1.0]) if facts.flat else np.array([0.3, -0.9, 0.2])
         intersection = shape(
             ShapeRay(Vec3(*(place - 3.0 * direction)), Vec3(*direction)), Variant(shape=name)

@@ -171,12 +171,12 @@ def parse_names(stems: Iterable[str]) -> dict[str, Name]:
     the one that consists of these words alone would lose their meaning.
     """
     words_of = {stem: words(stem) for stem in stems}
-    separate = {stem: _read(each) for stem, each in words_of.items()}
+    separate = {stem: _read(name_words) for stem, name_words in words_of.items()}
     shared = _shared_prefix(list(words_of.values()))
     without_prefix: dict[str, Name] = {}
-    for stem, each in words_of.items():
-        rest = _read(each[len(shared) :])
-        without_prefix[stem] = Name(each, shared + rest.prefix, rest.meaning)
+    for stem, name_words in words_of.items():
+        rest = _read(name_words[len(shared) :])
+        without_prefix[stem] = Name(name_words, shared + rest.prefix, rest.meaning)
     lost = [
         stem
         for stem in without_prefix

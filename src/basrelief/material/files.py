@@ -61,7 +61,7 @@ def _search_folder(folder: Path, green: Green | None, assigned: frozenset[str]) 
     notes: list[Note] = []
     pictures = _pictures(folder)
     if not pictures:
-        inner = [each for each in _entries(folder) if each.is_dir() and _pictures(each)]
+        inner = [file for file in _entries(folder) if file.is_dir() and _pictures(file)]
         if len(inner) != 1:
             raise InputError(f"{folder}: no picture in this folder; name another")
         notes.append(Note(f"searched {inner[0].name}", "the only subfolder with pictures"))
@@ -70,7 +70,7 @@ def _search_folder(folder: Path, green: Green | None, assigned: frozenset[str]) 
     names = {path: by_stem[path.stem] for path in pictures}
     if "base_color" not in assigned:
         names = _with_unnamed_color(names, notes)
-    if not assigned and not any(_parts(each) for each in names.values()):
+    if not assigned and not any(_parts(file) for file in names.values()):
         raise InputError(
             f"{folder}: no file name identifies a map ({_listed(pictures)});"
             " name one: --base-color FILE, --height FILE"
@@ -82,10 +82,10 @@ def _search_folder(folder: Path, green: Green | None, assigned: frozenset[str]) 
 def _search_set(path: Path, green: Green | None, assigned: frozenset[str]) -> FileSet:
     """One picture, with the files in its folder that belong to the same set by their names."""
     own = parse_name(path.stem)
-    neighbours = {each: parse_name(each.stem) for each in _pictures(path.parent) if each != path}
-    named = {each: name for each, name in neighbours.items() if _parts(name)}
-    of_its_name = {each: name for each, name in named.items() if name.prefix == own.words}
-    of_its_set = {each: name for each, name in named.items() if name.prefix == own.prefix}
+    neighbours = {file: parse_name(file.stem) for file in _pictures(path.parent) if file != path}
+    named = {file: name for file, name in neighbours.items() if _parts(name)}
+    of_its_name = {file: name for file, name in named.items() if name.prefix == own.words}
+    of_its_set = {file: name for file, name in named.items() if name.prefix == own.prefix}
     if of_its_name or not _parts(own):
         own = Name(own.words, own.words, Meaning((Part("base_color"),)))
         of_its_set = of_its_name
@@ -97,9 +97,9 @@ def _search_set(path: Path, green: Green | None, assigned: frozenset[str]) -> Fi
     other_choices = _choose(of_its_set, green, assigned | own_choices.keys(), notes)
     others = sorted({choice.path for choice in other_choices.values()} - {path})
     if others:
-        listed = ", ".join(each.name for each in others)
+        listed = ", ".join(file.name for file in others)
         notes.append(Note(f"{listed} loaded too", "the same set, by its name"))
-    stems = [each.stem for each in (path, *others)]
+    stems = [file.stem for file in (path, *others)]
     shared = os.path.commonprefix(stems).strip(" _-.")  # noqa: RUF071, compared by characters on purpose
     return FileSet(shared or path.stem, {**own_choices, **other_choices}, tuple(notes))
 

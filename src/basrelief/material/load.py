@@ -141,7 +141,7 @@ def load(
     else:
         file_set = _file_set(path, options, map_files)
         builder = _Builder(options, file_set.name, list(file_set.notes))
-        choices = {kind: each for kind, each in file_set.choices.items() if kind not in samples}
+        choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in samples}
     builder.add_sample_maps(samples)
     return builder.build({**choices, **_named_choices(named_files)}, depth, tile)
 
@@ -203,10 +203,10 @@ class _Builder:
     def add_sample_maps(self, samples: dict[str, str]) -> None:
         """Add maps of procedural samples, each named `sample:NAME`."""
         for kind, name in samples.items():
-            each = getattr(sample(name.removeprefix(SAMPLE)), kind)
-            if each is None:
+            sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
+            if sample_map is None:
                 raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
-            self.maps[kind] = each
+            self.maps[kind] = sample_map
             self.note(f"{kind} from {name}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:

@@ -69,7 +69,7 @@ class Map:
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.size == 0:
-            shape = "×".join(str(each) for each in self.pixels.shape)
+            shape = "×".join(str(side) for side in self.pixels.shape)
             raise InputError(f"{self.source}: a map is (height, width, channels), not {shape}")
         if str(self.pixels.dtype) not in ("uint8", "uint16", "float32"):
             kind = self.pixels.dtype
@@ -175,10 +175,10 @@ class Material:
     notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
-        for kind, each in self.maps():
-            if each.channels != MAPS[kind]:
+        for kind, map in self.maps():
+            if map.channels != MAPS[kind]:
                 raise InputError(
-                    f"{each.source}: the {kind} map has {each.channels} channels, not {MAPS[kind]}"
+                    f"{map.source}: the {kind} map has {map.channels} channels, not {MAPS[kind]}"
                 )
         self._check_heights()
         self._check_proportions()
@@ -193,9 +193,9 @@ class Material:
     def maps(self) -> Iterator[tuple[str, Map]]:
         """Names and values of the maps that are present."""
         for kind in MAPS:
-            each = getattr(self, kind)
-            if each is not None:
-                yield kind, each
+            map = getattr(self, kind)
+            if map is not None:
+                yield kind, map
 
     @property
     def scale(self) -> float | None:
@@ -207,8 +207,8 @@ class Material:
     @property
     def proportion(self) -> float:
         """Width ÷ height of the maps in texels; 1 if all are single texels."""
-        shaped = [each for _, each in self.maps() if not each.flat]
-        largest = max(shaped, key=lambda each: each.width * each.height, default=None)
+        shaped = [map for _, map in self.maps() if not map.flat]
+        largest = max(shaped, key=lambda map: map.width * map.height, default=None)
         return 1.0 if largest is None else largest.width / largest.height
 
     @property
@@ -227,12 +227,12 @@ class Material:
             )
 
     def _check_proportions(self) -> None:
-        shaped = [(kind, each) for kind, each in self.maps() if not each.flat]
-        for kind, each in shaped[1:]:
+        shaped = [(kind, map) for kind, map in self.maps() if not map.flat]
+        for kind, map in shaped[1:]:
             first_kind, first = shaped[0]
-            if not _same_proportions(first, each):
+            if not _same_proportions(first, map):
                 raise InputError(
-                    f"{each.source}: the {kind} map, {each.width}×{each.height}, has other"
+                    f"{map.source}: the {kind} map, {map.width}×{map.height}, has other"
                     f" proportions than the {first_kind} map, {first.width}×{first.height};"
                     " scale or crop one of them"
                 )

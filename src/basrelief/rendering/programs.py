@@ -69,10 +69,10 @@ def variant_of(obj: Object, scene: Scene) -> Variant:
     """The shader variant of an object's program."""
     # fields that the object or the scene has under the same name
     shared = {
-        each.name: getattr(owner, each.name)
+        field.name: getattr(owner, field.name)
         for owner in (obj, scene)
-        for each in fields(Variant)
-        if hasattr(owner, each.name)
+        for field in fields(Variant)
+        if hasattr(owner, field.name)
     }
     derived: dict[str, Any] = {
         "displaced": obj.has_relief,
@@ -136,7 +136,7 @@ def map_edge(obj: Object) -> Edge:
             return obj.edge
         case "clip":
             tilings = (obj.main_tiling, *obj.tilings.values(), *layer)
-            return "wrap" if any(each.repeats for each in tilings) else "clamp"
+            return "wrap" if any(tiling.repeats for tiling in tilings) else "clamp"
         case _:
             assert_never(obj.edge)
 

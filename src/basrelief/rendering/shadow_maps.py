@@ -130,13 +130,13 @@ def shadow_map_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
     values_of_objects = []
     for own_index in range(len(distances_of)):
         others = [
-            each
-            for index, each in enumerate(distances_of)
-            if index != own_index and each is not None
+            object_distances
+            for index, object_distances in enumerate(distances_of)
+            if index != own_index and object_distances is not None
         ]
         atlas = np.full((rows * side, columns * side), FAR_AWAY, np.float32)
-        for each in others:
-            for (x, y), light_view in zip(corners, each, strict=True):
+        for object_distances in others:
+            for (x, y), light_view in zip(corners, object_distances, strict=True):
                 part = atlas[y : y + side, x : x + side]
                 np.minimum(part, light_view, out=part)
         # a program has one edge policy for all maps; shadow maps are read only inside theirs

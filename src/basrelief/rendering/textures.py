@@ -102,7 +102,7 @@ def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Text
 def response(material: Material, edge: Edge) -> Texture | None:
     """Occlusion, roughness, metallic and layer mask in one texture; None without any of them."""
     maps = (material.occlusion, material.roughness, material.metallic, material.layer_mask)
-    if all(each is None for each in maps):
+    if all(map is None for map in maps):
         return None
 
     def make() -> Texture:
@@ -158,7 +158,7 @@ class TextureSource:
         """Whether a material has the texture, at a scale of its relief; found without baking."""
         maps = (getattr(material, name) for name in self.channels)
         sloping = self.of_heights and material.height is not None and scale > 0.0
-        return sloping or any(each is not None for each in maps)
+        return sloping or any(map is not None for map in maps)
 
 
 MATERIAL_TEXTURES: dict[str, TextureSource] = {

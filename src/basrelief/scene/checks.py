@@ -59,8 +59,8 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
             raise InputError(
                 f"{owner} has no setting {name!r}; {suggestion(name, known, 'it has')}"
             )
-    for name, each in known.items():
-        if each.default is MISSING and name not in values:
+    for name, field in known.items():
+        if field.default is MISSING and name not in values:
             raise InputError(f"{owner} needs a value for {name}")
     types = fields_of(record)
     return record(**{n: _checked(n, v, types[n], known[n].metadata) for n, v in values.items()})

@@ -183,7 +183,7 @@ def mix(a: Any, b: Any, t: Any) -> NDArray[np.float32]:
 
     A colour is three numbers, or three for each texel.
     """
-    a, b, t = (np.asarray(each, np.float32) for each in (a, b, t))
+    a, b, t = (np.asarray(value, np.float32) for value in (a, b, t))
     if t.ndim == 2 and {a.ndim, b.ndim} & {1, 3}:
         t = t[:, :, None]
     mixed: NDArray[np.float32] = a + (b - a) * t

@@ -55,7 +55,7 @@ def cells(
         grid.locate(gx[top : top + _BAND], gy[top : top + _BAND], roundness)
         for top in range(0, canvas.height, _BAND)
     ]
-    row, column, x, y, border = (np.concatenate(each) for each in zip(*bands, strict=True))
+    row, column, x, y, border = (np.concatenate(planes) for planes in zip(*bands, strict=True))
     return Cells(row % down, column % across, x, y, border, (down, across), random)
 
 

@@ -59,7 +59,7 @@ def freeze(value: Any, key: str) -> Any:
     if isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple | np.ndarray | Vec3):
-        return tuple(freeze(each, key) for each in value)
+        return tuple(freeze(item, key) for item in value)
     raise InputError(f"{key.lstrip('.')} is {value!r}: give a text, numbers or a table")
 
 
@@ -89,9 +89,9 @@ def _check_kind(value: Any, kind: str, key: str) -> None:
     if not fits.get(kind, isinstance(value, tuple)):
         raise InputError(f"{key} is {_shown(value)}: give {kind}")
     if kind is NUMBERS:
-        for name, each in value.items():
-            if not _is_number(each) and not _is_sequence(each, 3):
-                raise InputError(f"{key}.{name} is {_shown(each)}: give a number, or three")
+        for name, item in value.items():
+            if not _is_number(item) and not _is_sequence(item, 3):
+                raise InputError(f"{key}.{name} is {_shown(item)}: give a number, or three")
 
 
 def _is_number(value: Any) -> bool:
@@ -126,8 +126,8 @@ def light_of(table: Any) -> Any:
     known = inspect.signature(constructor).parameters
     numbers = {key: value for key, value in table.items() if key != "kind"}
     check_table(numbers, _kinds(known), f"scene.lights ({table['kind']})")
-    for name, each in known.items():
-        if each.default is each.empty and name not in numbers:
+    for name, item in known.items():
+        if item.default is item.empty and name not in numbers:
             raise InputError(f"scene.lights ({table['kind']}): give it a {name}")
     return constructor(**numbers)
 

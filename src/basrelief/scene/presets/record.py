@@ -84,8 +84,8 @@ class Preset:
     def maps(self) -> dict[str, Any]:
         """Options of `load`."""
         return {
-            key: self._resolved_path(each) if key in MAPS else each
-            for key, each in self._table("maps").items()
+            key: self._resolved_path(value) if key in MAPS else value
+            for key, value in self._table("maps").items()
         }
 
     @property
@@ -185,8 +185,8 @@ class Preset:
             options["technique"] = technique_named(self._resolved_path(options["technique"]))
         if "tilings" in options:
             options["tilings"] = {
-                name: _tiling(each, f"object.tilings.{name}")
-                for name, each in options["tilings"].items()
+                name: _tiling(value, f"object.tilings.{name}")
+                for name, value in options["tilings"].items()
             }
         if "layer" in options:
             checks.check_table(options["layer"], checks.LAYER_KEYS, "object.layer")
@@ -220,14 +220,16 @@ class Preset:
             other = {"settings": "technique", "surface_parameters": "surface"}[name]
             if name in defaults and other in overrides and record is not None:
                 known = record.__dataclass_fields__
-                defaults[name] = {key: each for key, each in defaults[name].items() if key in known}
+                defaults[name] = {
+                    key: value for key, value in defaults[name].items() if key in known
+                }
         if self._lengths == "shape":
             self._scale_to_tiles(defaults, material, overrides)
         if "technique" in defaults or "technique" in overrides:
             defaults["technique"] = technique
         merged = {
             **defaults,
-            **{key: each for key, each in overrides.items() if key != "technique"},
+            **{key: value for key, value in overrides.items() if key != "technique"},
         }
         for name in (*_RECORDS, "tilings"):
             if isinstance(overrides.get(name), Mapping) and name in defaults:
@@ -257,7 +259,7 @@ class Preset:
         test_material = Material(
             "any", height=Map(np.array([[[0.0], [1.0]]], np.float32), False, "made up")
         )
-        ReadOptions(**{key: each for key, each in self._table("maps").items() if key not in MAPS})
+        ReadOptions(**{key: value for key, value in self._table("maps").items() if key not in MAPS})
         defaults = self._preset_options()
         if "layer" in defaults:
             defaults["layer"] = self._layer(test_material)
@@ -271,8 +273,8 @@ def _tiling(table: Any, key: str) -> Tiling:
 
 def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
     """A scene of one material from options of `Object` and `Scene`."""
-    scene_options = {k: each for k, each in options.items() if k in Scene.__dataclass_fields__}
-    object_options = {k: each for k, each in options.items() if k not in scene_options}
+    scene_options = {k: value for k, value in options.items() if k in Scene.__dataclass_fields__}
+    object_options = {k: value for k, value in options.items() if k not in scene_options}
     names = set(Object.__dataclass_fields__) - {"material"}
     for name in object_options:
         if name not in names:
