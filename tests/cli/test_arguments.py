@@ -183,7 +183,7 @@ def test_lights() -> None:
         ),
         ("point,position=1/2/3,intensity=1/2", "--light point: intensity 1/2: write a number"),
         ("point,position=1/2/3,color=1", "--light point: color 1: write three numbers"),
-        ("spot,position=0/0/0", "a light needs finite numbers, and a direction of some length"),
+        ("spot,position=0/0/0", "a light needs finite numbers and a direction that is not zero"),
         ("spot,position=0/1/0,angle=190", "a spot of angle 190"),
         ("directional,azimuth=inf", "--light directional: azimuth inf: write a finite number"),
     ],
@@ -312,7 +312,11 @@ def test_further_objects() -> None:
     (_, lifted) = scene(
         add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
     ).objects
-    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
+    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (
+        relief,
+        0.5,
+        0.2,
+    )
 
 
 def test_tilings_of_layers_and_single_maps() -> None:

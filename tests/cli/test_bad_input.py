@@ -76,14 +76,14 @@ def test_a_folder_without_a_picture(tmp_path: Path, out: Path) -> None:
     (full / "notes.txt").write_text("nothing to see")
     for folder in (full, full / "of folders"):
         line = refused_to_draw(folder)
-        assert line == f"{folder}: there is no picture in this folder; name another"
+        assert line == f"{folder}: no picture in this folder; name another"
 
 
 def test_names_that_say_nothing(tmp_path: Path, out: Path) -> None:
     for name in ("a", "b"):
         write_data(tmp_path / f"{name}.png", colors())
     line = refused_to_draw(tmp_path)
-    assert "no file name says which map it is (a.png, b.png); name one: --base-color FILE" in line
+    assert "no file name identifies a map (a.png, b.png); name one: --base-color FILE" in line
 
 
 @pytest.mark.parametrize("technique", ["relief", "steep", "offset"])
@@ -145,7 +145,7 @@ def test_heights_that_are_no_numbers(bad: float, tmp_path: Path, out: Path) -> N
     heights[1, 2] = bad
     folder = folder_of(tmp_path, height=heights)
     line = refused_to_draw(folder)
-    assert line == "wall_Height.exr: 1 of its texels are NaN or infinite; mend the picture"
+    assert line == "wall_Height.exr: 1 of its texels are NaN or infinite; repair the picture"
 
 
 def test_proportions_that_disagree(tmp_path: Path, out: Path) -> None:

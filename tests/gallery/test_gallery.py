@@ -23,7 +23,7 @@ from basrelief.rendering.render import render
 from helpers import goldens
 from helpers.command_line import done, refused
 from helpers.features import COUNTS
-from helpers.goldens import GOLDEN, SIZE, golden, fraction_different, strip
+from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, strip
 from helpers.repository import commands
 
 MAX_SHARE_APART = 0.005
@@ -245,7 +245,7 @@ def test_only_files_of_the_gallery_are_overwritten(tmp_path: Path) -> None:
     links = Reader(tmp_path / "index.html").links
     assert links == ["normal-map.html", "clamped.html"]
     (tmp_path / "index.html").write_text("<p>mine</p>")
-    assert "index.html: is there, and not a page of the gallery" in refused(*command)
+    assert "index.html: exists and is not a page of the gallery" in refused(*command)
     assert (tmp_path / "index.html").read_text() == "<p>mine</p>"
 
 

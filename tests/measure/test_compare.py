@@ -24,8 +24,8 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights, write_material
-from helpers.synthetic import map_of, noise, plain
 from helpers.repository import blocks, commands
+from helpers.synthetic import map_of, noise, uniform_material
 
 SIZE = (48, 27)
 ANGLES = (0.0, 60.0)
@@ -123,7 +123,7 @@ def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None
 
 def test_a_material_without_heights_is_refused(tmp_path) -> None:
     with pytest.raises(InputError, match="no height map"):
-        compare(plain())
+        compare(uniform_material())
     folder = write_material(tmp_path / "wall")
     (folder / "wall_Height.png").unlink()
     for command in (["compare"], ["tune", "--missed", "1%"]):
@@ -188,7 +188,7 @@ def test_the_page_stands_alone(comparison, tmp_path) -> None:
     again = comparison.save(tmp_path / "out")
     assert again == page
     page.write_text("my own")
-    with pytest.raises(InputError, match="is there, and not a comparison's page"):
+    with pytest.raises(InputError, match="exists and is not a comparison's page"):
         comparison.save(tmp_path / "out")
 
 

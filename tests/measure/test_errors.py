@@ -30,7 +30,7 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.frame import Frame, Image
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene
-from helpers.synthetic import SIZE, drawn, map_of, noise, on_plane, plain, rays
+from helpers.synthetic import SIZE, drawn, map_of, noise, on_plane, rays, uniform_material
 
 SMALL = (40, 24)
 TEXELS = 32
@@ -127,7 +127,7 @@ def test_the_plane_fills_the_picture_at_every_angle(angle) -> None:
 
 
 def test_impossible_views_and_truths_are_refused() -> None:
-    ground, bare = level_ground(0.5), plain()
+    ground, bare = level_ground(0.5), uniform_material()
     with pytest.raises(InputError, match=r"angle of 89\.5"):
         at_angle(ground, 89.5, SMALL, {})
     with pytest.raises(InputError, match="one plane"):

@@ -12,7 +12,7 @@ import pytest
 from basrelief.errors import InputError
 from basrelief.measure.explain import explain
 from basrelief.measure.figures import has_matplotlib, write_figure
-from helpers.synthetic import plain
+from helpers.synthetic import uniform_material
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -56,7 +56,7 @@ def test_without_matplotlib_a_cross_section_says_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     explanation = explain(
-        plain(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1
+        uniform_material(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1
     )
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert not has_matplotlib()

@@ -167,7 +167,7 @@ def test_the_fields_are_held_as_float32():
     ("changed", "told"),
     [
         ({"position": (0, 0, 0)}, "same point"),
-        ({"up": (0, 0, 2)}, "along the view"),
+        ({"up": (0, 0, 2)}, "parallel to the view"),
         ({"up": (0, 0, 0)}, "no length"),
         ({"position": (0, math.nan, 1)}, "position"),
         ({"target": (0, 1)}, "target"),

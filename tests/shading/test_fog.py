@@ -13,7 +13,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog, linear
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import drawn, on_plane, plain
+from helpers.synthetic import drawn, on_plane, uniform_material
 
 AIR = {
     "fog_color": (0.2, 0.5, 0.9),
@@ -35,7 +35,7 @@ FORMS = {
 def sunken() -> Object:
     """A plane that lies 0.6 below its polygon, so that its distance is another."""
     settings = {"min_steps": 8, "max_steps": 8}
-    material = plain(OWN, height=0.25)
+    material = uniform_material(OWN, height=0.25)
     return Object(
         material, technique="parallax_occlusion", settings=settings, scale=0.8, transform=np.eye(4)
     )

@@ -14,7 +14,7 @@ from basrelief.material import Material
 from basrelief.measure.errors import missed, overshoot, uv_error
 from basrelief.measure.truth import Truth, truth
 from basrelief.rendering.frame import Frame
-from basrelief.rendering.programs import view_ray_program_of, values_of
+from basrelief.rendering.programs import values_of, view_ray_program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.shading.missed_hit import DrawnHit, PictureSize, TrueHit, missed_hit

@@ -16,7 +16,7 @@ from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import lod_seen
 from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import bilinear, drawn, map_of, on_plane, plain
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, uniform_material
 
 SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
 LEVELS = [
@@ -58,7 +58,7 @@ def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) 
 def test_the_level_is_that_of_the_pixel_and_lower(dx, dy, texels: float, bias: float) -> None:
     """H4: log2 of the longer side of the pixel in texels, at least 0, and the bias."""
     footprint = Footprint(Vec2(*dx), Vec2(*dy))
-    found = lod_seen(FIELD.filtered("smooth"), footprint, Smoothing(mip_bias=bias))
+    found = lod_seen(FIELD.with_filter("smooth"), footprint, Smoothing(mip_bias=bias))
     assert float(found) == pytest.approx(math.log2(texels) + bias, abs=1e-5)
 
 
@@ -74,7 +74,7 @@ def relief(material: Material, **options) -> Object:
 
 
 def test_a_plane_of_one_height_stays_as_it_is() -> None:
-    material = plain(height=0.5)
+    material = uniform_material(height=0.5)
     level = Material("level", height=map_of(np.full((16, 16), 0.5)))
     for each in (material, level):
         smooth_, sharp = (

@@ -24,8 +24,8 @@ from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES, Nothing, texel
 from basrelief.techniques.columns import INSET, side_at
 from basrelief.techniques.ray import Ray
-from helpers.synthetic import drawn, map_of, on_plane, rays, unit
 from helpers.rays import Fan, flat_ray, scattered
+from helpers.synthetic import drawn, map_of, on_plane, rays, unit
 
 RANDOM = np.random.default_rng(5)
 MAPS = {

@@ -153,7 +153,9 @@ def light_from(text: str) -> Light:
     return make(**_arguments(parts, f"--light {kind.strip()}", make))
 
 
-def motions_from(texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET) -> tuple[Motion, ...]:
+def motions_from(
+    texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET
+) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
     By default a film scrolls as its preset says, or else orbits its object.

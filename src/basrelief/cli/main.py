@@ -279,7 +279,10 @@ def render(
         chosen, maps = _preset_and_maps(values)
         motions = arguments.motions_from(motion or [], frames, chosen)
         scene = _scene(path, chosen, maps, values)
-        material, selected_technique = scene.objects[0].material, scene.objects[0].selected_technique.name
+        material, selected_technique = (
+            scene.objects[0].material,
+            scene.objects[0].selected_technique.name,
+        )
         # `load` recognises this name and does not take the picture for a map
         shown = "" if show == "color" else f"-{show}"
         target = output or Path(f"{material.name}-{selected_technique}{shown}-basrelief.png")
@@ -327,7 +330,9 @@ def _show(
     check_shown(what)
     if frames != 1:
         raise InputError(f"--show {what}: draws a single picture; omit --frames")
-    columns = [obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns]
+    columns = [
+        obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns
+    ]
     if columns and what != "reads":
         raise InputError(
             f"--show {what} measures against the bilinear surface, but {columns[0]} draws columns; "

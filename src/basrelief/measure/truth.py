@@ -16,7 +16,7 @@ from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
-from basrelief.rendering.programs import map_edge, view_ray_program_of, values_of
+from basrelief.rendering.programs import map_edge, values_of, view_ray_program_of
 from basrelief.rendering.render import check_picture
 from basrelief.scene import Object, Scene
 

@@ -21,7 +21,7 @@ def names() -> dict[str, Any]:
         "inverted": sorted(conventions.INVERTED),
         "formats": sorted(conventions.FORMATS),
         "resolutions": sorted(conventions.RESOLUTIONS),
-        "longest": conventions.LONGEST,
+        "longest": conventions.MAX_WORDS,
         "word": conventions.WORD.pattern,
         "sizes": conventions.SIZES.pattern,
     }

@@ -25,7 +25,7 @@ from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
-from basrelief.scene.checks import check_choice, settings_record, check_range
+from basrelief.scene.checks import check_choice, check_range, settings_record
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light

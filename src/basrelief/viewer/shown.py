@@ -9,7 +9,7 @@ from typing import Any
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
 from basrelief.scene.checks import check_choice, check_range
-from basrelief.scene.lights import LIGHTS, LIGHT_CONSTRUCTORS, light_parameters
+from basrelief.scene.lights import LIGHT_CONSTRUCTORS, LIGHTS, light_parameters
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
