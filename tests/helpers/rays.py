@@ -14,10 +14,11 @@ LATE = 0.05
 """Texels."""
 
 
-def flat_ray(uv, travel, level: float = 1.0, cosine: float = 0.5) -> Ray:
-    """The whole ray over a flat surface; it meets the polygon, at the height `level`, at `uv`."""
+def flat_ray(uv, travel, reference_height: float = 1.0, cosine: float = 0.5) -> Ray:
+    """The whole ray over a flat surface; it meets the polygon, at the reference height, at `uv`."""
     travel = Vec2(*travel)
-    return Ray(Vec2(*uv) + travel * (level - 1.0), travel, 1.0, 1.0, cosine, reference_height=level)
+    start = Vec2(*uv) + travel * (reference_height - 1.0)
+    return Ray(start, travel, 1.0, 1.0, cosine, reference_height=reference_height)
 
 
 @struct

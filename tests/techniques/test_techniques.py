@@ -21,12 +21,18 @@ from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound,
 from basrelief.lang.program import Program
 from basrelief.lang.types import leaf_values
 from basrelief.lang.wgsl import print_wgsl
-from basrelief.shading.intersection import Meeting, Placement
+from basrelief.shading.intersection import Intersection, Placement
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import Intersection, ReliefParameters, displaced, move_of, relief_ray
+from basrelief.shading.relief import (
+    ReliefHit,
+    ReliefParameters,
+    offset_per_height,
+    relief_ray,
+    trace_relief,
+)
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shapes import FAR, ShapeRay
-from basrelief.shading.tangent_frame import Frame
+from basrelief.shading.tangent_frame import TangentFrame
 from basrelief.shading.variant import Variant
 from basrelief.techniques import (
     TECHNIQUES,
@@ -48,9 +54,9 @@ from basrelief.techniques import (
 )
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.march import (
-    MOST_READS,
+    MAX_READS,
     FixedLength,
-    Layers,
+    LastStep,
     March,
     Relief,
     Steps,
@@ -94,8 +100,10 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
         yield places
 
 
-def ray_of(uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5) -> Ray:
-    return flat_ray(uv, fall, level, cosine)
+def ray_of(
+    uv=(0.31, 0.64), fall=(-0.25, 0.125), reference_height: float = 1.0, cosine: float = 0.5
+) -> Ray:
+    return flat_ray(uv, fall, reference_height, cosine)
 
 
 def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
@@ -263,10 +271,10 @@ def test_by_default_steep_takes_ten_steps() -> None:
     assert Steps().steps == 10
 
 
-@pytest.mark.parametrize("count", [0, -3, MOST_READS + 1, 2**31 - 1])
+@pytest.mark.parametrize("count", [0, -3, MAX_READS + 1, 2**31 - 1])
 def test_a_march_takes_one_step_at_least_and_not_endlessly_many(count: int) -> None:
     hit, _ = traced(steep, level_surface(0.0), ray_of(), Steps(count))
-    assert hit.reads == (1 if count < 1 else MOST_READS)
+    assert hit.reads == (1 if count < 1 else MAX_READS)
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
@@ -389,7 +397,7 @@ def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(0, 1))
 def test_interpolation_factors_stay_within_the_step(high, ground, before, low, step) -> None:
     """The chord lies between the last two layers, whatever the surface does."""
-    t = chord(Layers(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
+    t = chord(LastStep(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
     assert high - step - 1e-5 <= 1.0 - float(t) <= high + 1e-5
 
 
@@ -623,10 +631,12 @@ def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, 
     return relief_ray(met, depth, scale, 0.0, 0.0, Variant(projection=kind))
 
 
-def meeting(view, aspect: float = 1.0) -> Meeting:
+def meeting(view, aspect: float = 1.0) -> Intersection:
     up, u = Vec3(0, 0, 1), Vec3(1, 0, 0)
-    frame = Frame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
-    return Meeting(True, 2.0, FAR, Vec2(0.31, 0.64), frame, Vec3(*view), ShapeRay(up, -up), 1.0)
+    frame = TangentFrame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
+    return Intersection(
+        True, 2.0, FAR, Vec2(0.31, 0.64), frame, Vec3(*view), ShapeRay(up, -up), 1.0
+    )
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -701,7 +711,7 @@ def test_limiting_divides_by_nothing() -> None:
 
     @shader
     def entry(at: IVec2, relief: ReliefParameters, variant: Variant) -> Ray:
-        travel = move_of(Vec3(float(at.x), 0.0, 1.0), relief.bias, variant)
+        travel = offset_per_height(Vec3(float(at.x), 0.0, 1.0), relief.bias, variant)
         return Ray(travel, travel, 1.0, 1.0, 1.0)
 
     def body(kind) -> str:
@@ -739,7 +749,7 @@ def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
     )
 
 
-def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> Intersection:
+def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> ReliefHit:
     """Where the whole pixel lets a view vector end that meets a relief."""
     variant = Variant(displaced=True, projection=kind)
     place = Placement(
@@ -747,7 +757,7 @@ def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full
     )
     small = Footprint(Vec2(0.0), Vec2(0.0))
     with bound({displace: technique}):
-        return displaced(
+        return trace_relief(
             EMPTY, UNBAKED, meeting(view), small, place, relief, Smoothing(), settings, Shadowing(),
             variant,
         )  # fmt: skip

@@ -22,7 +22,7 @@ from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import LookAt, Object, Scene, directional
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES, Nothing, texel
-from basrelief.techniques.columns import INSET, side_at
+from basrelief.techniques.columns import INSET, side_normal
 from basrelief.techniques.ray import Ray
 from helpers.made_up import drawn, map_of, on_plane, rays, unit
 from helpers.rays import Fan, flat_ray, scattered
@@ -60,7 +60,7 @@ def columns(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
     uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
     fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
     hit = texel(field, Ray(uv, fall, 1.0, 1.0, 0.5), Nothing())
-    side = side_at(field, hit.uv, hit.height, fall)
+    side = side_normal(field, hit.uv, hit.height, fall)
     return Boxed(uv, fall, hit.uv, hit.height, hit.found, hit.reads, side)
 
 
@@ -125,7 +125,7 @@ def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", level: float = 1.0
     field = HeightField([heights], edge)
     ray = flat_ray(uv, fall, level)
     hit = texel(field, ray, Nothing())
-    side = side_at(field, hit.uv, hit.height, ray.travel)
+    side = side_normal(field, hit.uv, hit.height, ray.travel)
     return hit, tuple(float(n) for n in side)
 
 
@@ -298,8 +298,8 @@ def test_colours_are_whole_texels_near_by() -> None:
 def test_it_costs_other_techniques_nothing() -> None:
     """What is a box's is in no program but that of boxes."""
     names = (
-        "side_at(", "top_at(", "top_of(", "line_over(", "facing(normal: vec3f, slope: vec3f",
-        "pixelated(",
+        "side_normal(", "column_top_at(", "column_top(", "grid_line(", "pixelated(",
+        "shading_normal(normal: vec3f, relief_normal: vec3f",
     )  # fmt: skip
     for technique in TECHNIQUES.values():
         obj = town(technique=technique)

@@ -21,8 +21,8 @@ from basrelief.lang import HeightField, Shader, Texture, Vec2
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.techniques import cone_bake, cone_bake_windows
-from basrelief.techniques.cone_bake import BLOCKS, Octave, Search, Sector
-from basrelief.techniques.cone_bake_windows import Windows
+from basrelief.techniques.cone_bake import BLOCKS, Search, SearchBounds, Sector
+from basrelief.techniques.cone_bake_windows import WindowLayout
 
 _MOST = 65535
 SECTORS = 16
@@ -90,7 +90,7 @@ class _Baking:
         squared = np.zeros_like(self.heights)
         for sector in range(SECTORS):
             asked = sector_of(sector)
-            falling = self._run(cone_bake.far_side, sector=asked, field=self.field)["height"]
+            falling = self._run(cone_bake.crest_height, sector=asked, field=self.field)["height"]
             squared = self._steepest(HeightField([falling], self.edge), sector, squared)
         return self._stored(cone_bake.relaxed_cone_of, squared)
 
@@ -104,11 +104,11 @@ class _Baking:
             squared = self._run(
                 cone_bake.steepest,
                 search=Search(by_sector=sector is not None),
-                octave=Octave(nearest, self.highest, *ends),
-                held=self._held(k),
+                bounds=SearchBounds(nearest, self.highest, *ends),
+                layout=self._held(k),
                 field=self.field,
                 windows=wide,
-                so_far=HeightField([squared], self.edge),
+                previous=HeightField([squared], self.edge),
             )["squared"]
             if BLOCKS << k > self._furthest():
                 return squared
@@ -135,18 +135,18 @@ class _Baking:
             case _:
                 assert_never(self.edge)
 
-    def _held(self, k: int) -> Windows:
+    def _held(self, k: int) -> WindowLayout:
         match self.edge:
             case "wrap":
-                return Windows(1 << k, 0)
+                return WindowLayout(1 << k, 0)
             case "clamp":
-                return Windows(1 << k, (2 << k) - 1)
+                return WindowLayout(1 << k, (2 << k) - 1)
             case _:
                 assert_never(self.edge)
 
     def _windows(self, entry: Shader[..., Any], k: int, **values: Any) -> Texture:
         held = self._held(k)
-        planes = self._run(entry, beyond=int(held.before), made=held, **values)
+        planes = self._run(entry, beyond=int(held.before), layout=held, **values)
         made = np.stack([planes[name] for name in "xyzw"], -1)
         return Texture([made.astype(np.uint16)], self.edge)
 

@@ -48,10 +48,10 @@ def horizon_map(
     """
     heights = checked(heights, edge)
     made = np.empty((*heights.shape, _count(directions)), np.uint16)
-    engine, values = engine_of(device), _values(heights, edge, scale, shaders.BLUR)
+    engine, values = engine_of(device), _values(heights, edge, scale, shaders.SLOPE_ERROR)
     for k, way in enumerate(_ways(heights.shape, edge, directions)):
         ways = Buffer([way])
-        planes = run(shaders.horizon, heights, edge, engine, ways=ways, **values)
+        planes = run(shaders.horizon, heights, edge, engine, directions=ways, **values)
         made[:, :, k] = np.ceil(planes["sine"].astype(np.float64) * _MOST)
     return made
 
@@ -78,10 +78,12 @@ def ambient_occlusion(
     _count(directions)
     ways = Buffer(_ways(heights.shape, edge, directions, _SEEN))
     least = _LOWEST / max(checked_scale(scale) * heights.shape[1], _LOWEST)
-    values = _values(heights, edge, scale, max(least, shaders.BLUR))
+    values = _values(heights, edge, scale, max(least, shaders.SLOPE_ERROR))
     engine = engine_of(device)
-    planes = run(shaders.openness, heights, edge, engine, effort=directions, ways=ways, **values)
-    return planes["open"]
+    planes = run(
+        shaders.sky_visibility, heights, edge, engine, effort=directions, directions=ways, **values
+    )
+    return planes["visibility"]
 
 
 def _count(directions: int) -> int:
@@ -94,7 +96,7 @@ def _values(heights: Heights, edge: Edge, scale: float, least: float) -> dict[st
     rise = checked_scale(scale) * heights.shape[1]
     cells = _highest_of_cells(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, least),
+        "search": shaders.HorizonSearch(float(heights.max()), rise, least),
         "near": HeightField([_highest_of_blocks(cells, shaders.NEAR)], edge),
         "far": HeightField([_highest_of_blocks(cells, shaders.FAR)], edge),
     }
@@ -118,11 +120,11 @@ def _highest_of_blocks(cells: Heights, side: int) -> Heights:
 
 def _ways(
     shape: tuple[int, ...], edge: Edge, directions: int, seen: float = math.inf
-) -> list[shaders.Way]:
+) -> list[shaders.MapDirection]:
     return [_way(shape, edge, 2.0 * math.pi * k / directions, seen) for k in range(directions)]
 
 
-def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shaders.Way:
+def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shaders.MapDirection:
     """The way at an angle from +u towards the top; what lies beyond so many tiles is not there."""
     rows, columns = shape
     larger = max(rows, columns)
@@ -132,7 +134,7 @@ def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shade
     if edge == "clamp":
         # outside along both axes the heights no longer change
         out = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
-        return shaders.Way(Vec2(x, y), min(max(out) + 1.0, seen), longest)
+        return shaders.MapDirection(Vec2(x, y), min(max(out) + 1.0, seen), longest)
     repeats = math.inf
     if y == 0.0:
         repeats = float(columns)
@@ -140,4 +142,4 @@ def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shade
         repeats = float(rows)
     elif abs(x) == abs(y):
         repeats = math.lcm(rows, columns) / abs(x)
-    return shaders.Way(Vec2(x, y), min(repeats, seen), longest)
+    return shaders.MapDirection(Vec2(x, y), min(repeats, seen), longest)

@@ -25,8 +25,8 @@ from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
-from basrelief.shading.intersection import Meeting, footprint_at, meet
-from basrelief.shading.relief import faded_relief, height_range, lod_seen, relief_ray
+from basrelief.shading.intersection import Intersection, footprint_at, intersect
+from basrelief.shading.relief import faded_relief, height_lod, object_height_range, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
@@ -76,10 +76,10 @@ def explain(
 
 def _met(
     obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
-) -> tuple[Object, Meeting] | None:
+) -> tuple[Object, Intersection] | None:
     """An object with where the ray through the middle of a pixel meets its shape."""
     ray = _camera_ray(scene, pixel, size)
-    meeting = meet(ray, obj.placement(), variant_of(obj, scene))
+    meeting = intersect(ray, obj.placement(), variant_of(obj, scene))
     return (obj, meeting) if meeting.found else None
 
 
@@ -88,7 +88,7 @@ def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> 
 
 
 def _explained(
-    obj: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
+    obj: Object, scene: Scene, met: Intersection, pixel: tuple[int, int], size: tuple[int, int]
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(obj, scene, size, choose_device("cpu"))
@@ -99,8 +99,8 @@ def _explained(
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()
     footprint = footprint_at(camera, placement, met, met.distance)
-    lod = lod_seen(field, footprint, values["smoothing"])
-    deep = height_range(seen, placement, variant)
+    lod = height_lod(field, footprint, values["smoothing"])
+    deep = object_height_range(seen, placement, variant)
     ray = relief_ray(met, seen, deep, lod, values["smoothing"].mip_fade, variant)
     notes = _Notes(ray, field, technique.columns)
     baked = values.get("baked") or _UNBAKED

@@ -18,7 +18,7 @@ from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look
 from basrelief.scene.lights import numbers_of
 from basrelief.shading.camera import Camera
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import FAR_AWAY, Light
 from basrelief.shading.shadow_map import ShadowMapView
 
@@ -148,8 +148,8 @@ def _distances(
     program, values = depth_program_of(obj), own_values(obj, engine)
     made = []
     for view in views:
-        seen = View(view.camera, Vec2(0.5, 0.5))
-        planes = engine.run(program, {**values, "view": seen}, (side, side))
+        seen = CameraSample(view.camera, Vec2(0.5, 0.5))
+        planes = engine.run(program, {**values, "sample": seen}, (side, side))
         met = planes["hit"] != 0
         made.append(np.where(met, planes["distance"], np.float32(FAR_AWAY)).astype(np.float32))
     return made

@@ -30,7 +30,7 @@ from basrelief.shading.kinds import (
 from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import SurfaceParameters
-from basrelief.shading.surfaces.surface import MapPlaces
+from basrelief.shading.surfaces.surface import MapTilings
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import checked_technique, technique_from_file
@@ -300,16 +300,16 @@ class Object:
         """How the heights lie, and every map that has no tiling of its own."""
         return Tiling(self.tiles, self.shift)
 
-    def map_places(self) -> MapPlaces:
+    def map_tilings(self) -> MapTilings:
         """The shaders' record of how each map lies beside the heights."""
         main = self.main_tiling
         own = {name: self.tilings.get(name, main).beside(main) for name in OWN_TILINGS}
         if self.layer is None:
-            return MapPlaces(**own, layer=main.beside(main), layer_slant=1.0)
+            return MapTilings(**own, layer=main.beside(main), layer_normal_stretch=1.0)
         over = self.layer.tiling.beside(main)
         stretch = abs(float(over.y / over.x))
         slant = stretch * self._normals_proportion() / self.layer.material.proportion
-        return MapPlaces(**own, layer=over, layer_slant=slant)
+        return MapTilings(**own, layer=over, layer_normal_stretch=slant)
 
     def scrolled(self, u: float, v: float = 0.0) -> Object:
         """The same object, all its maps moved by a part of the shape's own coordinates."""

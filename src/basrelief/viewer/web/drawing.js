@@ -365,14 +365,14 @@ export class Drawing {
     const { technique } = this.choices(state);
     const { origin, to_object } = data.shapes[state.shape];
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
-    const { proportion, places } = this.lying(state);
+    const { proportion, tilings } = this.lying(state);
     const surface_parameters = { ...state.surface_parameters[state.surface] };
     // the emission map that the page was made with may be brighter than its own numbers
     const glow = this.pictures.emission?.dropped ? 1 : data.constants.glow;
     const { emission } = surface_parameters;
     if (Array.isArray(emission)) surface_parameters.emission = emission.map((x) => x * glow);
     return {
-      view: { camera: orbit(this.camera(state, size), size), sample },
+      sample: { camera: orbit(this.camera(state, size), size), offset: sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
       relief: {
         scale: state.scale,
@@ -384,7 +384,7 @@ export class Drawing {
       smoothing: state.smoothing,
       settings: state.settings[technique],
       surface_parameters,
-      places,
+      tilings,
       shading: state.shading,
       shadowing: state.shadowing,
       fog: state.fog,
@@ -399,7 +399,7 @@ export class Drawing {
   }
 
   /**
-   * How the maps lie beside the heights, as `Object.map_places` has it.
+   * How the maps lie beside the heights, as `Object.map_tilings` has it.
    * @param {State} state
    */
   lying(state) {
@@ -411,18 +411,18 @@ export class Drawing {
       return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
     };
     /** @type {Values} */
-    const places = {};
+    const tilings = {};
     for (const [name, own] of Object.entries(state.tilings)) {
-      places[name] = beside(state.apart ? own : main);
+      tilings[name] = beside(state.apart ? own : main);
     }
     const { pictures } = this;
     const own = state.apart && pictures.normal ? beside(state.tilings.normal) : [1, 1];
     const proportion = constants.proportion * Math.abs(own[0] / own[1]);
     const layer = beside(state.layer ? state.layer_tiling : main);
     const stretch = Math.abs(layer[1] / layer[0]);
-    places.layer = layer;
-    places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
-    return { proportion, places };
+    tilings.layer = layer;
+    tilings.layer_normal_stretch = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
+    return { proportion, tilings };
   }
 
   // --- what is drawn
