@@ -801,7 +801,7 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
     """Of a map that is not there, neither a read nor the texture is in the program."""
     whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
-    lacking = without(replace(whole, distance=None), *kinds.get(what, (what,)))
+    lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
     for material, there in ((whole, True), (lacking, False)):
         module = program_of(Object(material)).module
         # what both engines print: it is given the map, and the rest that reading takes, or nothing

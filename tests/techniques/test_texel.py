@@ -121,9 +121,9 @@ WALL = np.array([[0.0, 0.0, 0.75, 0.75], [0.0, 0.0, 0.75, 0.75]], np.float32)
 """Low on the left, high on the right: a wall at u = ½, 4 × 2 texels."""
 
 
-def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", level: float = 1.0):
+def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", reference_height: float = 1.0):
     field = HeightField([heights], edge)
-    ray = flat_ray(uv, fall, level)
+    ray = flat_ray(uv, fall, reference_height)
     hit = texel(field, ray, Nothing())
     side = side_normal(field, hit.uv, hit.height, ray.travel)
     return hit, tuple(float(n) for n in side)
@@ -161,12 +161,12 @@ def test_a_post_is_seen_from_four_sides(fall, side) -> None:
     assert faces == side
 
 
-@pytest.mark.parametrize("level", [0.0, 0.5])
-def test_the_level_is_where_the_ray_meets_the_polygon(level: float) -> None:
+@pytest.mark.parametrize("reference_height", [0.0, 0.5])
+def test_the_reference_height_is_where_the_ray_meets_the_polygon(reference_height: float) -> None:
     """The same ray, told from another of its heights."""
     one, _ = ended(WALL, (0.25, 0.5), (0.4, 0.1))
-    uv = (0.25 + 0.4 * (1 - level), 0.5 + 0.1 * (1 - level))
-    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=level)
+    uv = (0.25 + 0.4 * (1 - reference_height), 0.5 + 0.1 * (1 - reference_height))
+    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=reference_height)
     np.testing.assert_allclose([*other.uv, other.height], [*one.uv, one.height], atol=1e-6)
 
 

@@ -421,7 +421,9 @@ export class Drawing {
     const layer = beside(state.layer ? state.layer_tiling : main);
     const stretch = Math.abs(layer[1] / layer[0]);
     tilings.layer = layer;
-    tilings.layer_normal_stretch = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
+    tilings.layer_normal_stretch = state.layer
+      ? (stretch * proportion) / constants.layerProportion
+      : 1;
     return { proportion, tilings };
   }
 
