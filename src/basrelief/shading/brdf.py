@@ -55,7 +55,21 @@ class ShadingPoint:
 
 @struct
 class Shading:
-    """Settings of the lighting."""
+    """Settings of the lighting.
+
+    Attributes
+    ----------
+    ambient : Vec3
+        Linear colour of the ambient light.
+    diffuse : float
+        Factor of the base colour in Phong's diffuse term.
+    specular : Vec3
+        Linear colour of Phong's highlight.
+    shininess : float
+        Exponent of Phong's highlight, 1 to 1000.
+    directional_occlusion : float
+        Strength of the directional occlusion of lights, 0 to 1.
+    """
 
     ambient: Vec3 = setting(default=Vec3(0.1), doc="light from everywhere, linear colour", low=0.0)
     diffuse: float = setting(

@@ -25,13 +25,24 @@ place."""
 
 @struct
 class Light:
-    """A light; `kind` is DIRECTIONAL, POINT or SPOT, and fields that a kind does not need are
-    ignored.
+    """A light of the scene. Fields that its kind does not need are ignored.
 
-    `position` is in world units, `direction` the unit direction in which the light travels, `color`
-    the radiance, intensity included; for point and spot lights that at distance 1, divided by the
-    distance to the power `falloff`: 1, or 2 for the inverse square. A spot has full brightness
-    within the cone of cosine `cos_inner` and none outside that of `cos_outer`, the smaller cosine.
+    Attributes
+    ----------
+    kind : int
+        DIRECTIONAL, POINT or SPOT.
+    position : Vec3
+        World position of a point or spot light.
+    direction : Vec3
+        The unit direction in which a directional or spot light travels.
+    color : Vec3
+        Linear radiance, intensity included; of point and spot lights that at distance 1.
+    falloff : float
+        The power of the distance that divides a point or spot light: 1, or 2 for the inverse
+        square.
+    cos_inner, cos_outer : float
+        Cosines of a spot's cones: full brightness within the inner one, none outside the outer one,
+        whose cosine is the smaller.
     """
 
     kind: int

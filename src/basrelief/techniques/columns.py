@@ -41,17 +41,17 @@ def grid_line(extent: IVec2, uv: Vec2, travel: Vec2) -> GridLine:
     """The line from texture coordinates over a map of `extent` texels."""
     texels = Vec2(float(extent.x), float(extent.y))
     start = uv * texels
-    way = travel * texels
+    texel_travel = travel * texels
     left = floor(start.x)
     top = floor(start.y)
     divisor = Vec2(
-        way.x if abs(way.x) > MIN_TRAVEL else MIN_TRAVEL,
-        way.y if abs(way.y) > MIN_TRAVEL else MIN_TRAVEL,
+        texel_travel.x if abs(texel_travel.x) > MIN_TRAVEL else MIN_TRAVEL,
+        texel_travel.y if abs(texel_travel.y) > MIN_TRAVEL else MIN_TRAVEL,
     )
     return GridLine(
         first=IVec2(int(left), int(top)),
         start=Vec2(start.x - left, start.y - top),
-        travel=way,
+        travel=texel_travel,
         step=IVec2(-1 if divisor.x < 0.0 else 1, -1 if divisor.y < 0.0 else 1),
         pace=1.0 / divisor,
     )
@@ -107,17 +107,17 @@ def side_normal(field: HeightField, uv: Vec2, height: float, travel: Vec2) -> Ve
     extent = size(field, 0)
     texels = Vec2(float(extent.x), float(extent.y))
     position = uv * texels
-    way = travel * texels
+    texel_travel = travel * texels
     left = floor(position.x)
     top = floor(position.y)
     column = IVec2(int(left), int(top))
     if height >= column_top(field, extent, column):
         return Vec2(0.0)
-    step = IVec2(-1 if way.x < 0.0 else 1, -1 if way.y < 0.0 else 1)
+    step = IVec2(-1 if texel_travel.x < 0.0 else 1, -1 if texel_travel.y < 0.0 else 1)
     x = position.x - left if step.x > 0 else 1.0 - position.x + left
     y = position.y - top if step.y > 0 else 1.0 - position.y + top
     # of the two sides through which the ray may have entered, the nearer
-    along_u = max(x - INSET, 0.0) * abs(way.y) < max(y - INSET, 0.0) * abs(way.x)
+    along_u = max(x - INSET, 0.0) * abs(texel_travel.y) < max(y - INSET, 0.0) * abs(texel_travel.x)
     before = IVec2(column.x - (step.x if along_u else 0), column.y - (0 if along_u else step.y))
     # at a vertical edge both are near: a side behind a column as high is not visible
     if column_top(field, extent, before) > height:

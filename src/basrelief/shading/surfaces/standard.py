@@ -27,7 +27,27 @@ MIN_NORMAL_Z = 1e-3
 
 @struct
 class SurfaceParameters:
-    """Factors of the maps, and values in place of missing maps."""
+    """Parameters of the standard surface: factors of the maps, and values in place of missing maps.
+
+    Attributes
+    ----------
+    base_color : Vec3
+        Factor of the base colour map, linear.
+    normal_strength : float
+        Factor of the normal map's slopes, 0 to 4.
+    roughness, metallic : float
+        Factors of the maps, 0 to 1.
+    occlusion : float
+        Strength of the ambient occlusion map, 0 to 1.
+    emission : Vec3
+        Factor of the emission map, linear.
+    cutoff : float
+        The least opacity that is drawn where `alpha` is "mask", 0 to 1.
+    layer_color : float
+        Strength of the second layer's colour, 0 to 1.
+    layer_normal : float
+        Factor of the second layer's slopes, 0 to 4.
+    """
 
     base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
     normal_strength: float = setting(
