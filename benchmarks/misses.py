@@ -38,12 +38,12 @@ from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import Nothing, exact
 from basrelief.techniques.exact import (
     Clearance,
-    cell_after,
+    cell_exits,
     clearance,
     first_root,
-    is_met,
-    line_of,
-    walls_of,
+    hits_patch,
+    mirrored_ray,
+    next_cell,
 )
 from basrelief.techniques.height import extent_of
 from basrelief.techniques.ray import Hit, Ray, hit_at
@@ -108,20 +108,20 @@ def by_exact(field: HeightField, baked: Texture, ray: Ray) -> Hit:
 def by_cells(field: HeightField, ray: Ray) -> Hit:
     """Traversal of all cells."""
     extent = extent_of(field, 0)
-    line = line_of(ray, extent, 0, 0)
+    line = mirrored_ray(ray, extent, 0, 0)
     cell = Vec2(0.0, 0.0)
     above = Clearance(0.0, 0.0, 0.0, 0.0)
     t = 0.0
     found = False
     k = 0
     while k < CELLS and not found and t < 1.0:
-        walls = walls_of(line, cell)
+        walls = cell_exits(line, cell)
         out = min(max(min(walls.x, walls.y), t), 1.0)
         above = clearance(field, line, cell, extent, t, out)
-        found = is_met(above)
+        found = hits_patch(above)
         if not found:
             t = out
-            cell = cell_after(line, cell, walls, t)
+            cell = next_cell(line, cell, walls, t)
         k = k + 1
     return hit_at(ray, t + first_root(above) if found else t, found, k)
 

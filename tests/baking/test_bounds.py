@@ -17,10 +17,10 @@ from basrelief.techniques.exact_records import (
     FAR_3,
     FAR_4,
     FAR_BLOCK,
-    HIGHEST,
-    LOWEST,
+    MAX_ROOM,
+    MAX_SLOPE,
+    MIN_ROOM,
     PLANE,
-    STEEPEST,
     WINDOW,
 )
 
@@ -72,9 +72,9 @@ def assert_near_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None
         highest = ahead(heights, edge, block, BLOCK, WINDOW, back).max()
         assert 1.0 - window - 4 / 65535 <= highest <= 1.0 - window
         below = ahead(heights, edge, block, BLOCK, PLANE, back).astype(float)
-        slope_u, slope_v = ((float(code) * 2 - 1) * STEEPEST for code in codes)
+        slope_u, slope_v = ((float(code) * 2 - 1) * MAX_SLOPE for code in codes)
         away = np.arange(PLANE + 1)
-        corner = 1.0 - (LOWEST + float(room) * (HIGHEST - LOWEST))
+        corner = 1.0 - (MIN_ROOM + float(room) * (MAX_ROOM - MIN_ROOM))
         plane = corner + slope_u * away[None, :] + slope_v * away[:, None]
         assert (below <= plane).all()
         # and the plane is tight
@@ -149,9 +149,9 @@ def test_a_plane_is_its_own_bound() -> None:
     near, _ = split_records(baking.bounds(heights, "clamp"), heights.shape)
     for (_, u), records in near.items():
         inner = records[2:-3, 3:-4].astype(float)
-        slope = (inner[..., 1] / 65535 * 2 - 1) * STEEPEST
+        slope = (inner[..., 1] / 65535 * 2 - 1) * MAX_SLOPE
         np.testing.assert_allclose(slope, (-1 if u else 1) * 0.6 / 32, atol=1e-5)
-        np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * STEEPEST, 0.0, atol=1e-5)
+        np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * MAX_SLOPE, 0.0, atol=1e-5)
 
 
 def test_an_empty_map_has_full_room() -> None:

@@ -19,7 +19,7 @@ from basrelief.measure.tune import tune
 from basrelief.rendering.render import render
 from basrelief.scene import Layer, Object, Orbit, Scene, placed
 from basrelief.techniques import BAKES, RELAXED_CONE_MAP, TECHNIQUES
-from basrelief.techniques.horizon_bake import horizon, openness
+from basrelief.techniques.horizon_bake import horizon, sky_visibility
 from basrelief.techniques.normal_bake import normals
 from basrelief.viewer import write_view
 from helpers.command_line import done, write_heights
@@ -113,7 +113,7 @@ def test_bake_takes_the_engine_it_is_given(
     monkeypatch.setattr("basrelief.engine.choose_device", {"gpu": engine}.__getitem__)
     done(*with_both_maps(tmp_path), "--device", "gpu")
     wanted = {each for bake in BAKES.values() for each in bake.programs}
-    assert set(engine.entries) == {normals, horizon, openness, *wanted}
+    assert set(engine.entries) == {normals, horizon, sky_visibility, *wanted}
     assert len(list((tmp_path / "bumps" / "baked").iterdir())) == len(OPTIONS) + 1
 
 

@@ -167,17 +167,17 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     readings = {
         "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",
         "mask": "opacity_of(opacity: f32, surface_parameters: SurfaceParameters) -> f32 {\n"
-        "  return masked(opacity, surface_parameters);\n}",
+        "  return alpha_mask(opacity, surface_parameters);\n}",
         "opaque": "opacity_of() -> f32 {\n  return 1.0;\n}",
     }
     for alpha in readings:
         obj = Object(material, alpha=alpha)
         text = print_wgsl(program_of(obj).module, "wrap")
         assert [each in text for each in readings.values()] == [each == alpha for each in readings]
-        assert ("masked" in text) == (alpha == "mask")
+        assert ("alpha_mask" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
             program = depth_program_of(replace(obj, casts=casts))
-            assert ("masked" in print_wgsl(program.module, "wrap")) == cut
+            assert ("alpha_mask" in print_wgsl(program.module, "wrap")) == cut
 
 
 @pytest.mark.gpu

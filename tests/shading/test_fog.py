@@ -11,7 +11,7 @@ from basrelief.material import sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.shading.brdf import Shading
-from basrelief.shading.fog import Fog, linear
+from basrelief.shading.fog import Fog, linear_fog
 from helpers.agreement import assert_engines_agree
 from helpers.synthetic import drawn, on_plane, uniform_material
 
@@ -79,7 +79,7 @@ def test_linear_fog_that_begins_at_its_end_is_a_wall() -> None:
     fog = Fog(fog_color=Vec3(0.2, 0.5, 0.9), fog_start=2.0, fog_end=2.0)
     own = Vec3(0.7, 0.1, 0.4)
     for distance, wanted in ((1.9, own), (1.999, own), (2.001, fog.fog_color)):
-        np.testing.assert_allclose([*linear(own, distance, fog)], [*wanted], atol=1e-6)
+        np.testing.assert_allclose([*linear_fog(own, distance, fog)], [*wanted], atol=1e-6)
 
 
 def test_without_fog_there_is_no_code_for_it() -> None:
@@ -90,7 +90,7 @@ def test_without_fog_there_is_no_code_for_it() -> None:
         return print_wgsl(program.module, program.edge)
 
     clear, thick = text("none"), text("exponential")
-    for word in ("fn exponential(", "fog_color"):
+    for word in ("fn exponential_fog(", "fog_color"):
         assert word not in clear
         assert word in thick
     assert "fn exponential_squared(" not in thick

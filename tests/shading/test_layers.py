@@ -264,12 +264,18 @@ def test_without_a_layer_and_tilings_there_is_no_code_for_them() -> None:
     bare = text(Object(material))
     layered = text(Object(material, layer=Layer(detail)))
     apart = text(Object(material, tilings={"normal": Tiling((2.0, 2.0))}))
-    for word in ("with_details", "layer_color_of(map: ", "MapPlaces", "retiled", "mirrored_with"):
+    for word in (
+        "add_detail_layer",
+        "layer_color_of(map: ",
+        "MapTilings",
+        "retiled",
+        "mirrored_normal",
+    ):
         assert word not in bare
         assert word in layered
-    for word in ("retiled", "mirrored_with", "MapPlaces"):
+    for word in ("retiled", "mirrored_normal", "MapTilings"):
         assert word in apart
-    assert "with_details" not in apart
+    assert "add_detail_layer" not in apart
 
 
 @pytest.mark.gpu

@@ -46,7 +46,7 @@ def by_shader(
     found = choose_device(device).run(
         program,
         {
-            **{name: values[name] for name in ("view", "placement", "relief")},
+            **{name: values[name] for name in ("sample", "placement", "relief")},
             "picture": PictureSize(SIZE[0], Vec2(*true.texels)),
             "drawn": listed(DrawnHit, frame.uv, frame.hit),
             "truth": listed(TrueHit, true.uv, true.there),

@@ -12,7 +12,7 @@ from basrelief.lang.frontend import analyse
 from basrelief.scene.cameras import look_at
 from basrelief.shading import pixel as pixels
 from basrelief.shading.camera import primary_ray
-from basrelief.shading.intersection import Placement, footprint_at, meet
+from basrelief.shading.intersection import Placement, footprint_at, intersect
 from basrelief.shading.ray_differentials import Footprint, level_of_detail, transferred
 from basrelief.shading.variant import Variant
 from helpers.plain_python import pixel_in_python
@@ -78,7 +78,7 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
     for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
         placed_at = placement(tiling, shift, matrix, tuple(origin))
         ray = primary_ray(camera, Vec2(x, y))
-        met = meet(ray, placed_at, Variant())
+        met = intersect(ray, placed_at, Variant())
         if not met.found:
             continue
         found += 1
@@ -104,7 +104,7 @@ def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
     where = placement((3.0, -2.0), (0.0, 0.0), TRANSFORM)
 
     def met(x, y):
-        return meet(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
+        return intersect(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
 
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
         middle = met(x, y)

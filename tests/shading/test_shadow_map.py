@@ -19,7 +19,7 @@ from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed, point, spot
 from basrelief.scene.cameras import look_at
 from basrelief.shading.brdf import Shading
-from basrelief.shading.camera import primary_ray, seen_from
+from basrelief.shading.camera import primary_ray, projected
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
 from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
 from helpers.agreement import assert_engines_agree
@@ -283,7 +283,7 @@ def test_the_views_of_a_light_see_all_that_it_lights(light: Light, side: int) ->
             continue
         seen = []
         for view in views:
-            at = seen_from(view.camera, vector(place))
+            at = projected(view.camera, vector(place))
             inside = min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5
             seen.append(bool(at.z > 0.0 and inside))
         assert any(seen), place
@@ -297,7 +297,7 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
     scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map_size=side)
     (view,) = light_views(scene)
     for place in bar.bounding_points():
-        at = seen_from(view.camera, vector(place))
+        at = projected(view.camera, vector(place))
         assert min(at.x, at.y) >= 0.5
         assert max(at.x, at.y) < side - 0.5
 
@@ -322,7 +322,7 @@ def test_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
     small = Object(uniform_material(), shape="box", transform=placed(scale=0.1))
     views = light_views(Scene((tower, small), lights=(light,), shadow_map_size=side))
     for x, y, z in itertools.product((-0.25, 0.25), (0.0, 3.0), (-0.2, 0.2)):
-        seen = [seen_from(view.camera, vector((x, y, z))) for view in views]
+        seen = [projected(view.camera, vector((x, y, z))) for view in views]
         assert any(
             at.z > 0.0 and min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5 for at in seen
         )
@@ -379,7 +379,7 @@ PLACES = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
     st.floats(0.1, 20.0),
 )
 def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at, distance) -> None:
-    """`seen_from` is `primary_ray` the other way round."""
+    """`projected` is `primary_ray` the other way round."""
     away = np.subtract(target, eye)
     across = np.hypot(away[0], away[2])
     if across < 0.3:
@@ -388,13 +388,13 @@ def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at,
     camera = look_at(eye, target, size=(64, 40), **lens)
     ray = primary_ray(camera, Vec2(*at))
     place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
-    seen = seen_from(camera, vector(place))
+    seen = projected(camera, vector(place))
     # a place of about 10 is known to 1e-6, a pixel 0.05 wide, or 0.02 at a distance of 1
     blur = 2e-3 + 1e-3 / min(distance, 1.0)
     np.testing.assert_allclose([seen.x, seen.y], at, atol=blur)
     assert float(seen.z) == pytest.approx(distance, rel=1e-5, abs=1e-5)
     behind = np.array([*ray.origin], np.float64) - distance * np.array([*ray.direction])
-    assert seen_from(camera, vector(behind)).z < 0.0
+    assert projected(camera, vector(behind)).z < 0.0
 
 
 # --- one position against one depth map -----------------------------------------------------------
@@ -489,10 +489,10 @@ def test_without_other_objects_or_shadows_there_is_no_code_for_them() -> None:
         return print_wgsl(program.module, program.edge)
 
     for without in (text(obj, shadows="hard"), text(obj, other)):
-        for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
+        for word in ("shadow_map_visibility", "ShadowMapView", "projected", "distances"):
             assert word not in without
     within = text(obj, other, shadows="hard")
-    for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
+    for word in ("shadow_map_visibility", "ShadowMapView", "projected", "distances"):
         assert word in within
 
 

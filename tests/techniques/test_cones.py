@@ -20,7 +20,7 @@ from basrelief.material import sample
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import cone, displace, relaxed_cone
 from basrelief.techniques.cone import Cones, RelaxedCones
-from basrelief.techniques.cone_bake import LEAST, ROUNDING
+from basrelief.techniques.cone_bake import MIN_SLOPE, SLOPE_ROUNDING
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, Fan, flat_ray, maps, scattered
@@ -153,7 +153,7 @@ def test_the_margin_covers_what_webgpu_lets_a_device_lose() -> None:
     # the least slope at which a cone of that code is too wide
     true = (65535.0 / codes - 1.0) * (1.0 + 1e-9) + 1e-9
     slope = np.maximum(true * (1.0 - 1e-6) - 1e-7, 1e-10)
-    below = 1.0 + slope * (1.0 + ROUNDING) + LEAST
+    below = 1.0 + slope * (1.0 + SLOPE_ROUNDING) + MIN_SLOPE
     below -= np.spacing(below.astype(np.float32)) / 2.0
     quotient = 65535.0 / below
     quotient += 2.5 * np.spacing(quotient.astype(np.float32))

@@ -26,7 +26,7 @@ from basrelief.techniques.march import (
     steep,
 )
 from basrelief.techniques.offset import Offset, offset
-from basrelief.techniques.ray import Hit, Ray, at, fastest_fall, height_at, t_at
+from basrelief.techniques.ray import Hit, Ray, at, height_at, max_descent, t_at
 from basrelief.techniques.refine import Contact, Secant, contact, secant
 from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, flat_ray, maps, scattered
@@ -55,9 +55,9 @@ def test_from_nowhere_on_it_falls_faster_than_it_may(bend: float, drop: float) -
     height = 1.0 - drop * t - bend * t * (1 - t)
     falls = -np.diff(height) / np.diff(t)
     for k in range(100):
-        most = float(fastest_fall(ray, t[k]))
+        most = float(max_descent(ray, t[k]))
         assert falls[k:].max() <= most + 1e-5
-    assert falls.max() == pytest.approx(float(fastest_fall(ray, 0.0)), abs=0.05)
+    assert falls.max() == pytest.approx(float(max_descent(ray, 0.0)), abs=0.05)
 
 
 def test_a_height_is_where_it_says() -> None:

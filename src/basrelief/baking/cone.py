@@ -21,8 +21,8 @@ from basrelief.lang import HeightField, Shader, Texture, Vec2
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.techniques import cone_bake, cone_bake_windows
-from basrelief.techniques.cone_bake import BLOCKS, Octave, Search, Sector
-from basrelief.techniques.cone_bake_windows import Windows
+from basrelief.techniques.cone_bake import BLOCKS, Search, SearchBounds, Sector
+from basrelief.techniques.cone_bake_windows import WindowLayout
 
 _MAX_CODE = 65535
 SECTORS = 16
@@ -128,7 +128,7 @@ class _ConeBake:
         squared = np.zeros_like(self.heights)
         for sector in range(SECTORS):
             directions = sector_of(sector)
-            planes = self._run(cone_bake.far_side, sector=directions, field=self.field)
+            planes = self._run(cone_bake.crest_height, sector=directions, field=self.field)
             falling = HeightField([planes["height"]], self.edge)
             squared = self._steepest(falling, sector, squared)
         return self._encode(cone_bake.relaxed_cone_of, squared)
@@ -143,11 +143,11 @@ class _ConeBake:
             squared = self._run(
                 cone_bake.steepest,
                 search=Search(by_sector=sector is not None),
-                octave=Octave(nearest, self.highest, *bounds),
-                held=self._layout(k),
+                bounds=SearchBounds(nearest, self.highest, *bounds),
+                layout=self._layout(k),
                 field=self.field,
                 windows=windows,
-                so_far=HeightField([squared], self.edge),
+                previous=HeightField([squared], self.edge),
             )["squared"]
             if BLOCKS << k > self._max_distance():
                 return squared
@@ -176,18 +176,18 @@ class _ConeBake:
             case _:
                 assert_never(self.edge)
 
-    def _layout(self, k: int) -> Windows:
+    def _layout(self, k: int) -> WindowLayout:
         match self.edge:
             case "wrap":
-                return Windows(1 << k, 0)
+                return WindowLayout(1 << k, 0)
             case "clamp":
-                return Windows(1 << k, (2 << k) - 1)
+                return WindowLayout(1 << k, (2 << k) - 1)
             case _:
                 assert_never(self.edge)
 
     def _windows(self, entry: Shader[..., Any], k: int, **values: Any) -> Texture:
         layout = self._layout(k)
-        planes = self._run(entry, margin=int(layout.before), made=layout, **values)
+        planes = self._run(entry, beyond=int(layout.before), layout=layout, **values)
         windows = np.stack([planes[name] for name in "xyzw"], -1)
         return Texture([windows.astype(np.uint16)], self.edge)
 
@@ -204,7 +204,7 @@ class _ConeBake:
 
 
 def sector_of(sector: int) -> Sector:
-    """Directions of a sector for `far_side`, with a margin on both sides."""
+    """Directions of a sector for `crest_height`, with a margin on both sides."""
     directions = ((sector, -_MARGIN), (sector, 0.0), (sector + 1, 0.0), (sector + 1, _MARGIN))
     return Sector(*(_direction(*d) for d in directions))
 

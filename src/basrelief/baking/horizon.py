@@ -70,10 +70,10 @@ def horizon_map(
     """
     heights = checked_heights(heights, edge)
     horizons = np.empty((*heights.shape, _count(directions)), np.uint16)
-    engine, values = engine_of(device), _values(heights, edge, scale, shaders.BLUR)
+    engine, values = engine_of(device), _values(heights, edge, scale, shaders.SLOPE_ERROR)
     for k, direction in enumerate(_directions(heights.shape, edge, directions)):
         ways = Buffer([direction])
-        planes = run(shaders.horizon, heights, edge, engine, ways=ways, **values)
+        planes = run(shaders.horizon, heights, edge, engine, directions=ways, **values)
         horizons[:, :, k] = np.ceil(planes["sine"].astype(np.float64) * _MAX_CODE)
     return horizons
 
@@ -116,10 +116,12 @@ def ambient_occlusion(
     _count(directions)
     ways = Buffer(_directions(heights.shape, edge, directions, _OCCLUSION_TILES))
     min_slope = _MIN_TANGENT / max(checked_scale(scale) * heights.shape[1], _MIN_TANGENT)
-    values = _values(heights, edge, scale, max(min_slope, shaders.BLUR))
+    values = _values(heights, edge, scale, max(min_slope, shaders.SLOPE_ERROR))
     engine = engine_of(device)
-    planes = run(shaders.openness, heights, edge, engine, cost=directions, ways=ways, **values)
-    return planes["open"]
+    planes = run(
+        shaders.sky_visibility, heights, edge, engine, cost=directions, directions=ways, **values
+    )
+    return planes["visibility"]
 
 
 def _count(directions: int) -> int:
@@ -132,7 +134,7 @@ def _values(heights: Heights, edge: Edge, scale: float, min_slope: float) -> dic
     rise = checked_scale(scale) * heights.shape[1]
     cells = _cell_maxima(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, min_slope),
+        "search": shaders.HorizonSearch(float(heights.max()), rise, min_slope),
         "near": HeightField([_block_maxima(cells, shaders.NEAR)], edge),
         "far": HeightField([_block_maxima(cells, shaders.FAR)], edge),
     }
@@ -156,14 +158,16 @@ def _block_maxima(cells: Heights, side: int) -> Heights:
 
 def _directions(
     shape: tuple[int, ...], edge: Edge, directions: int, max_tiles: float = math.inf
-) -> list[shaders.Way]:
+) -> list[shaders.MapDirection]:
     return [
         _direction(shape, edge, 2.0 * math.pi * k / directions, max_tiles)
         for k in range(directions)
     ]
 
 
-def _direction(shape: tuple[int, ...], edge: Edge, angle: float, max_tiles: float) -> shaders.Way:
+def _direction(
+    shape: tuple[int, ...], edge: Edge, angle: float, max_tiles: float
+) -> shaders.MapDirection:
     """Direction at an angle from +u towards the top; heights beyond `max_tiles` are ignored."""
     rows, columns = shape
     larger = max(rows, columns)
@@ -173,7 +177,7 @@ def _direction(shape: tuple[int, ...], edge: Edge, angle: float, max_tiles: floa
     if edge == "clamp":
         # beyond the map along both axes, heights are constant
         exits = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
-        return shaders.Way(Vec2(x, y), min(max(exits) + 1.0, max_length), longest)
+        return shaders.MapDirection(Vec2(x, y), min(max(exits) + 1.0, max_length), longest)
     repeats = math.inf
     if y == 0.0:
         repeats = float(columns)
@@ -181,4 +185,4 @@ def _direction(shape: tuple[int, ...], edge: Edge, angle: float, max_tiles: floa
         repeats = float(rows)
     elif abs(x) == abs(y):
         repeats = math.lcm(rows, columns) / abs(x)
-    return shaders.Way(Vec2(x, y), min(repeats, max_length), longest)
+    return shaders.MapDirection(Vec2(x, y), min(repeats, max_length), longest)

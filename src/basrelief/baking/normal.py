@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from basrelief.baking.texels import Heights, checked_heights, checked_scale, run
 from basrelief.engine import Engine, engine_of
 from basrelief.lang.resources import Edge
-from basrelief.techniques.normal_bake import Relief, normals
+from basrelief.techniques.normal_bake import HeightRange, normals
 
 Normals = NDArray[np.float32]
 """(h, w, 3) unit vectors: x right, y up in the picture, z out of it."""
@@ -39,6 +39,6 @@ def normal_map(heights: Heights, edge: Edge, scale: float, device: str | Engine 
         For other heights, edges and scales.
     """
     heights = checked_heights(heights, edge)
-    relief = Relief(checked_scale(scale) * heights.shape[1])
+    relief = HeightRange(checked_scale(scale) * heights.shape[1])
     planes = run(normals, heights, edge, engine_of(device), relief=relief)
     return np.stack([planes[f"normal.{axis}"] for axis in "xyz"], -1)

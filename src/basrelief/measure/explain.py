@@ -25,8 +25,8 @@ from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
-from basrelief.shading.intersection import Meeting, footprint_at, meet
-from basrelief.shading.relief import faded_relief, height_range, lod_seen, relief_ray
+from basrelief.shading.intersection import Intersection, footprint_at, intersect
+from basrelief.shading.relief import faded_relief, height_lod, object_height_range, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
@@ -138,10 +138,10 @@ def explain(
 
 def _met(
     obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
-) -> tuple[Object, Meeting] | None:
+) -> tuple[Object, Intersection] | None:
     """An object and the intersection of its shape with the ray through a pixel's centre, if any."""
     ray = _camera_ray(scene, pixel, size)
-    meeting = meet(ray, obj.placement(), variant_of(obj, scene))
+    meeting = intersect(ray, obj.placement(), variant_of(obj, scene))
     return (obj, meeting) if meeting.found else None
 
 
@@ -150,20 +150,24 @@ def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> 
 
 
 def _explanation(
-    obj: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
+    obj: Object,
+    scene: Scene,
+    intersection: Intersection,
+    pixel: tuple[int, int],
+    size: tuple[int, int],
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(obj, scene, size, choose_device("cpu"))
     field, technique = values["field"], obj.selected_technique
     variant = variant_of(obj, scene)
-    seen = faded_relief(values["relief"], met.distance, variant)
+    seen = faded_relief(values["relief"], intersection.distance, variant)
     if seen.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()
-    footprint = footprint_at(camera, placement, met, met.distance)
-    lod = lod_seen(field, footprint, values["smoothing"])
-    depth = height_range(seen, placement, variant)
-    ray = relief_ray(met, seen, depth, lod, values["smoothing"].mip_fade, variant)
+    footprint = footprint_at(camera, placement, intersection, intersection.distance)
+    lod = height_lod(field, footprint, values["smoothing"])
+    depth = object_height_range(seen, placement, variant)
+    ray = relief_ray(intersection, seen, depth, lod, values["smoothing"].mip_fade, variant)
     recorder = _ReadRecorder(ray, field, technique.columns)
     baked = values.get("baked") or _NO_BAKE
     with bound({displace: technique}), watched(recorder.watch):
@@ -178,7 +182,7 @@ def _explanation(
         technique=technique.name,
         settings={f.name: getattr(obj.settings, f.name) for f in fields(obj.settings)},
         pixel=pixel,
-        uv=_pair(_array(met.uv)),
+        uv=_pair(_array(intersection.uv)),
         travel=_pair(travel),
         reference_height=float(ray.reference_height),
         samples=tuple(recorder.samples),

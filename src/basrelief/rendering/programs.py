@@ -16,7 +16,7 @@ from basrelief.rendering import textures
 from basrelief.rendering.textures import TextureSource
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import Light
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.landscape import landscape_surface
@@ -170,7 +170,7 @@ def object_values(obj: Object, engine: Engine) -> dict[str, Any]:
         "smoothing": obj.smoothing,
         "settings": obj.settings if obj.has_relief else Nothing(),
         "surface_parameters": _surface_parameters(obj),
-        "places": obj.map_places(),
+        "tilings": obj.map_tilings(),
     }
 
 
@@ -178,7 +178,7 @@ def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) 
     """The values of an object's program, except sample position and shadow maps."""
     return {
         **object_values(obj, engine),
-        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
+        "sample": CameraSample(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "shading": scene.shading,
         "shadowing": scene.shadowing,
         "fog": scene.fog,

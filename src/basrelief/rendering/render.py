@@ -20,7 +20,7 @@ from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 
 Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
@@ -205,8 +205,8 @@ class _Drawing:
         if self.scene.background is not None:
             frame.color[:] = (*self.scene.background, 1.0)
         for program, values in self.objects:
-            view = View(values["view"].camera, Vec2(*position))
-            planes = self.engine.run(program, {**values, "view": view}, self.size, rows)
+            view = CameraSample(values["sample"].camera, Vec2(*position))
+            planes = self.engine.run(program, {**values, "sample": view}, self.size, rows)
             composite(frame, planes)
             self.done += 1
             if self.progress is not None:

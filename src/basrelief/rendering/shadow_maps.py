@@ -18,7 +18,7 @@ from basrelief.scene import Object, Scene
 from basrelief.scene.cameras import look_at
 from basrelief.scene.lights import light_parameters
 from basrelief.shading.camera import Camera
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import FAR_AWAY, Light
 from basrelief.shading.shadow_map import ShadowMapView
 
@@ -154,8 +154,8 @@ def _distances(
     program, values = depth_program_of(obj), object_values(obj, engine)
     maps = []
     for view in views:
-        light_view = View(view.camera, Vec2(0.5, 0.5))
-        planes = engine.run(program, {**values, "view": light_view}, (side, side))
+        light_view = CameraSample(view.camera, Vec2(0.5, 0.5))
+        planes = engine.run(program, {**values, "sample": light_view}, (side, side))
         hit = planes["hit"] != 0
         maps.append(np.where(hit, planes["distance"], np.float32(FAR_AWAY)).astype(np.float32))
     return maps

@@ -30,7 +30,7 @@ from basrelief.shading.kinds import (
 from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import SurfaceParameters
-from basrelief.shading.surfaces.surface import MapPlaces
+from basrelief.shading.surfaces.surface import MapTilings
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import checked_technique, technique_from_file
@@ -358,16 +358,16 @@ class Object:
         """Tiling of the heights, and of every map without its own."""
         return Tiling(self.tiles, self.shift)
 
-    def map_places(self) -> MapPlaces:
+    def map_tilings(self) -> MapTilings:
         """The shaders' record of the maps' tilings relative to the heights."""
         main = self.main_tiling
         places = {name: self.tilings.get(name, main).relative_to(main) for name in OWN_TILINGS}
         if self.layer is None:
-            return MapPlaces(**places, layer=main.relative_to(main), layer_slant=1.0)
+            return MapTilings(**places, layer=main.relative_to(main), layer_normal_stretch=1.0)
         layer_tiling = self.layer.tiling.relative_to(main)
         stretch = abs(float(layer_tiling.y / layer_tiling.x))
         slant = stretch * self._normals_proportion() / self.layer.material.proportion
-        return MapPlaces(**places, layer=layer_tiling, layer_slant=slant)
+        return MapTilings(**places, layer=layer_tiling, layer_normal_stretch=slant)
 
     def scrolled(self, u: float, v: float = 0.0) -> Object:
         """The object with all maps shifted by (u, v) in texture coordinates of the shape."""

@@ -304,7 +304,7 @@ export class Bakes {
     let slopes = this.texture(this.size, true);
     for (const sector of sectors) {
       const values = { sector: sector.record, field: this.field };
-      const falling = await this.computed("far_side", "heights", values);
+      const falling = await this.computed("crest_height", "heights", values);
       slopes = await this.steepest(falling, sector, slopes);
       this.free(falling);
     }
@@ -336,11 +336,11 @@ export class Bakes {
       const windows = await this.windows(k, those, narrower);
       const nearest = k ? (across * 2 ** k) / 2 : 0;
       const values = {
-        octave: { nearest, highest: this.highest, first, last },
-        held: this.held(k),
+        bounds: { nearest, highest: this.highest, first, last },
+        layout: this.held(k),
         field: this.field,
         windows,
-        so_far: slopes,
+        previous: slopes,
       };
       const inSector = Boolean(sector);
       const steeper = await this.computed("steepest", "heights", values, this.size, inSector);
@@ -363,8 +363,8 @@ export class Bakes {
   async windows(k, field, windows) {
     const held = this.held(k);
     const size = this.size.map((n) => n + held.before);
-    if (!windows) return this.computed("first_windows", "windows", { made: held, field }, size);
-    const values = { made: held, narrower: this.held(k - 1), windows };
+    if (!windows) return this.computed("first_windows", "windows", { layout: held, field }, size);
+    const values = { layout: held, narrower: this.held(k - 1), windows };
     const wider = await this.computed("next_windows", "windows", values, size);
     this.free(windows);
     return wider;

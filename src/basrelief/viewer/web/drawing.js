@@ -362,14 +362,14 @@ export class Drawing {
     const { technique } = this.choices(state);
     const { origin, to_object } = data.shapes[state.shape];
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
-    const { proportion, places } = this.mapPlacements(state);
+    const { proportion, tilings } = this.mapPlacements(state);
     const surface_parameters = { ...state.surface_parameters[state.surface] };
     // the page's own emission map is normalised by its maximum
     const glow = this.pictures.emission?.dropped ? 1 : data.constants.glow;
     const { emission } = surface_parameters;
     if (Array.isArray(emission)) surface_parameters.emission = emission.map((x) => x * glow);
     return {
-      view: { camera: orbit(this.camera(state, size), size), sample },
+      sample: { camera: orbit(this.camera(state, size), size), offset: sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
       relief: {
         scale: state.scale,
@@ -381,7 +381,7 @@ export class Drawing {
       smoothing: state.smoothing,
       settings: state.settings[technique],
       surface_parameters,
-      places,
+      tilings,
       shading: state.shading,
       shadowing: state.shadowing,
       fog: state.fog,
@@ -396,7 +396,7 @@ export class Drawing {
   }
 
   /**
-   * The placements of maps relative to the heights, as in `Object.map_places`.
+   * The placements of maps relative to the heights, as in `Object.map_tilings`.
    * @param {State} state
    */
   mapPlacements(state) {
@@ -408,18 +408,20 @@ export class Drawing {
       return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
     };
     /** @type {Values} */
-    const places = {};
+    const tilings = {};
     for (const [name, own] of Object.entries(state.tilings)) {
-      places[name] = beside(state.apart ? own : main);
+      tilings[name] = beside(state.apart ? own : main);
     }
     const { pictures } = this;
     const own = state.apart && pictures.normal ? beside(state.tilings.normal) : [1, 1];
     const proportion = constants.proportion * Math.abs(own[0] / own[1]);
     const layer = beside(state.layer ? state.layer_tiling : main);
     const stretch = Math.abs(layer[1] / layer[0]);
-    places.layer = layer;
-    places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
-    return { proportion, places };
+    tilings.layer = layer;
+    tilings.layer_normal_stretch = state.layer
+      ? (stretch * proportion) / constants.layerProportion
+      : 1;
+    return { proportion, tilings };
   }
 
   // --- pictures
