@@ -187,7 +187,7 @@ class _ConeBake:
 
     def _windows(self, entry: Shader[..., Any], k: int, **values: Any) -> Texture:
         layout = self._layout(k)
-        planes = self._run(entry, beyond=int(layout.before), layout=layout, **values)
+        planes = self._run(entry, margin=int(layout.before), layout=layout, **values)
         windows = np.stack([planes[name] for name in "xyzw"], -1)
         return Texture([windows.astype(np.uint16)], self.edge)
 
