@@ -55,15 +55,15 @@ def _first_hit(
     texels = np.array(field.shape[::-1], np.float64)
     start, moved = uv * texels, travel * texels
     times, axes = _wall_crossings(start, moved)
-    enter, leave = np.concatenate([[0.0], times]), np.concatenate([times, [1.0]])
-    middles = start + moved * ((enter + leave) / 2)[:, None]
+    t_enter, t_exit = np.concatenate([[0.0], times]), np.concatenate([times, [1.0]])
+    middles = start + moved * ((t_enter + t_exit) / 2)[:, None]
     heights = _column_heights(field, np.floor(middles).astype(np.int64), edge)
-    through_side, from_above = 1.0 - enter <= heights, 1.0 - heights <= leave
+    through_side, from_above = 1.0 - t_enter <= heights, 1.0 - heights <= t_exit
     first = int(np.argmax(through_side | from_above))
     if through_side[first] and first > 0:
         faces = [0, 0]
         faces[axes[first - 1]] = -int(np.sign(moved[axes[first - 1]]))
-        return float(enter[first]), (faces[0], faces[1])
+        return float(t_enter[first]), (faces[0], faces[1])
     return float(max(1.0 - heights[first], 0.0)), (0, 0)
 
 

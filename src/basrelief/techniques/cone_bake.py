@@ -219,14 +219,14 @@ def crest_height(at: IVec2, sector: Sector, field: HeightField) -> VertexHeight:
     own = corners(field, at, 0)
     along_u = Vec2(upper_left.z, own.y) - own.x
     along_v = Vec2(upper_left.y, own.z) - own.x
-    within = min(
+    inside = min(
         slope_towards(along_u, along_v, sector.first), slope_towards(along_u, along_v, sector.last)
     )
-    beyond = min(
+    outside = min(
         slope_towards(along_u, along_v, sector.beyond_first),
         slope_towards(along_u, along_v, sector.beyond_last),
     )
-    slope = min(within, beyond)
+    slope = min(inside, outside)
     return VertexHeight(own.x if slope < -LEVEL_SLOPE else 0.0)
 
 

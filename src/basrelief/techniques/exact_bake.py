@@ -61,9 +61,9 @@ class Blocks:
 
 @struct
 class Overlap:
-    """Overlapping windows that begin `apart` blocks apart."""
+    """Overlapping windows that begin `spacing` blocks apart."""
 
-    apart: int
+    spacing: int
 
 
 @struct
@@ -95,7 +95,7 @@ def block_top(at: IVec2, blocks: Blocks, field: HeightField) -> MaxHeight:
 @shader
 def window_top(at: IVec2, overlap: Overlap, field: HeightField) -> MaxHeight:
     """The highest point of a window, from four smaller windows that overlap and cover it."""
-    k = overlap.apart
+    k = overlap.spacing
     last = size(field, 0) - 1
     other = IVec2(min(at.x + k, last.x), min(at.y + k, last.y))
     upper = max(texel_height(field, at), texel_height(field, IVec2(other.x, at.y)))

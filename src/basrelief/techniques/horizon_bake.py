@@ -239,12 +239,12 @@ def max_slope(
             )
             position = direction.along * s_exit
             nearer = IVec2(cell.x if forward.x > 0 else low.x, cell.y if forward.y > 0 else low.y)
-            further = IVec2(
+            farther = IVec2(
                 high.x if forward.x > 0 else cell.x, high.y if forward.y > 0 else cell.y
             )
             across = IVec2(
-                min(max(int(floor(position.x)), nearer.x), further.x),
-                min(max(int(floor(position.y)), nearer.y), further.y),
+                min(max(int(floor(position.x)), nearer.x), farther.x),
+                min(max(int(floor(position.y)), nearer.y), farther.y),
             )
             next_cell = IVec2(
                 behind.x if exits.x <= exits.y else across.x,

@@ -281,10 +281,10 @@ export class Bakes {
   async widened(windows, width, wanted) {
     let [wide, now] = [windows, width];
     while (now < wanted) {
-      const apart = Math.min(now, wanted - now);
-      const values = { overlap: { apart }, field: wide };
+      const spacing = Math.min(now, wanted - now);
+      const values = { overlap: { spacing }, field: wide };
       wide = await this.computed("window_top", "heights", values, [wide.width, wide.height]);
-      now += apart;
+      now += spacing;
     }
     return wide;
   }
