@@ -27,7 +27,7 @@ def seconds_of_command(command: list[str]) -> Seconds:
 def main() -> None:
     options = option_parser(__doc__).parse_args()
     runs = 1 if options.quick else RUNS
-    basrelief = [sys.executable, "-m", "basrelief.cli.main", "--help"]
+    basrelief = [sys.executable, "-m", "basrelief", "--help"]
     seconds_of_command(basrelief)  # compiles the bytecode and warms the file cache
     empty = median([seconds_of_command([sys.executable, "-c", ""]) for _ in range(runs)])
     taken = median([seconds_of_command(basrelief) for _ in range(runs)])
