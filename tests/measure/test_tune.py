@@ -152,13 +152,14 @@ def test_tune_on_the_command_line(tmp_path) -> None:
     small = ["--size", "24x14", "--device", "cpu"]
     out = done(
         "tune", folder, "--missed", "5%", "--angles", "0-60", "--technique", "steep", "--scale",
-        "0.1", "-o", preset, *small,
+        "0.1", "--reference-height", "0.5", "-o", preset, *small,
     )  # fmt: skip
     (line,) = [row for row in out.splitlines() if row.startswith("basrelief render ")]
     saved = basrelief.preset(preset)
     steps = saved.values["object"]["settings"]["steps"]
     assert saved.values["object"]["technique"] == "steep"
     assert f"--set steps={steps}" in line
+    assert "--reference-height 0.5" in line
     arguments = shlex.split(line)[1:]
     done(*arguments, "-o", tmp_path / "a.png", *small)
     done("render", folder, "--preset", preset, "-o", tmp_path / "b.png", *small)
