@@ -110,6 +110,12 @@ _OUTPUT = ("-o", "--output")
 ScaleOption = Annotated[
     float | None, typer.Option(help="Height range as a fraction of a tile's width.")
 ]
+ReferenceHeightOption = Annotated[
+    float | None, typer.Option(help="Height that lies on the polygon (each technique's own).")
+]
+ProjectionOption = Annotated[
+    str | None, typer.Option(help="Projection: full, biased or limited (each technique's own).")
+]
 DeviceOption = Annotated[str, _of_picture(help="Device: auto, cpu or gpu.")]
 
 
@@ -373,12 +379,8 @@ def compare(
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples per pixel.")] = 4,
     scale: ScaleOption = None,
-    reference_height: Annotated[
-        float | None, typer.Option(help="Height that lies on the polygon (each technique's own).")
-    ] = None,
-    projection: Annotated[
-        str | None, typer.Option(help="Projection: full, biased or limited (each technique's own).")
-    ] = None,
+    reference_height: ReferenceHeightOption = None,
+    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
@@ -431,6 +433,8 @@ def tune(
     ] = None,
     size: Annotated[str, typer.Option(help="Width × height of the measured pictures.")] = "320x180",
     scale: ScaleOption = None,
+    reference_height: ReferenceHeightOption = None,
+    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
@@ -442,7 +446,10 @@ def tune(
         bound = None if missed is None else arguments.share(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
         arguments.check_lengths(maps["depth"], maps["tile"], scale)
-        fixed, relief = arguments.settings_from(settings or []), _without_none({"scale": scale})
+        fixed = arguments.settings_from(settings or [])
+        relief = _without_none(
+            {"scale": scale, "reference_height": reference_height, "projection": projection}
+        )
         if "bias" in fixed:
             relief["bias"] = fixed.pop("bias")
         material = _loaded(path, **maps)

@@ -122,7 +122,10 @@ class TuneResult:
         for name in ("reference_height", "projection"):
             if name in self.options:
                 value = self.options[name]
-                parts += [f"--{name.replace('_', '-')}", value if isinstance(value, str) else f"{value:g}"]
+                parts += [
+                    f"--{name.replace('_', '-')}",
+                    value if isinstance(value, str) else f"{value:g}",
+                ]
         return shlex.join(parts)
 
     @property
