@@ -1,4 +1,4 @@
-"""How long cone maps take to bake: fractal noise, stones and bricks, on the CPU or on a GPU.
+"""Time to bake cone maps of fractal noise, stones and bricks, on the CPU or on a GPU.
 
     python benchmarks/cones.py             maps of 1024², on all cores
     python benchmarks/cones.py --large     maps of 4096²
@@ -27,14 +27,14 @@ def main() -> None:
     print(f"{engine.adapter}, maps of {texels}²")
     figures = {}
     for name, heights in maps(texels).items():
-        for make in (baking.cone_map, baking.relaxed_cone_map):
-            make(heights[:16, :16], "wrap", engine)  # compiled before the clock starts
-            taken = seconds_of(lambda make=make, heights=heights: make(heights, "wrap", engine))
+        for bake in (baking.cone_map, baking.relaxed_cone_map):
+            bake(heights[:16, :16], "wrap", engine)  # compile before timing
+            taken = seconds_of(lambda bake=bake, heights=heights: bake(heights, "wrap", engine))
             print(
-                f"{name}: {make.__name__} {taken.wall:.2f} s, "
+                f"{name}: {bake.__name__} {taken.wall:.2f} s, "
                 f"of processor time {taken.processor:.2f} s"
             )
-            case = f"{engine.name}, {texels}², {name}, {make.__name__}"
+            case = f"{engine.name}, {texels}², {name}, {bake.__name__}"
             figures |= {f"{case}, {clock} s": t for clock, t in taken._asdict().items()}
     store(options.json, figures)
 

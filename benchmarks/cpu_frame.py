@@ -16,7 +16,7 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.engine.gpu import GpuEngine
 
 SIZE = (1920, 1080)
-MOST = 0.5
+MAX_RATIO = 0.5
 
 
 def main() -> None:
@@ -46,13 +46,13 @@ def main() -> None:
 
         tasks = {"cpu": lambda: cpu.run(program, values, size), "software": on_gpu}
         frames = alternate(tasks, runs)
-    # wall time is what one waits; the processors' own time hardly minds other programs
+    # processor time hardly depends on other programs, wall time does
     for clock in Seconds._fields:
         seconds = {name: getattr(taken, clock) for name, taken in frames.items()}
         ratio = seconds["cpu"] / seconds["software"]
-        shown = ", ".join(f"{name} {each * 1000:.0f} ms" for name, each in seconds.items())
-        print(f"{clock} time: {shown}, ratio {ratio:.2f} (at most {MOST})")
-        figures |= {f"{name}, {clock} ms": each * 1000 for name, each in seconds.items()}
+        shown = ", ".join(f"{name} {time * 1000:.0f} ms" for name, time in seconds.items())
+        print(f"{clock} time: {shown}, ratio {ratio:.2f} (at most {MAX_RATIO})")
+        figures |= {f"{name}, {clock} ms": time * 1000 for name, time in seconds.items()}
         figures[f"cpu ÷ software, {clock}"] = ratio
     store(options.json, figures)
 

@@ -1,13 +1,13 @@
-"""The exact technique against parallax occlusion in the same run: nine cases, by timestamps.
+"""The technique `exact` against parallax occlusion in the same run: nine cases, by timestamps.
 
     python benchmarks/exact.py                 on a GPU, 1920 × 1080 with a map of 1024²
     python benchmarks/exact.py --large         3840 × 2160 with a map of 4096²
     python benchmarks/exact.py --growth        on a GPU, maps from 256² to 8192² at one picture size
     python benchmarks/exact.py --cpu           on the CPU, against 32 steps
 
-Bricks, stones and fractal noise, each seen shallow, steep and grazing; texture coordinates alone.
-Ours must be at most 1.3 times as slow as 64 steps in the geometric mean and 2 in any case; on the
-CPU at most 2 times as slow as 32 steps in the mean.
+Bricks, stones and fractal noise, each shallow, steep and grazing; only texture coordinates are
+computed. `exact` should take at most 1.3 times as long as 64 steps in the geometric mean and 2
+times in any case; on the CPU at most 2 times as long as 32 steps in the mean.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
 
 VIEWS = {
-    # scale of the relief, and a direction towards the viewer
+    # scale of the relief, and a view vector
     "shallow": (0.03, Vec3(0.5, 0.3, 1.0)),
     "steep": (0.1, Vec3(0.5, 0.3, 0.5)),
     "grazing": (0.1, Vec3(0.5, 0.3, 0.2)),
 }
 
 WARM_UP = 0.035
-"""Seconds of other work for each timed run: the clocks of a GPU go down while a map is made."""
+"""Seconds of warm-up for each timed run; the clocks of a GPU drop while a map is baked."""
 
 
 @struct
-class Sight:
-    """A plane seen from a direction that turns a little over the picture."""
+class PlaneView:
+    """A plane whose view vector varies a little over the picture."""
 
     size: Vec2
     view: Vec3
@@ -51,7 +51,7 @@ class Sight:
 
 
 @struct
-class Found:
+class Displaced:
     """Displaced texture coordinates."""
 
     uv: Vec2
@@ -59,14 +59,14 @@ class Found:
 
 @shader
 def kernel(
-    at: IVec2, sight: Sight, settings: Settings, field: HeightField, baked: Texture
-) -> Found:
+    at: IVec2, plane: PlaneView, settings: Settings, field: HeightField, baked: Texture
+) -> Displaced:
     """Displace the texture coordinates of one pixel."""
-    uv = (Vec2(float(at.x), float(at.y)) + 0.5) / sight.size
-    view = normalize(sight.view + Vec3((uv - 0.5) * 0.5, 0.0))
-    travel = view.xy * (-sight.scale / view.z)
+    uv = (Vec2(float(at.x), float(at.y)) + 0.5) / plane.size
+    view = normalize(plane.view + Vec3((uv - 0.5) * 0.5, 0.0))
+    travel = view.xy * (-plane.scale / view.z)
     ray = Ray(uv, travel, height=1.0, drop=1.0, cosine=view.z)
-    return Found(displace(field, baked, ray, settings).uv)
+    return Displaced(displace(field, baked, ray, settings).uv)
 
 
 def maps(size: int) -> dict[str, np.ndarray]:
@@ -92,7 +92,7 @@ def maps(size: int) -> dict[str, np.ndarray]:
 
 
 def _stones(points: np.ndarray, size: int) -> np.ndarray:
-    """The root of how much further the second nearest point is than the nearest."""
+    """Worley noise: root of the difference of the distances to the two nearest points."""
     if size > 4096:
         return _doubled(_doubled(_stones(points, size // 2), 0), 1)
     near = np.full((2, size, size), 9.0, np.float32)
@@ -103,8 +103,8 @@ def _stones(points: np.ndarray, size: int) -> np.ndarray:
         rows, columns = np.flatnonzero(down < 0.08), np.flatnonzero(across < 0.08)
         part = np.ix_([0, 1], rows, columns)
         away = np.hypot(down[rows][:, None], across[columns]).astype(np.float32)
-        held = near[part]
-        near[part] = np.sort(np.concatenate([held, away[None]]), axis=0)[:2]
+        nearest = near[part]
+        near[part] = np.sort(np.concatenate([nearest, away[None]]), axis=0)[:2]
     return np.sqrt(np.clip((near[1] - near[0]) * 30.0, 0.0, 1.0))
 
 
@@ -159,7 +159,7 @@ def main() -> None:
 def against_steps(
     engine: Any, size: tuple[int, int], texels: int, steps: int, runs: int
 ) -> dict[str, float]:
-    """The nine cases, the march by its own arithmetic and, on a GPU, by the filter's."""
+    """The nine cases; on a GPU also the march with the hardware filter."""
     print(f"{engine.adapter}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
     figures: dict[str, float] = {}
     ratios: dict[str, list[float]] = {}
@@ -172,7 +172,11 @@ def against_steps(
         case = f"{engine.name}, {texels}², bounds of {name}"
         figures |= {f"{case}, {clock} ms": seconds * 1000 for clock, seconds in spent.items()}
         for view, (scale, towards) in VIEWS.items():
-            values = {"sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked}
+            values = {
+                "plane": PlaneView(Vec2(*size), towards, scale),
+                "field": field,
+                "baked": baked,
+            }
             by_clock = timed(engine, programs(steps), values, size, runs)
             if engine.name == "gpu":
                 march = programs(steps)["march"]
@@ -184,45 +188,45 @@ def against_steps(
                 for other in [each for each in times if each != "exact"]:
                     compared = ratios.setdefault(f"exact ÷ {other}, {clock}", [])
                     compared.append(times["exact"] / times[other])
-    for name, found in ratios.items():
-        print(f"{name}: geometric mean {mean(found):.2f}, worst {max(found):.2f}")
+    for name, values in ratios.items():
+        print(f"{name}: geometric mean {mean(values):.2f}, worst {max(values):.2f}")
         case = f"{engine.name}, {size[0]} × {size[1]}, {texels}², {name}"
-        figures |= {f"{case}, geometric mean": mean(found), f"{case}, worst": max(found)}
+        figures |= {f"{case}, geometric mean": mean(values), f"{case}, worst": max(values)}
     return figures
 
 
 def grow(engine: Any, size: tuple[int, int], sides: tuple[int, ...], runs: int) -> dict[str, float]:
-    """How much longer a picture takes by larger maps of the same scale."""
+    """Times for maps of growing size, with the same scale."""
     print(f"{engine.adapter}, {size[0]} × {size[1]}, exact alone")
     first = 0.0
     figures = {}
     for texels in sides:
-        found = []
+        times = []
         for heights in maps(texels).values():
             baked, _ = bounds_of(engine, heights)
             field = HeightField([heights])
             for scale, towards in VIEWS.values():
                 values = {
-                    "sight": Sight(Vec2(*size), towards, scale), "field": field, "baked": baked,
+                    "plane": PlaneView(Vec2(*size), towards, scale), "field": field, "baked": baked,
                 }  # fmt: skip
                 warm(engine, values, size, runs * WARM_UP)
                 taken = timed(engine, programs(64), values, size, runs)
-                found.append(taken["timestamps"]["exact"])
-        first = first or mean(found)
-        each = ", ".join(f"{1000 * t:.4f}" for t in found)
+                times.append(taken["timestamps"]["exact"])
+        first = first or mean(times)
+        each = ", ".join(f"{1000 * t:.4f}" for t in times)
         print(
-            f"  {texels:5}² mean {mean(found) * 1000:.4f} ms, {mean(found) / first:.2f} × ({each})"
+            f"  {texels:5}² mean {mean(times) * 1000:.4f} ms, {mean(times) / first:.2f} × ({each})"
         )
         case = f"exact at {size[0]} × {size[1]}, {texels}²"
         figures |= {
-            f"{case}, mean ms": mean(found) * 1000,
-            f"{case} ÷ {sides[0]}²": mean(found) / first,
+            f"{case}, mean ms": mean(times) * 1000,
+            f"{case} ÷ {sides[0]}²": mean(times) / first,
         }
     return figures
 
 
 def warm(engine: Any, values: dict[str, Any], size: tuple[int, int], seconds: float) -> None:
-    """Keep a GPU busy until its clocks are up."""
+    """Keep a GPU busy until its clocks are at full speed."""
     program, settings = programs(64)["march"]
     with engine.prepare(program, {**values, "settings": settings}, size) as job:
         end = time.perf_counter() + seconds
@@ -236,16 +240,16 @@ def mean(values: list[float]) -> float:
 
 
 def bounds_of(engine: Any, heights: np.ndarray) -> tuple[Texture, dict[str, float]]:
-    """The bounds of a map, and their seconds: by timestamps, or by each clock of the CPU."""
-    watch = Watch(engine)
+    """Bounds of a map, and the seconds to bake them: by timestamps, or by each clock of the CPU."""
+    timed_engine = TimedEngine(engine)
     start = time.perf_counter(), time.process_time()
-    baked = Texture([baking.bounds(heights, "wrap", watch)])  # type: ignore[arg-type]
+    baked = Texture([baking.bounds(heights, "wrap", timed_engine)])  # type: ignore[arg-type]
     spent = Seconds(time.perf_counter() - start[0], time.process_time() - start[1])
-    return baked, {"timestamps": watch.seconds} if engine.name == "gpu" else spent._asdict()
+    return baked, {"timestamps": timed_engine.seconds} if engine.name == "gpu" else spent._asdict()
 
 
-class Watch:
-    """An engine that adds up how long the GPU works on what it is given."""
+class TimedEngine:
+    """Engine that adds up the GPU time of its programs."""
 
     def __init__(self, engine: Any) -> None:
         self.engine, self.name, self.seconds = engine, engine.name, 0.0
@@ -259,9 +263,11 @@ class Watch:
     ) -> Any:
         if self.name == "gpu":
             first, last = rows or (0, size[1])
-            at_once = self.engine.rows_at_once(len(program.planes), size[0], last - first)
-            with self.engine.prepare(program, values, (size[0], at_once)) as job:
-                self.seconds += self.engine.seconds(job, at_once) * (last - first) / at_once
+            rows_per_dispatch = self.engine.max_rows(len(program.planes), size[0], last - first)
+            with self.engine.prepare(program, values, (size[0], rows_per_dispatch)) as job:
+                self.seconds += (
+                    self.engine.seconds(job, rows_per_dispatch) * (last - first) / rows_per_dispatch
+                )
         return self.engine.run(program, values, size, rows)
 
 
@@ -272,7 +278,7 @@ def filtered(
     size: tuple[int, int],
     runs: int,
 ) -> float:
-    """Seconds of the march with the card's own filter, which weighs by 8 bits."""
+    """Seconds of the march with the hardware filter, which has 8-bit weights."""
     from basrelief.engine import gpu
     from basrelief.lang.targets.wgsl import print_wgsl
 
@@ -285,13 +291,13 @@ def filtered(
     text = text[: head.end()] + read + text[end:]
     entry, sampler = gpu._layout_entry, engine.edge_sampler
 
-    def filtering(number: int, binding: Any, spares_uniforms: bool) -> dict[str, Any]:
-        made = entry(number, binding, spares_uniforms)
+    def filtering(number: int, binding: Any, avoids_uniform_buffers: bool) -> dict[str, Any]:
+        layout = entry(number, binding, avoids_uniform_buffers)
         if binding.kind == "sampler":
-            made["sampler"] = {"type": "filtering"}
+            layout["sampler"] = {"type": "filtering"}
         if binding.type is HeightField:
-            made["texture"]["sample_type"] = "float"
-        return made
+            layout["texture"]["sample_type"] = "float"
+        return layout
 
     try:
         gpu._layout_entry = filtering
@@ -307,24 +313,24 @@ def filtered(
 
 def timed(
     engine: Any,
-    made: dict[str, tuple[Program, Any]],
+    techniques: dict[str, tuple[Program, Any]],
     values: dict[str, Any],
     size: tuple[int, int],
     runs: int,
 ) -> dict[str, dict[str, float]]:
-    """Seconds of each technique, in turn in one run: by timestamps, or by each clock of the CPU."""
-    every = {name: {**values, "settings": settings} for name, (_, settings) in made.items()}
+    """Seconds of each technique, alternating: by timestamps, or by each clock of the CPU."""
+    inputs = {name: {**values, "settings": settings} for name, (_, settings) in techniques.items()}
     if engine.name == "cpu":
-        tasks = {n: lambda n=n: engine.run(made[n][0], every[n], size) for n in made}
+        tasks = {n: lambda n=n: engine.run(techniques[n][0], inputs[n], size) for n in techniques}
         taken = alternate(tasks, runs)
-        return {c: {n: getattr(taken[n], c) for n in made} for c in Seconds._fields}
+        return {c: {n: getattr(taken[n], c) for n in techniques} for c in Seconds._fields}
     from gpu_kernel import milliseconds
 
-    jobs = {n: engine.prepare(made[n][0], every[n], size) for n in made}
-    found = milliseconds(engine, jobs, size[1], runs)
+    jobs = {n: engine.prepare(techniques[n][0], inputs[n], size) for n in techniques}
+    times = milliseconds(engine, jobs, size[1], runs)
     for job in jobs.values():
         job.__exit__()
-    return {"timestamps": {n: t / 1000.0 for n, t in found.items()}}
+    return {"timestamps": {n: t / 1000.0 for n, t in times.items()}}
 
 
 if __name__ == "__main__":

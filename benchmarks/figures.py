@@ -1,4 +1,4 @@
-"""Options that all benchmarks take, and the file that their figures are stored in."""
+"""Options of all benchmarks, and the file of their figures."""
 
 from __future__ import annotations
 
@@ -22,10 +22,9 @@ def option_parser(description: str | None) -> argparse.ArgumentParser:
 
 
 def store(file: Path | None, figures: Mapping[str, float]) -> None:
-    """Write figures, numbers by name, under the name of the script.
+    """Write figures by name to a JSON file, under the name of the script.
 
-    Figures that the file has under other names, and those of other scripts, stay. Without a file
-    nothing is written.
+    Other figures in the file are kept. Does nothing without a file.
     """
     if file is None:
         return

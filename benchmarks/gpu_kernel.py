@@ -1,4 +1,4 @@
-"""The march of 32 steps alone, on a GPU by timestamps: generated WGSL against WGSL by hand."""
+"""A march of 32 steps on a GPU, by timestamps: generated WGSL against WGSL by hand."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from basrelief.techniques.ray import Ray
 
 SIZE = (1920, 1080)
 STEPS = 32
-MOST = 1.05
+MAX_RATIO = 1.05
 DISPATCHES = 8
 RUNS = 15
 HERE = Path(__file__).parent
@@ -38,25 +38,25 @@ class Sweep:
 
 
 @struct
-class Found:
+class Displaced:
     """Displaced texture coordinates."""
 
     uv: Vec2
 
 
 @shader
-def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Found:
+def kernel(at: IVec2, sweep: Sweep, march: March, heights: HeightField) -> Displaced:
     """Displace the texture coordinates of one pixel."""
     x = float(at.x)
     y = float(at.y)
     start = sweep.origin + sweep.right * x + sweep.down * y
     travel = sweep.travel + sweep.travel_right * x + sweep.travel_down * y
     ray = Ray(start, travel, height=1.0, drop=1.0, cosine=0.0)
-    return Found(parallax_occlusion(heights, ray, march).uv)
+    return Displaced(parallax_occlusion(heights, ray, march).uv)
 
 
 def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, Any]:
-    """What the kernel reads: a plane at an angle, steeper towards the top."""
+    """Values of the kernel: a plane at an angle, steeper towards the top."""
     w, h = size
     field = textures.height_field(basrelief.sample(sample, maps), "wrap")
     return {
@@ -72,14 +72,14 @@ def values(sample: str, size: tuple[int, int], maps: int = 1024) -> dict[str, An
 def milliseconds(
     engine: GpuEngine, jobs: dict[str, Job], rows: int, runs: int = RUNS
 ) -> dict[str, float]:
-    """Median time of a dispatch of each job, several to a measurement, in turn."""
-    found: dict[str, list[float]] = {name: [] for name in jobs}
+    """Median time of a dispatch of each job in ms; jobs alternate, with several dispatches each."""
+    times: dict[str, list[float]] = {name: [] for name in jobs}
     for run in range(runs + 3):
         for name, job in jobs.items():
             seconds = engine.seconds(job, rows, DISPATCHES)
             if run >= 3:
-                found[name].append(seconds * 1e3)
-    return {name: statistics.median(times) for name, times in found.items()}
+                times[name].append(seconds * 1e3)
+    return {name: statistics.median(t) for name, t in times.items()}
 
 
 def main() -> None:
@@ -89,22 +89,27 @@ def main() -> None:
     print(f"{engine.adapter}, {size[0]} × {size[1]}, {STEPS} steps, {texels}² map, ms a dispatch")
     figures = {}
     for sample in ("bricks", "gravel", "terrain"):
-        program, given = Program(kernel), values(sample, size, texels)
-        with engine.prepare(program, given, size) as generated:
+        program, inputs = Program(kernel), values(sample, size, texels)
+        with engine.prepare(program, inputs, size) as generated:
             by_hand = engine.prepare_text(
-                (HERE / "kernel_by_hand.wgsl").read_text(), program, given, size
+                (HERE / "kernel_by_hand.wgsl").read_text(), program, inputs, size
             )
             jobs = {"generated": generated, "by hand": by_hand}
             times = milliseconds(engine, jobs, size[1], runs)
             for job in jobs.values():
                 job.dispatch(0, size[1])
             a, b = (job.read(size[1]).view(np.float32) for job in jobs.values())
-            apart = float((np.abs(a - b).max(0) * texels > 0.05).mean())
+            differing = float((np.abs(a - b).max(0) * texels > 0.05).mean())
         ratio = times["generated"] / times["by hand"]
         shown = ", ".join(f"{name} {time:.4f}" for name, time in times.items())
-        print(f"{sample:8} {shown}, ratio {ratio:.3f} (at most {MOST}); differ {apart:.5%}")
+        print(
+            f"{sample:8} {shown}, ratio {ratio:.3f} (at most {MAX_RATIO}); differ {differing:.5%}"
+        )
         figures |= {f"{sample}, {name} ms": time for name, time in times.items()}
-        figures |= {f"{sample}, generated ÷ by hand": ratio, f"{sample}, share that differs": apart}
+        figures |= {
+            f"{sample}, generated ÷ by hand": ratio,
+            f"{sample}, share that differs": differing,
+        }
     store(options.json, figures)
 
 

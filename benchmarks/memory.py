@@ -1,4 +1,4 @@
-"""Seven maps of 4096² and a picture of 3840 × 2160: the most memory that the process ever holds."""
+"""Peak memory of a process with seven maps of 4096² and a picture of 3840 × 2160."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import basrelief
 
 SIDE = 4096
 SIZE = (3840, 2160)
-MOST = 3.0
+MAX_GIGABYTES = 3.0
 
 
 def peak() -> float:
@@ -24,16 +24,16 @@ def peak() -> float:
 
 
 def material(side: int) -> basrelief.Material:
-    """Seven maps as a loader holds them: 8 bits a channel, the heights 16."""
+    """Seven maps as a loader stores them: 8 bits a channel, 16 for heights."""
     random = np.random.default_rng(0)
 
-    def one(channels: int, srgb: bool = False, kind: type = np.uint8) -> basrelief.Map:
+    def noise(channels: int, srgb: bool = False, kind: type = np.uint8) -> basrelief.Map:
         pixels = random.integers(0, np.iinfo(kind).max, (side, side, channels), kind)
         return basrelief.Map(pixels, srgb, "noise")
 
     return basrelief.Material(
-        "seven maps", one(3, srgb=True), one(3), one(1, kind=np.uint16), one(1), one(1), one(1),
-        one(3, srgb=True),
+        "seven maps", noise(3, srgb=True), noise(3), noise(1, kind=np.uint16), noise(1),
+        noise(1), noise(1), noise(3, srgb=True),
     )  # fmt: skip
 
 
@@ -43,13 +43,13 @@ def main() -> None:
     options = parser.parse_args()
     side, size = (64, (96, 54)) if options.quick else (SIDE, SIZE)
     start = time.perf_counter()
-    made = material(side)
+    maps = material(side)
     print(f"maps made: {peak():.2f} GB")
-    frame = basrelief.render(made, size=size, samples=2, device=options.device, technique="relief")
-    held = peak()
-    print(f"{frame.device}: at most {held:.2f} GB held (under {MOST})")
+    frame = basrelief.render(maps, size=size, samples=2, device=options.device, technique="relief")
+    peak_memory = peak()
+    print(f"{frame.device}: at most {peak_memory:.2f} GB (under {MAX_GIGABYTES})")
     print(f"in {time.perf_counter() - start:.0f} s, maps and all")
-    store(options.json, {f"{options.device}, most held, GB": held})
+    store(options.json, {f"{options.device}, most held, GB": peak_memory})
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-"""How often `exact` ends late: millions of rays against the oracle in float64.
+"""Rays that `exact` ends late, of millions, against the oracle in float64.
 
     python benchmarks/misses.py            on the CPU
     python benchmarks/misses.py --gpu      on a GPU
 
-Bricks, gravel, noise, posts of one texel, saddles and seams, their edges wrapped and clamped; rays
-at 0 to 85 degrees from the normal, every way round, over reliefs of 0.02 to 0.5 tile widths: whole
-rays over a flat surface, and segments from any height to any other, straight, bent down, bent up.
-A ray is late that ends more than 0.05 texel behind the first hit, also if the surface were lower by
-what single precision cannot tell. What single precision itself gets wrong is told by a plain walk
-from cell to cell with the same arithmetic and no bounds, beside.
+Bricks, gravel, noise, posts of one texel, saddles and seams, with edges wrapped and clamped. Rays
+at 0 to 85 degrees from the normal in all directions, over reliefs of 0.02 to 0.5 tile widths: whole
+rays over a flat surface, and segments between any two heights, straight, bent down and bent up. A
+ray is late if it ends more than 0.05 texel behind the first hit, also for a surface lowered by the
+rounding error of single precision. For comparison, a traversal of all cells without bounds, with
+the same arithmetic, shows the misses that are due to single precision.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from basrelief.lang import (
     tan,
 )
 from basrelief.lang.program import Program
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import Nothing, exact
 from basrelief.techniques.exact import (
     Clearance,
-    cell_after,
+    cell_exits,
     clearance,
     first_root,
-    is_met,
-    line_of,
-    walls_of,
+    hits_patch,
+    mirrored_ray,
+    next_cell,
 )
 from basrelief.techniques.height import extent_of
 from basrelief.techniques.ray import Hit, Ray, hit_at
@@ -51,15 +51,15 @@ from basrelief.techniques.ray import Hit, Ray, hit_at
 LATE = 0.05
 """Texels."""
 BLUR = 4e-7
-"""Heights that float32 cannot tell apart: some units in the last place of 1."""
+"""Difference of heights below the precision of float32: some units in the last place of 1."""
 RAYS = (512, 320)
-"""Of each map and edge."""
+"""Rays for each map and edge, as a picture size."""
 STEEPEST = 85.0
 DEEPEST = 0.5
 RANGE = 4.643856
-"""From the deepest relief to the shallowest, 0.02, in halvings."""
+"""Halvings from the deepest relief to the shallowest, 0.02."""
 CELLS = 1 << 20
-"""More than any ray here comes to."""
+"""Bound of the traversal, more cells than any ray here crosses."""
 
 
 KINDS = {
@@ -68,13 +68,13 @@ KINDS = {
     "bent down": (1.0, 1.5),
     "bent up": (1.0, -1.5),
 }
-"""How much of the range of heights a ray may begin below the top, and end above the bottom; and how
-much it may be bent."""
+"""Kinds of rays: the part of the height range by which a ray may start below the top and end above
+the bottom, and its largest bend."""
 
 
 @struct
 class Seed:
-    """Another number, other rays: of the part of the way, and the most bend, that a kind has."""
+    """Seed of the random rays, with the numbers of `KINDS`."""
 
     number: int
     part: float
@@ -83,7 +83,7 @@ class Seed:
 
 @struct
 class Traced:
-    """A ray and where it ends."""
+    """A ray and its hit."""
 
     uv: Vec2
     travel: Vec2
@@ -94,41 +94,41 @@ class Traced:
 
 
 @slot
-def ended(field: HeightField, baked: Texture, ray: Ray) -> Hit:
-    """Where a ray ends."""
+def trace(field: HeightField, baked: Texture, ray: Ray) -> Hit:
+    """Hit of a ray."""
 
 
 @shader
 def by_exact(field: HeightField, baked: Texture, ray: Ray) -> Hit:
-    """As the technique says."""
+    """The technique `exact`."""
     return exact(field, baked, ray, Nothing())
 
 
 @shader
 def by_cells(field: HeightField, ray: Ray) -> Hit:
-    """Cell by cell, none left out."""
+    """Traversal of all cells."""
     extent = extent_of(field, 0)
-    line = line_of(ray, extent, 0, 0)
+    line = mirrored_ray(ray, extent, 0, 0)
     cell = Vec2(0.0, 0.0)
     above = Clearance(0.0, 0.0, 0.0, 0.0)
     t = 0.0
     found = False
     k = 0
     while k < CELLS and not found and t < 1.0:
-        walls = walls_of(line, cell)
+        walls = cell_exits(line, cell)
         out = min(max(min(walls.x, walls.y), t), 1.0)
         above = clearance(field, line, cell, extent, t, out)
-        found = is_met(above)
+        found = hits_patch(above)
         if not found:
             t = out
-            cell = cell_after(line, cell, walls, t)
+            cell = next_cell(line, cell, walls, t)
         k = k + 1
     return hit_at(ray, t + first_root(above) if found else t, found, k)
 
 
 @shader
-def scattered(n: int) -> float:
-    """A number from 0 to 1 for every int."""
+def hashed(n: int) -> float:
+    """Hash of an int to 0 … 1."""
     x = n * 747796405 + 891336453
     y = ((x >> 15) ^ x) * 277803737
     return float(((y >> 11) ^ y) & 16777215) / 16777216.0
@@ -136,28 +136,28 @@ def scattered(n: int) -> float:
 
 @shader
 def traced(at: IVec2, seed: Seed, field: HeightField, baked: Texture) -> Traced:
-    """One ray of many."""
+    """A random ray and its hit."""
     n = (at.y * 8192 + at.x) * 8 + seed.number * 7919
-    uv = Vec2(scattered(n), scattered(n + 1))
-    turn = scattered(n + 2) * 6.2831853
-    depth = DEEPEST * exp2(-scattered(n + 3) * RANGE)
-    length = depth * tan(scattered(n + 4) * (STEEPEST * 0.0174532925))
+    uv = Vec2(hashed(n), hashed(n + 1))
+    turn = hashed(n + 2) * 6.2831853
+    depth = DEEPEST * exp2(-hashed(n + 3) * RANGE)
+    length = depth * tan(hashed(n + 4) * (STEEPEST * 0.0174532925))
     travel = Vec2(cos(turn), sin(turn)) * length
-    height = 1.0 - seed.part * scattered(n + 5) * scattered(n + 5)
-    drop = height - seed.part * scattered(n + 6)
-    ray = Ray(uv, travel, height, drop, 0.5, bend=seed.bend * scattered(n + 7))
-    return Traced(uv, travel, height, drop, ray.bend, ended(field, baked, ray).t)
+    height = 1.0 - seed.part * hashed(n + 5) * hashed(n + 5)
+    drop = height - seed.part * hashed(n + 6)
+    ray = Ray(uv, travel, height, drop, 0.5, bend=seed.bend * hashed(n + 7))
+    return Traced(uv, travel, height, drop, ray.bend, trace(field, baked, ray).t)
 
 
 def maps(side: int) -> dict[str, np.ndarray]:
-    """Height maps by name, float32, up to a side long, a multiple of 32."""
+    """Height maps by name, float32, with sides up to `side`, a multiple of 32."""
     random = np.random.default_rng(7)
     low, half = side * 3 // 4, side // 2
     posts = np.zeros((low, side))
     posts[random.integers(0, low, 200), random.integers(0, side, 200)] = 1.0
     seam = np.zeros((half + 1, half - 1))
     seam[0], seam[:, -1] = 1.0, 0.9
-    made = {
+    result = {
         "bricks": sample("bricks", side).height.linear()[:, :, 0],
         "gravel": sample("gravel", (side * 25 // 32, side)).height.linear()[:, :, 0],
         "noise": random.random((side, side)),
@@ -165,20 +165,22 @@ def maps(side: int) -> dict[str, np.ndarray]:
         "saddles": np.indices((half, half)).sum(0) % 2 * 1.0,
         "seams": seam,
     }
-    return {name: np.ascontiguousarray(each, np.float32) for name, each in made.items()}
+    return {name: np.ascontiguousarray(heights, np.float32) for name, heights in result.items()}
 
 
-def apart(planes: Any, heights: np.ndarray, edge: Any) -> tuple[np.ndarray, int]:
-    """By how many texels rays end behind the first hit; and how many end before it. The surface is
-    taken a hair lower, or higher, where a ray is off without that."""
+def end_errors(planes: Any, heights: np.ndarray, edge: Any) -> tuple[np.ndarray, int]:
+    """Distances of ray ends behind the first hit, in texels, and the number that end before it.
+
+    Where a ray is off, the surface is lowered, or raised, by `BLUR`.
+    """
     flat = {name: plane.ravel().astype(float) for name, plane in planes.items()}
     uv, travel = (np.stack([flat[f"{name}.x"], flat[f"{name}.y"]], -1) for name in ("uv", "travel"))
     texels = np.linalg.norm(travel * heights.shape[::-1], axis=1)
 
-    def behind(surface: np.ndarray, some: Any) -> np.ndarray:
-        falls = {name: flat[name][some] for name in ("height", "drop", "bend")}
-        wanted = first_hits(surface, uv[some], travel[some], edge, **falls).t
-        return (flat["t"][some] - wanted) * texels[some]
+    def behind(surface: np.ndarray, rays: Any) -> np.ndarray:
+        falls = {name: flat[name][rays] for name in ("height", "drop", "bend")}
+        wanted = intersect_height_field(surface, uv[rays], travel[rays], edge, **falls).t
+        return (flat["t"][rays] - wanted) * texels[rays]
 
     off = behind(heights, slice(None))
     late, early = np.flatnonzero(off > LATE), np.flatnonzero(off < -LATE)
@@ -204,11 +206,11 @@ def main() -> None:
     print(f"{engine.adapter}, rays ending more than {LATE} texel late")
     figures = {}
     for kind, (part, bend) in KINDS.items():
-        rays, late, plainly = counted(engine, kind, part, bend, size, side)
+        rays, late, late_by_cells = counted(engine, kind, part, bend, size, side)
         figures |= {
             f"{engine.name}, {kind}, rays": rays,
             f"{engine.name}, {kind}, exact, late": late,
-            f"{engine.name}, {kind}, cell by cell, late": plainly,
+            f"{engine.name}, {kind}, cell by cell, late": late_by_cells,
         }
     store(options.json, figures)
 
@@ -216,7 +218,7 @@ def main() -> None:
 def counted(
     engine: Any, kind: str, part: float, bend: float, size: tuple[int, int], side: int
 ) -> tuple[int, int, int]:
-    """How many rays of a kind there were, how many `exact` ends late, and a walk cell by cell."""
+    """Number of rays of a kind, of those that `exact` ends late, and of those by all cells."""
     total = np.zeros(3, int)
     begun = time.perf_counter()
     for name, heights in maps(side).items():
@@ -225,9 +227,9 @@ def counted(
             baked = Texture([baking.bounds(heights, edge, engine)], edge)
             values = {"seed": Seed(total[0], part, bend), "field": field, "baked": baked}
             counts, worst, early = [], [], []
-            for way in (by_exact, by_cells):
-                planes = engine.run(Program(traced, {ended: way}, edge), values, size)
-                behind, before = apart(planes, heights, edge)
+            for method in (by_exact, by_cells):
+                planes = engine.run(Program(traced, {trace: method}, edge), values, size)
+                behind, before = end_errors(planes, heights, edge)
                 counts.append(int((behind > LATE).sum()))
                 worst.append(float(behind.max()))
                 early.append(before)
@@ -235,7 +237,7 @@ def counted(
             print(
                 f"{kind}, {name:8} {edge:5} {behind.size} rays: "
                 f"exact {counts[0]} (worst {worst[0]:.4f}), cell by cell {counts[1]} "
-                f"(worst {worst[1]:.4f}); before their time {early[0]} and {early[1]}",
+                f"(worst {worst[1]:.4f}); early {early[0]} and {early[1]}",
                 flush=True,
             )
     spent = time.perf_counter() - begun

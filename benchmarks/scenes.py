@@ -1,4 +1,4 @@
-"""What the benchmarks draw, and how they time it: medians of alternating runs."""
+"""Scenes of the benchmarks, and timing by medians of alternating runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from basrelief.rendering.programs import program_of, values_of
 
 
 def plane_scene(maps: int = 1024) -> basrelief.Scene:
-    """A textured plane that fills a picture of 16 : 9: bricks, occlusion mapping 8 to 32 steps."""
+    """A plane of bricks that fills a picture of 16 : 9, by parallax occlusion, 8 to 32 steps."""
     obj = basrelief.Object(
         basrelief.sample("bricks", maps),
         technique="parallax_occlusion",
@@ -31,15 +31,15 @@ def plane_scene(maps: int = 1024) -> basrelief.Scene:
 
 
 def work(scene: basrelief.Scene, size: tuple[int, int], engine: Engine):  # type: ignore[no-untyped-def]
-    """The program of the scene's first object, and its values, baked by an engine."""
+    """Program of the first object of a scene, and its values, baked by an engine."""
     obj = scene.objects[0]
     return program_of(obj, scene), values_of(obj, scene, size, engine)
 
 
 class Seconds(NamedTuple):
-    """Time of a task: by the wall clock, and the processor time of all threads together.
+    """Duration of a task by the wall clock, and the processor time of all its threads.
 
-    Other work on the machine lengthens the first and hardly the second.
+    Other programs on the machine affect the first, and hardly the second.
     """
 
     wall: float

@@ -1,4 +1,4 @@
-"""The headline figures of two of the sources, beside ours.
+"""Published frame rates of two sources, compared with ours.
 
 gamedev: faster than 60 frames a second at 640 × 480 with 4 to 20 samples (a GeForce 8600M GT).
 halliwell: about 450 frames a second with self-shadow and 650 without, at 1600 × 900 (a GTX 670).
@@ -21,7 +21,7 @@ from basrelief.rendering.programs import program_of, values_of
 
 PLANE = basrelief.rotated("x", -90.0) @ basrelief.placed(scale=(4.0, 4.0, 4.0))
 CAMERA = basrelief.Orbit(azimuth=20.0, elevation=40.0, distance=1.6)
-"""The plane fills the whole picture: every pixel pays."""
+"""The plane fills the whole picture."""
 
 
 def gamedev(texels: int = 512) -> basrelief.Scene:
@@ -71,7 +71,7 @@ Cases = Mapping[str, tuple[basrelief.Scene, tuple[int, int]]]
 
 
 def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
-    """The processor, wall and processor seconds a frame, the pixels' planes in memory."""
+    """The processor, and wall and processor seconds per frame, up to the planes in memory."""
     from basrelief.engine.cpu import CpuEngine
 
     engine = CpuEngine()
@@ -86,23 +86,23 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
 
 
 def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, float]]:
-    """The adapter, and seconds a dispatch by timestamps, the frame left on the GPU; no others."""
+    """The adapter, and seconds per dispatch by timestamps, with the frame left on the GPU."""
     from gpu_kernel import RUNS, milliseconds
 
     from basrelief.engine.gpu import GpuEngine
 
-    engine, found = GpuEngine(), {}
+    engine, times = GpuEngine(), {}
     runs = 1 if quick else RUNS
     for name, (scene, size) in cases.items():
         obj = scene.objects[0]
         values = values_of(obj, scene, size, engine)
         with engine.prepare(program_of(obj, scene), values, size) as job:
-            found[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
-    return engine.adapter, found, {}
+            times[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
+    return engine.adapter, times, {}
 
 
 def show(adapter: str, seconds: dict[str, float]) -> dict[str, float]:
-    """Print one line a case, and halliwell's ratio beside his; returns the figures."""
+    """Print a line for each case and the ratio for halliwell; returns the figures."""
     print(adapter)
     for name, each in seconds.items():
         print(f"  {name:32} {each * 1000:9.3f} ms, {1.0 / each:8.0f} frames a second")

@@ -22,27 +22,32 @@ def main() -> None:
     parser = option_parser(__doc__)
     parser.add_argument("--device", default="cpu")
     options = parser.parse_args()
-    texels, how = 512, {}
+    texels, overrides = 512, {}
     if options.quick:
         texels = 64
-        how = {"techniques": ("parallax_occlusion",), "size": (48, 27), "samples": 1, "runs": 1}
+        overrides = {
+            "techniques": ("parallax_occlusion",),
+            "size": (48, 27),
+            "samples": 1,
+            "runs": 1,
+        }
     figures = {}
     for name in ("bricks", "gravel"):
-        found = basrelief.compare(
+        comparison = basrelief.compare(
             basrelief.sample(name, texels),
             angles=ANGLES,
             device=options.device,
             scale=SCALE,
-            **how,
+            **overrides,
         )
-        usual = mean([each.seconds for each in found.of("parallax_occlusion")])
-        print(f"\n{name}, scale {SCALE}, {found.device}\n")
+        usual = mean([each.seconds for each in comparison.of("parallax_occlusion")])
+        print(f"\n{name}, scale {SCALE}, {comparison.device}\n")
         print("| technique | time | reads | missed at 60°, 75°, 85° |", end="")
         print(" uv error at 75°, texels: half, 99 %, worst | FLIP at 75° |")
         print("|---|---|---|---|---|---|")
         rows = []
-        for technique in {each.technique: None for each in found.results}:
-            results = found.of(technique)
+        for technique in {each.technique: None for each in comparison.results}:
+            results = comparison.of(technique)
             time = mean([each.seconds for each in results]) / usual
             missed = ", ".join(f"{100 * each.errors.missed:.3g} %" for each in results)
             at_75 = results[ANGLES.index(75.0)]

@@ -1,9 +1,9 @@
-"""basrelief: parallax mapping, every technique from one texture read up, written once in Python.
+"""basrelief: parallax mapping with every technique, from one texture read to exact hits.
 
     import basrelief
     basrelief.render("materials/rock", technique="relief").save("rock.png")
 
-Names are imported when first used, so that `import basrelief` costs nothing.
+Names are imported on first use, so that `import basrelief` is fast.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from basrelief.measure.errors import Errors
     from basrelief.measure.explain import Explanation, explain
     from basrelief.measure.truth import Truth, truth
-    from basrelief.measure.tune import Tuned, tune
+    from basrelief.measure.tune import TuneResult, tune
     from basrelief.rendering.film import frames, write_film
     from basrelief.rendering.frame import Frame, Image
     from basrelief.rendering.render import render
@@ -53,7 +53,7 @@ _HOMES = {
     "basrelief.measure.debug": ("debug_picture",),
     "basrelief.measure.errors": ("Errors",),
     "basrelief.measure.truth": ("Truth", "truth"),
-    "basrelief.measure.tune": ("Tuned", "tune"),
+    "basrelief.measure.tune": ("TuneResult", "tune"),
     "basrelief.measure.explain": ("Explanation", "explain"),
     "basrelief.rendering.film": ("frames", "write_film"),
     "basrelief.rendering.frame": ("Frame", "Image"),
@@ -99,7 +99,7 @@ __all__ = [
     "SurfaceParameters",
     "Tiling",
     "Truth",
-    "Tuned",
+    "TuneResult",
     "__version__",
     "choose_device",
     "compare",

@@ -1,4 +1,4 @@
-"""What goes wrong because of what the user gave: one line that says what, where and what to do."""
+"""Errors that users can fix: one line with what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Collection
 
 
 class BasreliefError(Exception):
-    """Any error of this library that its user can fix; its text is one line.
+    """Base of the errors that users can fix; the message is one line.
 
-    The command line prints the text and leaves with exit code 2.
+    The command line prints the message and exits with code 2.
     """
 
 
@@ -36,17 +36,19 @@ RENAMED = {
     "air": "fog",
     "shadow_map": "shadow_map_size",
     "turned": "rotated",
+    "Tuned": "TuneResult",
+    "View": "ViewerPage",
 }
 """The new name of each renamed option (with its dashes), keyword, setting, preset key and Python
 name. The old name is refused with a hint to the new one. CHANGELOG.md has the same table."""
 
 
 def new_name(name: str, known: Collection[str]) -> str:
-    """The hint "OLD is now NEW" for a renamed name; "" unless the new name is a known one."""
+    """The hint "OLD is now NEW" for a renamed name; "" unless the new name is known."""
     new = RENAMED.get(name)
     return f"{name} is now {new}" if new in known else ""
 
 
 def suggestion(name: str, known: Collection[str], lead: str = "there are") -> str:
-    """What to write in place of an unknown name: its new name, or else the list of known names."""
+    """Hint for an unknown name: its new name, or the list of known names."""
     return new_name(name, known) or f"{lead} {', '.join(known) or 'none'}"

@@ -1,4 +1,4 @@
-"""Bakes against closed forms and brute force in float64, at odd, single and unequal sides."""
+"""Bakes against closed forms and brute force in float64, at odd, 1-pixel and non-square sizes."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ sizes = st.tuples(st.integers(1, 11), st.integers(1, 11))
 
 
 def rough(shape: tuple[int, int], seed: int) -> np.ndarray:
-    """Heights with flats, spikes and everything between, few of each value."""
+    """Random heights with flat parts and spikes."""
     random = np.random.default_rng(seed)
     heights = random.random(shape) ** random.integers(1, 5)
     return np.where(random.random(shape) < 0.3, 0.25, heights).astype(np.float32)
 
 
 def surface(heights: np.ndarray, x: np.ndarray, y: np.ndarray, edge: str) -> np.ndarray:
-    """The bilinear surface in float64, at places counted in texels from the first centre."""
+    """Bilinear surface in float64, at (x, y) in texels from the first texel centre."""
     rows, columns = heights.shape
     heights = heights.astype(float)
     left, up = np.floor(x), np.floor(y)
@@ -44,13 +44,13 @@ def surface(heights: np.ndarray, x: np.ndarray, y: np.ndarray, edge: str) -> np.
     return top * (1 - b) + (at(left, up + 1) * (1 - a) + at(left + 1, up + 1) * a) * b
 
 
-def sights(heights: np.ndarray, edge: str, k: int, count: int, reach: float, step=1 / 8):
-    """The steepest sight from every texel in a direction, in heights a texel: by brute force."""
+def steepest_slopes(heights: np.ndarray, edge: str, k: int, count: int, reach: float, step=1 / 8):
+    """Largest slope from every texel along a direction, in heights per texel, by brute force."""
     angle = 2 * math.pi * k / count
     dx, dy = round(math.cos(angle), 12), -round(math.sin(angle), 12)
     y, x = np.indices(heights.shape).astype(float)
     best = np.zeros(heights.shape)
-    # the first step stands for the slope at the texel itself; then all walls, and places between
+    # a tiny step for the slope at the texel itself, then all cell walls and points between
     walls = [n / abs(d) for d in (dx, dy) if d for n in range(1, int(reach) + 1)]
     for s in [1e-6, *(w for w in walls if w <= reach), *np.arange(step, reach, step)]:
         rise = surface(heights, x + dx * s, y + dy * s, edge) - heights
@@ -71,12 +71,12 @@ def assert_horizon(
     scale = 0.4
     rise = scale * heights.shape[1]
     stored = baking.horizon_map(heights, edge, scale, count, device)[:, :, k] / MOST
-    wanted = sights(heights, edge, k, count, reach)
-    least = sine(np.maximum(wanted - 1e-6, 0) * rise)
+    expected = steepest_slopes(heights, edge, k, count, reach)
+    least = sine(np.maximum(expected - 1e-6, 0) * rise)
     assert (stored >= least).all(), f"too low by {(least - stored).max()}"
-    # brute force in steps is below the truth where a parabola peaks; a cut line adds what it may
+    # brute force misses the peaks of parabolas; a truncated line may add what could rise beyond
     far = (heights.max() - heights) / reach
-    most = sine(np.maximum(wanted * 1.03 + 2e-3, far) * rise) + 2 / MOST
+    most = sine(np.maximum(expected * 1.03 + 2e-3, far) * rise) + 2 / MOST
     assert (stored <= most).all(), f"too high by {(stored - most).max()}"
 
 
@@ -100,25 +100,25 @@ def test_horizons_of_a_gpu_are_never_too_low(shape, edge, k, seed) -> None:
 
 @settings(max_examples=10)
 @given(sizes, st.sampled_from(EDGES), st.integers(0, 11), st.integers(0, 1000))
-def test_horizons_in_slanted_directions_are_never_too_low(shape, edge, k, seed) -> None:
+def test_horizons_in_oblique_directions_are_never_too_low(shape, edge, k, seed) -> None:
     assert_horizon(rough(shape, seed), edge, 12, k, 8.0 * max(shape))
 
 
 @pytest.mark.parametrize("edge", EDGES)
 @pytest.mark.parametrize("k", [0, 3, 6])
-def test_blocks_that_are_passed_over_hide_nothing(edge: str, k: int) -> None:
-    """Single posts on a map of more than one large block, its sides no multiple of any."""
+def test_skipped_blocks_hide_nothing(edge: str, k: int) -> None:
+    """Posts on a map of several large blocks, with sides that are not multiples of a block."""
     heights = rough((71, 133), 5) * np.float32(0.1)
     random = np.random.default_rng(9)
     heights[random.integers(0, 71, 9), random.integers(0, 133, 9)] = random.random(9)
     rise = 0.4 * 133
     stored = baking.horizon_map(heights, edge, 0.4)[:, :, k] / MOST
-    wanted = sights(heights, edge, k, 8, 290.0, step=1000.0)
-    assert (stored >= sine(np.maximum(wanted - 1e-6, 0) * rise)).all()
+    expected = steepest_slopes(heights, edge, k, 8, 290.0, step=1000.0)
+    assert (stored >= sine(np.maximum(expected - 1e-6, 0) * rise)).all()
 
 
-def test_a_wall_stands_at_its_angle() -> None:
-    """atan(height · scale ÷ distance), towards the wall alone; green up: north is direction 2."""
+def test_the_horizon_of_a_wall() -> None:
+    """atan(height · scale ÷ distance) towards the wall, 0 away from it; direction 2 is up."""
     rows, columns, scale, wall = 32, 48, 0.2, 20
     heights = np.zeros((rows, columns), np.float32)
     heights[:, wall] = 0.75
@@ -138,7 +138,7 @@ def test_a_wall_stands_at_its_angle() -> None:
 
 
 @pytest.mark.parametrize("edge", EDGES)
-def test_what_is_flat_has_no_horizon_and_all_the_sky(edge: str) -> None:
+def test_flat_heights_have_no_horizon_and_no_occlusion(edge: str) -> None:
     for shape in ((1, 1), (3, 70), (7, 1)):
         flat = np.full(shape, 0.3, np.float32)
         assert (baking.horizon_map(flat, edge, 0.5, 12) == 0).all()
@@ -146,7 +146,7 @@ def test_what_is_flat_has_no_horizon_and_all_the_sky(edge: str) -> None:
         assert (baking.normal_map(flat, edge, 0.5) == [0, 0, 1]).all()
 
 
-def test_a_ramp_stands_at_its_own_slope() -> None:
+def test_the_horizon_of_a_ramp() -> None:
     ramp = np.repeat(np.linspace(0, 1, 40, dtype=np.float32)[None], 9, 0)
     made = baking.horizon_map(ramp, "clamp", 0.25)
     slope = 0.25 * 40 / 39
@@ -154,7 +154,7 @@ def test_a_ramp_stands_at_its_own_slope() -> None:
     assert (made[:, :, 4] == 0).all()
 
 
-# --- the light of the sky -------------------------------------------------------------------------
+# --- ambient occlusion -------------------------------------------------------------------------
 
 
 def disc(side: int, radius: float) -> np.ndarray:
@@ -162,33 +162,33 @@ def disc(side: int, radius: float) -> np.ndarray:
     return np.hypot(x, y) / radius
 
 
-def test_the_middle_of_a_round_pit_sees_what_its_rim_leaves() -> None:
-    """cos² of the rim's elevation."""
+def test_occlusion_in_the_middle_of_a_round_pit() -> None:
+    """cos² of the elevation of the rim."""
     side, radius, scale = 81, 30.0, 0.25
     heights = (disc(side, radius) >= 1).astype(np.float32)
-    seen = baking.ambient_occlusion(heights, "clamp", scale, 64)[side // 2, side // 2]
+    occlusion = baking.ambient_occlusion(heights, "clamp", scale, 64)[side // 2, side // 2]
     depth = scale * side
-    assert seen == pytest.approx(radius**2 / (radius**2 + depth**2), abs=0.015)
+    assert occlusion == pytest.approx(radius**2 / (radius**2 + depth**2), abs=0.015)
 
 
-def test_within_a_bowl_that_is_a_part_of_a_sphere_all_see_as_much() -> None:
-    """1 − depth ÷ 2 R, wherever on it: as much of the sphere is missing from every point."""
+def test_occlusion_is_constant_in_a_spherical_bowl() -> None:
+    """1 − depth ÷ 2R at every point of a bowl in a sphere of radius R."""
     side, rim, depth = 121, 50.0, 20.0
     sphere = (rim**2 + depth**2) / (2 * depth)
     away = np.minimum(disc(side, 1.0), rim)
     raised = depth - sphere + (sphere - np.sqrt(sphere**2 - away**2))
     heights = ((raised - raised.min()) / np.ptp(raised)).astype(np.float32)
-    seen = baking.ambient_occlusion(heights, "clamp", depth / side, 32)
+    occlusion = baking.ambient_occlusion(heights, "clamp", depth / side, 32)
     inside = disc(side, rim) < 0.8
-    np.testing.assert_allclose(seen[inside], 1 - depth / (2 * sphere), atol=0.015)
+    np.testing.assert_allclose(occlusion[inside], 1 - depth / (2 * sphere), atol=0.015)
 
 
-def test_a_slope_sees_less_of_the_sky() -> None:
-    """(1 + cos) ÷ 2 of an endless slope: far from the ends of a long ramp."""
+def test_occlusion_of_a_slope() -> None:
+    """(1 + cos) ÷ 2 for an infinite slope: in the middle of a long ramp."""
     ramp = np.repeat(np.linspace(0, 1, 200, dtype=np.float32)[None], 3, 0)
-    seen = baking.ambient_occlusion(ramp, "clamp", 0.5, 64)[1, 100]
+    occlusion = baking.ambient_occlusion(ramp, "clamp", 0.5, 64)[1, 100]
     tilt = math.atan(0.5 * 200 / 199)
-    assert seen == pytest.approx((1 + math.cos(tilt)) / 2, abs=0.005)
+    assert occlusion == pytest.approx((1 + math.cos(tilt)) / 2, abs=0.005)
 
 
 # --- normals and heights --------------------------------------------------------------------------
@@ -198,44 +198,44 @@ def test_a_slope_sees_less_of_the_sky() -> None:
 @given(sizes, st.sampled_from(EDGES), st.integers(0, 1000))
 def test_heights_from_normals_give_these_normals(shape, edge, seed) -> None:
     normals = baking.normal_map(rough(shape, seed), edge, 0.1)
-    found = baking.height_map(normals, edge)
-    again = baking.normal_map(found.heights, edge, found.scale)
+    integrated = baking.height_map(normals, edge)
+    again = baking.normal_map(integrated.heights, edge, integrated.scale)
     np.testing.assert_allclose(again, normals, atol=3e-3)
-    assert found.residual < 0.2
+    assert integrated.residual < 0.2
 
 
 @pytest.mark.parametrize("edge", EDGES)
 def test_heights_come_back_from_their_normals(edge: str) -> None:
     gravel = sample("gravel", (96, 128))
     heights = gravel.height.linear()[:, :, 0]
-    found = baking.height_map(baking.normal_map(heights, edge, gravel.scale), edge)
-    reach = float(np.ptp(heights))
-    wanted = (heights - heights.min()) / reach
-    assert found.scale == pytest.approx(gravel.scale * reach, rel=0.01)
-    np.testing.assert_allclose(found.heights, wanted, atol=0.01)
+    integrated = baking.height_map(baking.normal_map(heights, edge, gravel.scale), edge)
+    height_range = float(np.ptp(heights))
+    expected = (heights - heights.min()) / height_range
+    assert integrated.scale == pytest.approx(gravel.scale * height_range, rel=0.01)
+    np.testing.assert_allclose(integrated.heights, expected, atol=0.01)
 
 
-def test_a_swirl_is_no_height_map_and_the_residual_says_so() -> None:
+def test_the_residual_of_a_swirl() -> None:
     y, x = (np.indices((32, 48)) - 16) / 32
     swirl = np.stack([y, x, np.ones_like(x)], -1)
-    found = baking.height_map(swirl / np.linalg.norm(swirl, axis=2)[..., None], "clamp")
-    assert found.residual > 5
-    assert found.heights.shape == (32, 48)
+    integrated = baking.height_map(swirl / np.linalg.norm(swirl, axis=2)[..., None], "clamp")
+    assert integrated.residual > 5
+    assert integrated.heights.shape == (32, 48)
 
 
 def test_flat_normals_give_flat_heights() -> None:
-    found = baking.height_map(np.broadcast_to(np.float32([0, 0, 1]), (5, 3, 3)), "wrap")
-    assert (found.heights == 0).all()
-    assert (found.scale, found.residual) == (0.0, 0.0)
+    integrated = baking.height_map(np.broadcast_to(np.float32([0, 0, 1]), (5, 3, 3)), "wrap")
+    assert (integrated.heights == 0).all()
+    assert (integrated.scale, integrated.residual) == (0.0, 0.0)
 
 
-def test_the_scans_own_heights_come_from_its_normals(rock058: Path) -> None:
+def test_the_normals_of_a_scan_give_its_heights(rock058: Path) -> None:
     import basrelief
 
     rock = basrelief.load(rock058)
-    found = baking.height_map(rock.normal.linear() * 2 - 1, "wrap")
+    integrated = baking.height_map(rock.normal.linear() * 2 - 1, "wrap")
     heights = rock.height.linear()[:, :, 0]
-    assert np.corrcoef(found.heights.ravel(), heights.ravel())[0, 1] > 0.97
+    assert np.corrcoef(integrated.heights.ravel(), heights.ravel())[0, 1] > 0.97
 
 
 # --- both engines, and bad input ------------------------------------------------------------------
@@ -246,18 +246,18 @@ def test_the_scans_own_heights_come_from_its_normals(rock058: Path) -> None:
 def test_engines_bake_alike(edge: str) -> None:
     heights = sample("gravel", (40, 72)).height.linear()[:, :, 0]
     gpu = choose_device("gpu")
-    apart = baking.normal_map(heights, edge, 0.1) - baking.normal_map(heights, edge, 0.1, gpu)
-    assert np.abs(apart).max() < 1e-6
+    difference = baking.normal_map(heights, edge, 0.1) - baking.normal_map(heights, edge, 0.1, gpu)
+    assert np.abs(difference).max() < 1e-6
     ours = baking.horizon_map(heights, edge, 0.1).astype(int)
     assert np.abs(ours - baking.horizon_map(heights, edge, 0.1, 8, gpu)).max() <= 2
-    seen = baking.ambient_occlusion(heights, edge, 0.1)
+    occlusion = baking.ambient_occlusion(heights, edge, 0.1)
     np.testing.assert_allclose(
-        baking.ambient_occlusion(heights, edge, 0.1, 16, gpu), seen, atol=1e-4
+        baking.ambient_occlusion(heights, edge, 0.1, 16, gpu), occlusion, atol=1e-4
     )
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         ((np.zeros((2, 2, 1)), "wrap", 0.1), "rows, columns"),
         ((np.zeros((0, 2)), "wrap", 0.1), "rows, columns"),
@@ -268,19 +268,19 @@ def test_engines_bake_alike(edge: str) -> None:
         ((np.zeros((2, 2)), "wrap", math.inf), "not inf"),
     ],
 )
-@pytest.mark.parametrize("made", [baking.normal_map, baking.horizon_map, baking.ambient_occlusion])
-def test_what_cannot_be_baked(made, arguments, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        made(*arguments)
+@pytest.mark.parametrize("bake", [baking.normal_map, baking.horizon_map, baking.ambient_occlusion])
+def test_invalid_arguments_are_refused(bake, arguments, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        bake(*arguments)
 
 
-def test_what_are_no_normals() -> None:
-    for normals, edge, said in (
+def test_invalid_normals_are_refused() -> None:
+    for normals, edge, message in (
         (np.zeros((2, 2)), "wrap", "rows, columns, 3"),
         (np.full((2, 2, 3), np.inf), "wrap", "infinite"),
         (np.zeros((2, 2, 3)), "clip", "not clip"),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             baking.height_map(normals, edge)
     with pytest.raises(InputError, match="at least one direction"):
         baking.horizon_map(np.zeros((2, 2)), "wrap", 0.1, 0)

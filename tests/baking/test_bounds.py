@@ -1,4 +1,4 @@
-"""The bounds of `exact`: nothing rises above a record, at any size, bit depth and edge."""
+"""Bounds of `exact`: no height lies above a record, at any size, bit depth and edge."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from basrelief.techniques.exact_records import (
     FAR_3,
     FAR_4,
     FAR_BLOCK,
-    HIGHEST,
-    LOWEST,
+    MAX_ROOM,
+    MAX_SLOPE,
+    MIN_ROOM,
     PLANE,
-    STEEPEST,
     WINDOW,
 )
 
@@ -33,56 +33,58 @@ def heights_of(rows: int, columns: int, levels: int, seed: int) -> np.ndarray:
 
 
 def ahead(heights: np.ndarray, edge: str, block: tuple[int, int], side: int, cells: int, back):
-    """The heights of the window of a block, v then u, from the block's back corner on."""
+    """Heights in the window of a block, (v, u), from its back corner on."""
     places = []
-    for number, count, turned in zip(block, heights.shape, back, strict=True):
+    for number, count, reversed_ in zip(block, heights.shape, back, strict=True):
         steps = np.arange(cells + 1)
-        along = (number + 1) * side - steps if turned else number * side + steps
+        along = (number + 1) * side - steps if reversed_ else number * side + steps
         places.append(along % count if edge == "wrap" else np.clip(along, 0, count - 1))
     return heights[np.ix_(*places)]
 
 
-def parts(made: np.ndarray, shape: tuple[int, int]):
-    """The near and the far records, by quadrant: (v back, u back) -> (rows, columns, 4)."""
-    found = []
+def split_records(table: np.ndarray, shape: tuple[int, int]):
+    """Near and far records by quadrant: (v backwards, u backwards) → (rows, columns, 4)."""
+    records = []
     top = 0
     for side in (BLOCK, FAR_BLOCK):
         rows, columns = (-(-n // side) for n in shape)
-        found.append(
+        records.append(
             {
-                (v, u): made[top + v * rows : top + (v + 1) * rows, u * columns : (u + 1) * columns]
+                (v, u): table[
+                    top + v * rows : top + (v + 1) * rows, u * columns : (u + 1) * columns
+                ]
                 for v in (0, 1)
                 for u in (0, 1)
             }
         )
         top += 2 * rows
-    assert made.shape[0] == top
-    return found
+    assert table.shape[0] == top
+    return records
 
 
 def assert_near_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None:
-    """No height ahead of a block lies above its plane or its window."""
+    """Check that no height ahead of a block is above its plane or its window."""
     heights = heights_of(rows, columns, levels, seed)
-    near, _ = parts(baking.bounds(heights, edge, device), heights.shape)
+    near, _ = split_records(baking.bounds(heights, edge, device), heights.shape)
     for back, records in near.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         room, *codes, window = records[block].astype(np.float32) / np.float32(65535)
         highest = ahead(heights, edge, block, BLOCK, WINDOW, back).max()
         assert 1.0 - window - 4 / 65535 <= highest <= 1.0 - window
         below = ahead(heights, edge, block, BLOCK, PLANE, back).astype(float)
-        slope_u, slope_v = ((float(code) * 2 - 1) * STEEPEST for code in codes)
+        slope_u, slope_v = ((float(code) * 2 - 1) * MAX_SLOPE for code in codes)
         away = np.arange(PLANE + 1)
-        corner = 1.0 - (LOWEST + float(room) * (HIGHEST - LOWEST))
+        corner = 1.0 - (MIN_ROOM + float(room) * (MAX_ROOM - MIN_ROOM))
         plane = corner + slope_u * away[None, :] + slope_v * away[:, None]
         assert (below <= plane).all()
-        # nor is it higher than it must be
+        # and the plane is tight
         assert (plane - below).min() < 0.003
 
 
 def assert_far_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None:
-    """No height ahead of a block lies above its windows."""
+    """Check that no height ahead of a block is above its windows."""
     heights = heights_of(rows, columns, levels, seed) * np.float32(0.7)
-    _, far = parts(baking.bounds(heights, edge, device), heights.shape)
+    _, far = split_records(baking.bounds(heights, edge, device), heights.shape)
     for back, records in far.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
         for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
@@ -127,34 +129,34 @@ def test_records_are_on_the_safe_side_on_a_gpu(rows, columns, edge, levels, seed
 
 @pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
 @pytest.mark.parametrize("shape", [(37, 53), (1, 40), (16, 9)])
-def test_the_table_of_all_levels_is_that_of_each(shape, device) -> None:
-    """One below the other, so that what holds of a map holds of its lower levels."""
+def test_the_table_of_all_levels_contains_that_of_each(shape, device) -> None:
+    """One below the other."""
     heights = heights_of(*shape, 65535, 4)
     whole = baking.bounds(heights, "wrap", device, all_levels=True)
     row = 0
     for level in levels_of(heights):
-        wanted = baking.bounds(level, "wrap", device)
-        part = whole[row : row + len(wanted)]
-        np.testing.assert_array_equal(part[:, : wanted.shape[1]], wanted)
-        assert not part[:, wanted.shape[1] :].any()
-        row += len(wanted)
+        expected = baking.bounds(level, "wrap", device)
+        part = whole[row : row + len(expected)]
+        np.testing.assert_array_equal(part[:, : expected.shape[1]], expected)
+        assert not part[:, expected.shape[1] :].any()
+        row += len(expected)
     assert row == len(whole)
 
 
 def test_a_plane_is_its_own_bound() -> None:
-    """A ramp's slopes are those of the records, for each way to go."""
+    """The records of a ramp have its slope, in each quadrant."""
     heights = np.broadcast_to(np.linspace(0.2, 0.8, 33, dtype=np.float32), (16, 33)).copy()
-    near, _ = parts(baking.bounds(heights, "clamp"), heights.shape)
+    near, _ = split_records(baking.bounds(heights, "clamp"), heights.shape)
     for (_, u), records in near.items():
         inner = records[2:-3, 3:-4].astype(float)
-        slope = (inner[..., 1] / 65535 * 2 - 1) * STEEPEST
+        slope = (inner[..., 1] / 65535 * 2 - 1) * MAX_SLOPE
         np.testing.assert_allclose(slope, (-1 if u else 1) * 0.6 / 32, atol=1e-5)
-        np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * STEEPEST, 0.0, atol=1e-5)
+        np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * MAX_SLOPE, 0.0, atol=1e-5)
 
 
-def test_a_map_with_nothing_in_it_leaves_all_room() -> None:
-    made = baking.bounds(np.zeros((5, 7), np.float32), "wrap")
-    near, far = parts(made, (5, 7))
+def test_an_empty_map_has_full_room() -> None:
+    table = baking.bounds(np.zeros((5, 7), np.float32), "wrap")
+    near, far = split_records(table, (5, 7))
     for records in near.values():
         assert (records[..., 3] >= 65534).all()
     for records in far.values():
@@ -164,7 +166,7 @@ def test_a_map_with_nothing_in_it_leaves_all_room() -> None:
 @pytest.mark.gpu
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_engines_bake_alike(edge) -> None:
-    """To one step of 65535: what rounds the other way on the other engine is safe on both."""
+    """Up to one code, as engines may round to neighbouring codes, both of them safe."""
     heights = heights_of(37, 53, 65535, 1)
     cpu, gpu = (baking.bounds(heights, edge, choose_device(name)) for name in ("cpu", "gpu"))
     np.testing.assert_allclose(cpu.astype(int), gpu.astype(int), atol=1)

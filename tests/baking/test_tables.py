@@ -1,4 +1,4 @@
-"""Declared bakes: a function runs each, by the passes it names, and all who list bakes agree."""
+"""Declared bakes: a function runs the passes of each, and all lists of bakes agree."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from basrelief.material import Material
 from basrelief.scene import Object
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Bake, Technique, exact, technique
 from helpers.engines import RecordingEngine
-from helpers.made_up import map_of
+from helpers.synthetic import map_of
 
 HEIGHTS = np.random.default_rng(5).random((37, 53)).astype(np.float32)
 CPU = choose_device("cpu")
@@ -39,24 +39,24 @@ def test_a_declaration_names_the_passes_that_run(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BAKES)
-def test_tables_are_what_the_functions_give(name: str) -> None:
-    made = table(BAKES[name], HEIGHTS, "clamp", CPU)
-    np.testing.assert_array_equal(made, bake_function(BAKES[name])(HEIGHTS, "clamp"))
+def test_tables_equal_the_results_of_the_functions(name: str) -> None:
+    result = table(BAKES[name], HEIGHTS, "clamp", CPU)
+    np.testing.assert_array_equal(result, bake_function(BAKES[name])(HEIGHTS, "clamp"))
     if BAKES[name].all_levels:
         whole = table(BAKES[name], HEIGHTS, "clamp", CPU, all_levels=True)
-        np.testing.assert_array_equal(whole[: len(made)], made)
-        assert len(whole) > len(made)
+        np.testing.assert_array_equal(whole[: len(result)], result)
+        assert len(whole) > len(result)
 
 
 @pytest.mark.parametrize("name", BAKES)
-def test_the_command_line_has_an_option_for_it(name: str) -> None:
+def test_the_command_line_has_an_option_for_each(name: str) -> None:
     option = OPTIONS[name.removesuffix("_map")]
     assert option.help == TABLES[name][1]
-    made = option.make(
+    result = option.make(
         BakeInput(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8)
     )
-    assert set(made.files) == {name.removesuffix("_map")}
-    np.testing.assert_array_equal(*made.files.values(), table(BAKES[name], HEIGHTS, "wrap", CPU))
+    assert set(result.files) == {name.removesuffix("_map")}
+    np.testing.assert_array_equal(*result.files.values(), table(BAKES[name], HEIGHTS, "wrap", CPU))
 
 
 def test_a_technique_reads_lower_levels_where_its_bake_covers_them() -> None:
@@ -69,16 +69,16 @@ def test_a_technique_reads_lower_levels_where_its_bake_covers_them() -> None:
     assert with_bake(None).takes_heights == ("sharp", "smooth", "mip")
 
 
-# --- what nothing runs ----------------------------------------------------------------------------
+# --- invalid declarations -------------------------------------------------------------------------
 
 
-def test_a_bake_by_its_name_is_refused_where_it_is_written() -> None:
+def test_the_name_of_a_bake_is_refused_in_a_declaration() -> None:
     with pytest.raises(TypeError, match=r"bake is 'cone_map'.*CONE_MAP of basrelief\.techniques"):
         technique(bake="cone_map")  # type: ignore[arg-type]
 
 
-def test_a_bake_that_no_function_runs_is_refused_before_anything_is_drawn() -> None:
-    """By the declaration itself: another of the same name is another bake."""
+def test_a_bake_without_a_function_is_refused_before_drawing() -> None:
+    """Also if its name is that of another bake."""
     material = Material("bumps", height=map_of(HEIGHTS))
     mine = technique(bake=Bake("cone_map", CONE_MAP.programs))(exact.function)
     with pytest.raises(InputError, match=r"exact: .* the bake cone_map .*import BOUNDS, CONE_MAP"):
@@ -96,21 +96,21 @@ BANDED = {
 
 
 @pytest.mark.parametrize("name", BANDED)
-def test_a_gpu_is_given_few_texels_at_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drivers stop programs that run for seconds. Bands change nothing, and a CPU has none."""
-    monkeypatch.setattr(passes, "AT_ONCE", 400)
+def test_a_gpu_runs_bands_of_rows(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bands change no result, and a CPU has none."""
+    monkeypatch.setattr(passes, "MAX_TEXELS", 400)
     gpu, other = RecordingEngine("gpu"), RecordingEngine("cpu")
-    made, whole = BANDED[name](gpu), BANDED[name](other)
-    np.testing.assert_array_equal(made, whole)
+    result, whole = BANDED[name](gpu), BANDED[name](other)
+    np.testing.assert_array_equal(result, whole)
     assert max(gpu.texels) <= 400
     assert len(other.texels) < len(gpu.texels)
     assert sum(gpu.texels) == sum(other.texels)
 
 
-def test_the_more_directions_the_fewer_texels(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of occlusion, which goes all ways from each texel."""
-    monkeypatch.setattr(passes, "AT_ONCE", 1600)
+def test_more_directions_make_smaller_bands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For ambient occlusion, which follows all directions from each texel."""
+    monkeypatch.setattr(passes, "MAX_TEXELS", 1600)
     gpu = RecordingEngine("gpu")
-    made = ambient_occlusion(HEIGHTS, "wrap", 0.1, 16, gpu)
-    np.testing.assert_array_equal(made, ambient_occlusion(HEIGHTS, "wrap", 0.1, 16))
+    result = ambient_occlusion(HEIGHTS, "wrap", 0.1, 16, gpu)
+    np.testing.assert_array_equal(result, ambient_occlusion(HEIGHTS, "wrap", 0.1, 16))
     assert max(gpu.texels) <= 100

@@ -1,4 +1,4 @@
-"""What people write on the command line becomes a value, or one line that says what is wrong."""
+"""Text of the command line becomes a value, or an error of one line."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def refused(make: Callable[[], Any]) -> str:
     return message
 
 
-# --- pieces of text -------------------------------------------------------------------------------
+# --- simple values --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("text", ["1280x720", "1280×720", "1280,720", " 1280 x 720 "])
@@ -71,9 +71,9 @@ def test_no_sizes(text: str) -> None:
     assert message == f"--size {text}: write width x height, for example 1280x720"
 
 
-@pytest.mark.parametrize(("text", "wanted"), [("1", 1.0), ("-2.5e-1", -0.25), (" 3 ", 3.0)])
-def test_numbers(text: str, wanted: float) -> None:
-    assert arguments.number(text, "it") == wanted
+@pytest.mark.parametrize(("text", "expected"), [("1", 1.0), ("-2.5e-1", -0.25), (" 3 ", 3.0)])
+def test_numbers(text: str, expected: float) -> None:
+    assert arguments.number(text, "it") == expected
 
 
 @pytest.mark.parametrize("text", ["", "one", "1,2", "1/2", "0x10", "--1"])
@@ -91,14 +91,16 @@ def test_values_are_one_or_several() -> None:
     assert arguments.value("1,2/3", "it") == (1.0, 2.0, 3.0)
     assert arguments.vector("1/2,3", "it") == (1.0, 2.0, 3.0)
     for text in ("1", "1/2", "1/2/3/4"):
-        assert "write three numbers, as 1/2/3" in refused(lambda t=text: arguments.vector(t, "it"))
+        assert "write three numbers, for example 1/2/3" in refused(
+            lambda t=text: arguments.vector(t, "it")
+        )
 
 
 def test_names_and_values() -> None:
-    assert arguments.named("max-steps = 3", "--set") == ("max_steps", "3")
-    assert arguments.named("a=b=c", "--set") == ("a", "b=c")
+    assert arguments.name_and_value("max-steps = 3", "--set") == ("max_steps", "3")
+    assert arguments.name_and_value("a=b=c", "--set") == ("a", "b=c")
     for text in ("", "a", "a=", "=3", "a= "):
-        assert refused(lambda t=text: arguments.named(t, "--set")) == (
+        assert refused(lambda t=text: arguments.name_and_value(t, "--set")) == (
             f"--set {text}: write NAME=VALUE"
         )
 
@@ -107,7 +109,7 @@ def test_pairs() -> None:
     assert arguments.pair("2x3", "--tiling") == (2.0, 3.0)
     assert arguments.pair("-0.5,1", "--shift") == (-0.5, 1.0)
     assert arguments.pair("4", "--tiling") == (4.0, 4.0)
-    assert "write one number, or two" in refused(lambda: arguments.pair("1x2x3", "--tiling"))
+    assert "write one number, or two, for" in refused(lambda: arguments.pair("1x2x3", "--tiling"))
 
 
 def test_colors() -> None:
@@ -115,7 +117,7 @@ def test_colors() -> None:
     assert arguments.color("0.5", "--background") == (0.5, 0.5, 0.5)
     assert arguments.color(" none", "--background") is None
     for text in ("1,2", "1,2,3,4", "0.1,-0.1,0.1"):
-        assert "write one number, three, or none" in refused(
+        assert "write one or three numbers" in refused(
             lambda t=text: arguments.color(t, "--background")
         )
 
@@ -135,20 +137,26 @@ def test_cameras() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "--camera : write NAME=VALUE"),
         ("30", "--camera 30: write NAME=VALUE"),
-        ("azimut=3", "--camera: there is no number azimut; there are azimuth, elevation, distance"),
-        ("position=1/1/1,azimuth=3", "there is no number azimuth; there are position, target, up"),
+        (
+            "azimut=3",
+            "--camera: there is no parameter azimut; there are azimuth, elevation, distance",
+        ),
+        (
+            "position=1/1/1,azimuth=3",
+            "there is no parameter azimuth; there are position, target, up",
+        ),
         ("azimuth=left", "--camera: azimuth left: write a number"),
         ("azimuth=1/2", "--camera: azimuth 1/2: write a number"),
-        ("target=0", "--camera: target 0: write three numbers, as 1/2/3"),
+        ("target=0", "--camera: target 0: write three numbers, for example 1/2/3"),
         ("target=1,2,3", "--camera: target 1: write three numbers"),
     ],
 )
-def test_no_cameras(text: str, told: str) -> None:
-    assert told in refused(lambda: arguments.camera_from(text))
+def test_no_cameras(text: str, message: str) -> None:
+    assert message in refused(lambda: arguments.camera_from(text))
 
 
 def test_lights() -> None:
@@ -163,49 +171,52 @@ def test_lights() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "--light : begin with directional, point, spot"),
         ("lamp,position=1/2/3", "begin with directional, point, spot"),
-        ("point", "--light point: give it a position, for example position=1/2/1"),
+        ("point", "--light point: add a position, for example position=1/2/1"),
         ("point,position=1", "--light point: position 1: write three numbers"),
-        ("point,position=1/2/3,angle=3", "--light point: there is no number angle; there are pos"),
+        (
+            "point,position=1/2/3,angle=3",
+            "--light point: there is no parameter angle; there are pos",
+        ),
         ("point,position=1/2/3,intensity=1/2", "--light point: intensity 1/2: write a number"),
         ("point,position=1/2/3,color=1", "--light point: color 1: write three numbers"),
-        ("spot,position=0/0/0", "a light needs finite numbers, and a direction of some length"),
+        ("spot,position=0/0/0", "a light needs finite numbers and a direction that is not zero"),
         ("spot,position=0/1/0,angle=190", "a spot of angle 190"),
         ("directional,azimuth=inf", "--light directional: azimuth inf: write a finite number"),
     ],
 )
-def test_no_lights(text: str, told: str) -> None:
-    assert told in refused(lambda: arguments.light_from(text))
+def test_no_lights(text: str, message: str) -> None:
+    assert message in refused(lambda: arguments.light_from(text))
 
 
-# --- the whole ------------------------------------------------------------------------------------
+# --- scenes ---------------------------------------------------------------------------------------
 
 
-def test_a_scene_of_nothing_said_is_the_default() -> None:
-    made, wanted = scene(), Scene((Object(bumpy()),))
-    assert made.objects[0].technique is relief
+def test_a_scene_without_options_is_the_default() -> None:
+    parsed, default = scene(), Scene((Object(bumpy()),))
+    assert parsed.objects[0].technique is relief
     for name in ("camera", "lights", "shading", "shading_model", "background"):
-        assert getattr(made, name) == getattr(wanted, name)
+        assert getattr(parsed, name) == getattr(default, name)
     for name in (
         "settings", "scale", "reference_height", "projection", "bias", "edge", "tiling", "shift",
     ):  # fmt: skip
-        assert getattr(made.objects[0], name) == getattr(wanted.objects[0], name)
+        assert getattr(parsed.objects[0], name) == getattr(default.objects[0], name)
 
 
-def test_settings_find_their_home() -> None:
+def test_settings_go_to_their_records() -> None:
     texts = ["max-steps=9", "roughness=0.5", "base_color=0.1/0.2/0.3", "ambient=0.4", "bias=0.2"]
-    made = scene(settings=texts, technique="relief")
-    obj = made.objects[0]
+    parsed = scene(settings=texts, technique="relief")
+    obj = parsed.objects[0]
     assert obj.settings == replace(relief.settings(), max_steps=9)
     assert obj.surface_parameters == SurfaceParameters(
         base_color=Vec3(0.1, 0.2, 0.3), roughness=0.5
     )
-    assert made.shading.ambient == Vec3(0.4)
+    assert parsed.shading.ambient == Vec3(0.4)
     assert obj.bias == 0.2
-    # what is said last holds
+    # the last one wins
     assert scene(settings=["bias=1", "bias=2"]).objects[0].bias == 2.0
 
 
@@ -217,7 +228,7 @@ def test_places_and_sizes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("texts", "told"),
+    ("texts", "message"),
     [
         ({"settings": ["steps"]}, "--set steps: write NAME=VALUE"),
         ({"settings": ["step=3"]}, "--set step: there is no such setting here; there are min_step"),
@@ -267,24 +278,33 @@ def test_places_and_sizes() -> None:
         ({"layer": "sample:grid", "layer_shift": "far"}, "--layer-shift far: write a number"),
         ({"add": ["torus"]}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
         ({"add": ["box,big"]}, "--add box big: write NAME=VALUE"),
-        ({"add": ["box,radius=1"]}, "--add box: there is no radius; there are position, size, tu"),
-        ({"add": ["box,position=1"]}, "--add box: position 1: write three numbers, as 1/2/3"),
-        ({"add": ["box,size=1/2"]}, "--add box: size 1/2: write one number, or three as 1/2/3"),
+        ({"add": ["box,radius=1"]}, "--add box: there is no parameter radius; there are posit"),
+        (
+            {"add": ["box,position=1"]},
+            "--add box: position 1: write three numbers, for example 1/2/3",
+        ),
+        (
+            {"add": ["box,size=1/2"]},
+            "--add box: size 1/2: write one number, or three, for example 1/2/3",
+        ),
         ({"add": ["box,size=0"]}, "size 0: write numbers above 0"),
-        ({"add": ["box,turn=30"]}, "--add box: turn 30: write an axis and degrees, as x/30"),
+        (
+            {"add": ["box,turn=30"]},
+            "--add box: turn 30: write an axis and degrees, for example x/30",
+        ),
         ({"add": ["box,turn=x/far"]}, "--add box: turn far: write a number"),
         ({"add": ["box,color=1/2"]}, "base_color is one number, or 3 of them"),
         ({"add": ["box,technique=relief"]}, "plain has no height map, which relief needs"),
         ({"add": ["box,material=sample:x"]}, "there is no sample 'x'"),
     ],
 )
-def test_no_scenes(texts: dict[str, Any], told: str) -> None:
-    assert told in refused(lambda: scene(**texts))
+def test_no_scenes(texts: dict[str, Any], message: str) -> None:
+    assert message in refused(lambda: scene(**texts))
 
 
 def test_further_objects() -> None:
-    made = scene(add=["plane,position=0/1/0,tiling=2x3,shift=0.5,casts=none", "sphere,turn=z/90"])
-    first, lying, ball = made.objects
+    parsed = scene(add=["plane,position=0/1/0,tiling=2x3,shift=0.5,casts=none", "sphere,turn=z/90"])
+    first, lying, ball = parsed.objects
     assert first.shape == "plane"
     assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
     assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
@@ -292,44 +312,48 @@ def test_further_objects() -> None:
     (_, lifted) = scene(
         add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
     ).objects
-    assert (lifted.drawn_with, lifted.relief_reference_height, lifted.bias) == (relief, 0.5, 0.2)
+    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (
+        relief,
+        0.5,
+        0.2,
+    )
 
 
-def test_layers_lie_as_they_are_told_to() -> None:
-    lies = scene(layer="sample:grid").objects[0].layer.tiling
-    assert lies == Tiling((10.0, 10.0))
+def test_tilings_of_layers_and_single_maps() -> None:
+    tiling = scene(layer="sample:grid").objects[0].layer.tiling
+    assert tiling == Tiling((10.0, 10.0))
     ours = preset("habrador")
-    lies = scene(preset=ours, layer_shift="0.5").objects[0].layer
-    assert (lies.material.name, lies.tiling) == ("stone", Tiling((0.4, 0.4), (0.5, 0.5)))
+    layer = scene(preset=ours, layer_shift="0.5").objects[0].layer
+    assert (layer.material.name, layer.tiling) == ("stone", Tiling((0.4, 0.4), (0.5, 0.5)))
     own = scene(preset=ours, map_shift=["base_color=0.5", "normal=0.25"]).objects[0].tilings
     assert own["base_color"] == Tiling((0.4, 0.4), (0.5, 0.5))
-    # what is not said of a map is as the heights lie
+    # tiles that are not set are those of the heights
     assert own["normal"] == Tiling((0.2, 0.2), (0.25, 0.25))
 
 
 # --- fuzzed ---------------------------------------------------------------------------------------
 
-NUMBERS = st.one_of(
+NUMBERS = st.check_choice(
     st.floats().map(str),
     st.integers(-9, 99).map(str),
     st.lists(st.floats(-5, 5).map(str), min_size=1, max_size=4).map("/".join),
 )
-TEXTS = st.one_of(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
-NAMES = st.one_of(
+TEXTS = st.check_choice(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
+NAMES = st.check_choice(
     st.sampled_from(
         [*Orbit.__dataclass_fields__, *LookAt.__dataclass_fields__, "color", "intensity",
          "falloff", "angle", "softness"]
     ),
     st.text(max_size=3),
 )  # fmt: skip
-SETTINGS = st.one_of(
+SETTINGS = st.check_choice(
     st.sampled_from(["min_steps", "max_steps", "steps", "bias", "roughness", "emission", "x"]),
     st.text(max_size=3),
 )
 
 
 def written(names: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-    return st.one_of(TEXTS, st.tuples(names, TEXTS).map("=".join))
+    return st.check_choice(TEXTS, st.tuples(names, TEXTS).map("=".join))
 
 
 LISTS = st.lists(written(NAMES), max_size=4).map(",".join)
@@ -344,30 +368,30 @@ def reads_or_refuses(read: Callable[[], Any]) -> Any:
 
 @given(TEXTS)
 def test_any_text_is_a_value_or_refused(text: str) -> None:
-    for read in (arguments.number, arguments.numbers, arguments.value, arguments.vector,
+    for parse in (arguments.number, arguments.numbers, arguments.value, arguments.vector,
                  arguments.pair, arguments.color):  # fmt: skip
-        found = reads_or_refuses(lambda read=read: read(text, "it"))
-        assert found is None or np.isfinite(found).all()
-    reads_or_refuses(lambda: arguments.named(text, "it"))
-    found = reads_or_refuses(lambda: arguments.size(text))
-    assert found is None or min(found) >= 0
+        parsed = reads_or_refuses(lambda parse=parse: parse(text, "it"))
+        assert parsed is None or np.isfinite(parsed).all()
+    reads_or_refuses(lambda: arguments.name_and_value(text, "it"))
+    parsed = reads_or_refuses(lambda: arguments.size(text))
+    assert parsed is None or min(parsed) >= 0
 
 
 @given(LISTS)
 @examples(max_examples=250)
 def test_any_camera_is_one_or_refused(text: str) -> None:
-    made = reads_or_refuses(lambda: arguments.camera_from(text))
-    if made is not None:
-        camera = reads_or_refuses(lambda: made.camera((8, 6)))
+    parsed = reads_or_refuses(lambda: arguments.camera_from(text))
+    if parsed is not None:
+        camera = reads_or_refuses(lambda: parsed.camera((8, 6)))
         assert camera is None or np.isfinite([*camera.position, *camera.right]).all()
 
 
 @given(st.sampled_from(["directional", "point", "spot", "lamp"]), LISTS)
 @examples(max_examples=250)
 def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
-    made = reads_or_refuses(lambda: arguments.light_from(f"{kind},{text}"))
-    if made is not None:
-        assert np.isfinite([*made.position, *made.direction, *made.color]).all()
+    parsed = reads_or_refuses(lambda: arguments.light_from(f"{kind},{text}"))
+    if parsed is not None:
+        assert np.isfinite([*parsed.position, *parsed.direction, *parsed.color]).all()
 
 
 @given(
@@ -375,7 +399,7 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
         {},
         optional={
             "settings": st.lists(written(SETTINGS), max_size=3),
-            "technique": st.one_of(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
+            "technique": st.check_choice(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
             "tiling": TEXTS,
             "shift": TEXTS,
             "stretch": TEXTS,
@@ -393,16 +417,16 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
 )
 @examples(max_examples=300)
 def test_any_scene_is_one_or_refused(texts: dict[str, Any]) -> None:
-    made = reads_or_refuses(lambda: scene(**texts))
-    if made is not None:
-        obj = made.objects[0]
+    parsed = reads_or_refuses(lambda: scene(**texts))
+    if parsed is not None:
+        obj = parsed.objects[0]
         assert np.isfinite([*obj.tiles, *obj.shift, obj.bias, obj.relief_scale]).all()
-        assert made.background is None or np.isfinite(made.background).all()
+        assert parsed.background is None or np.isfinite(parsed.background).all()
 
 
 @pytest.mark.parametrize(("depth", "tile"), [(0.04, None), (None, 1.0)])
 def test_depth_and_tile_go_together(depth, tile):
-    with pytest.raises(InputError, match="go together"):
+    with pytest.raises(InputError, match="together"):
         arguments.check_lengths(depth, tile, None)
     arguments.check_lengths(0.04, 1.0, None)
     with pytest.raises(InputError, match="not both"):

@@ -1,4 +1,4 @@
-"""Bad input: one line, exit code 2, nothing overwritten or left behind. And what must work."""
+"""Bad input: one line, exit code 2, no file overwritten or left. And unusual input that works."""
 
 from __future__ import annotations
 
@@ -76,14 +76,14 @@ def test_a_folder_without_a_picture(tmp_path: Path, out: Path) -> None:
     (full / "notes.txt").write_text("nothing to see")
     for folder in (full, full / "of folders"):
         line = refused_to_draw(folder)
-        assert line == f"{folder}: there is no picture in this folder; name another"
+        assert line == f"{folder}: no picture in this folder; name another"
 
 
 def test_names_that_say_nothing(tmp_path: Path, out: Path) -> None:
     for name in ("a", "b"):
         write_data(tmp_path / f"{name}.png", colors())
     line = refused_to_draw(tmp_path)
-    assert "no file name says which map it is (a.png, b.png); name one: --base-color FILE" in line
+    assert "no file name identifies a map (a.png, b.png); name one: --base-color FILE" in line
 
 
 @pytest.mark.parametrize("technique", ["relief", "steep", "offset"])
@@ -97,9 +97,9 @@ def test_no_heights_for_a_technique(technique: str, tmp_path: Path, out: Path) -
     assert "wall-flat-basrelief.png" in done("render", folder, *DRAW)
 
 
-def test_boxes_are_not_measured_against_another_surface(bumps: Path, out: Path) -> None:
+def test_columns_are_not_measured_against_another_surface(bumps: Path, out: Path) -> None:
     line = refused_to_draw(bumps, "--technique", "texel", "--show", "missed")
-    assert "--show missed measures against the bilinear surface, and texel draws boxes" in line
+    assert "--show missed measures against the bilinear surface, but texel draws columns" in line
     done("render", bumps, *DRAW, "--technique", "texel", "--show", "reads")
 
 
@@ -145,7 +145,7 @@ def test_heights_that_are_no_numbers(bad: float, tmp_path: Path, out: Path) -> N
     heights[1, 2] = bad
     folder = folder_of(tmp_path, height=heights)
     line = refused_to_draw(folder)
-    assert line == "wall_Height.exr: 1 of its texels are NaN or infinite; mend the picture"
+    assert line == "wall_Height.exr: 1 of its texels are NaN or infinite; repair the picture"
 
 
 def test_proportions_that_disagree(tmp_path: Path, out: Path) -> None:
@@ -201,11 +201,11 @@ WRONG = {
 
 @pytest.mark.parametrize("what", WRONG)
 def test_settings_that_make_no_picture(what: str, bumps: Path, out: Path) -> None:
-    text, told = WRONG[what]
-    assert told in refused_to_draw(bumps, *text.split())
+    text, message = WRONG[what]
+    assert message in refused_to_draw(bumps, *text.split())
 
 
-def test_a_sample_that_there_is_not(out: Path) -> None:
+def test_an_unknown_sample(out: Path) -> None:
     line = refused_to_draw("sample:sand")
     assert line.startswith("there is no sample 'sand'; choose one of bricks, cobbles")
 
@@ -215,7 +215,7 @@ def test_a_sample_that_there_is_not(out: Path) -> None:
 
 @pytest.fixture
 def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A place that cannot be written is found out before the work, not after it."""
+    """Fails if a picture is drawn before its place is found not to be writable."""
 
     def drawn(*_: Any) -> None:
         raise AssertionError("it drew a picture that has no place")
@@ -224,7 +224,7 @@ def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "told"),
+    ("target", "message"),
     [
         ("nowhere/a.png", "nowhere/a.png: the folder nowhere does not exist; make it first"),
         ("old.png/a.png", "old.png/a.png: the folder old.png does not exist; make it first"),
@@ -235,9 +235,9 @@ def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 @pytest.mark.usefixtures("nothing_is_drawn")
-def test_places_that_cannot_be(target: str, told: str, bumps: Path, out: Path) -> None:
+def test_impossible_places(target: str, message: str, bumps: Path, out: Path) -> None:
     Path("folder.png").mkdir()
-    assert told in refused("render", bumps, *DRAW, "-o", target)
+    assert message in refused("render", bumps, *DRAW, "-o", target)
     assert sorted(os.listdir()) == ["folder.png", "old.png"]
     assert os.listdir("folder.png") == []
 
@@ -252,9 +252,9 @@ def test_a_folder_that_cannot_be_written(
         os, "access", lambda path, mode: real(path, mode) and not
         (mode & os.W_OK and Path(path) in locked)
     )  # fmt: skip
-    told = "the folder . cannot be written; choose another place"
-    assert refused_to_draw(bumps) == f"old.png: {told}"
-    assert refused("render", bumps, *DRAW) == f"bumps-relief-basrelief.png: {told}"
+    message = "the folder . cannot be written; choose another place"
+    assert refused_to_draw(bumps) == f"old.png: {message}"
+    assert refused("render", bumps, *DRAW) == f"bumps-relief-basrelief.png: {message}"
 
 
 def test_a_disk_that_is_full(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -288,7 +288,7 @@ def test_a_demo_without_a_place(place: str, out: Path) -> None:
 
 @pytest.fixture
 def no_device_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Engines that an earlier test has made are not used."""
+    """Do not use engines that an earlier test has made."""
     choose: Callable[[str], Any] = choose_device.__wrapped__
     monkeypatch.setattr("basrelief.engine.select.choose_device", choose)
     monkeypatch.setattr("basrelief.cli.demo.choose_device", choose)
@@ -318,7 +318,7 @@ def test_no_wgpu(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:
-    """No traceback, and no word of the libraries below."""
+    """No traceback, and no message of other libraries."""
     for content in (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xe0\0\x10JFIF\0half"):
         path = out.parent / f"wall_Height.{'png' if b'PNG' in content else 'jpg'}"
         path.write_bytes(content)
@@ -335,11 +335,11 @@ def test_tests_do_not_fill_the_users_cache(monkeypatch: pytest.MonkeyPatch) -> N
     assert of_tests != str(cache_folder())
 
 
-# --- what must simply work ------------------------------------------------------------------------
+# --- unusual input that works ---------------------------------------------------------------------
 
 
 def drawn(folder: Path, *arguments: str | Path) -> np.ndarray:
-    """The picture, as codes; it is not the background alone."""
+    """The picture as codes; it shows more than the background."""
     done("render", folder, *DRAW, *arguments, "-o", "new.png")
     pixels = read_picture("new.png").pixels
     assert pixels.shape == (9, 12, 3)

@@ -1,4 +1,4 @@
-"""`basrelief bake`: what is in its files, where they go, and what it refuses."""
+"""`basrelief bake`: contents and places of its files, and refusals."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def codes(path: Path, bits: int = 16) -> np.ndarray:
     return pixels
 
 
-def test_files_hold_what_is_baked(bumps: Path) -> None:
+def test_contents_of_the_files(bumps: Path) -> None:
     flags = ("--normal", "--occlusion", "--horizon", "--bounds")
     out = done("bake", bumps, *flags, "--scale", "0.2", "--edge", "clamp")
     folder, heights = bumps / "baked", linear(bumps)
@@ -54,8 +54,8 @@ def test_files_hold_what_is_baked(bumps: Path) -> None:
     np.testing.assert_array_equal(
         codes(folder / f"{start}_bounds.png"), baking.bounds(heights, "clamp")
     )
-    seen = baking.ambient_occlusion(heights, "clamp", 0.2)
-    assert np.abs(codes(folder / f"{start}_ao.png")[:, :, 0] - seen * 65535.0).max() <= 0.51
+    occlusion = baking.ambient_occlusion(heights, "clamp", 0.2)
+    assert np.abs(codes(folder / f"{start}_ao.png")[:, :, 0] - occlusion * 65535.0).max() <= 0.51
     normals = baking.normal_map(heights, "clamp", 0.2)
     stored = codes(folder / f"{start}_normal_gl.png")
     assert np.abs(stored - (normals * 0.5 + 0.5) * 65535.0).max() <= 0.51
@@ -71,13 +71,13 @@ def test_green_and_bits(bumps: Path) -> None:
 
 
 def test_a_baked_normal_map_draws_as_the_computed_one(bumps: Path) -> None:
-    plain = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
+    computed = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
     for green in ("gl", "dx"):
         done("bake", bumps, "--normal", "--scale", "0.1", "--green", green, "-o", bumps)
         (file,) = bumps.glob(f"*_normal_{green}.png")
         assert basrelief.load(bumps).normal is not None
         drawn = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
-        np.testing.assert_allclose(drawn, plain, atol=2e-3)
+        np.testing.assert_allclose(drawn, computed, atol=2e-3)
         file.unlink()
 
 
@@ -89,8 +89,8 @@ def test_heights_from_a_folder_with_normals_alone(tmp_path: Path) -> None:
     write_data(folder / "wall_normal.png", np.rint((normals * 0.5 + 0.5) * 65535).astype("uint16"))
     out = done("bake", folder, "--height", "-o", folder)
     assert "scale 0.1" in out or "scale 0.09" in out
-    made = linear(folder)
-    assert np.corrcoef(made.ravel(), heights.ravel())[0, 1] > 0.95
+    baked = linear(folder)
+    assert np.corrcoef(baked.ravel(), heights.ravel())[0, 1] > 0.95
 
 
 def test_the_loader_leaves_records_alone(bumps: Path) -> None:
@@ -119,7 +119,7 @@ def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         ((), "nothing to bake"),
         (("--height",), "has no normal map"),
@@ -132,10 +132,10 @@ def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
         (("--normal", "-o", "{file}"), "cannot be written"),
     ],
 )
-def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], said: str) -> None:
+def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], message: str) -> None:
     (file,) = bumps.iterdir()
-    line = refused("bake", bumps, *(each.format(file=file) for each in arguments))
-    assert said in line
+    line = refused("bake", bumps, *(argument.format(file=file) for argument in arguments))
+    assert message in line
     assert names(bumps) == [file.name]
 
 
@@ -145,7 +145,7 @@ def test_all_or_none(bumps: Path) -> None:
     assert not (bumps / "baked").exists()
 
 
-def test_what_there_is_to_bake_is_told(bumps: Path) -> None:
+def test_the_refusal_lists_all_bakes(bumps: Path) -> None:
     line = refused("bake", bumps)
     assert all(flag in line for flag in FLAGS)
 

@@ -55,7 +55,7 @@ def bumps(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def others(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Another file for each map, its name saying nothing."""
+    """Another file for each map, with a name that says nothing."""
     folder = tmp_path_factory.mktemp("others")
     noise = np.random.default_rng(8)
     for kind in FILE_NAMES:
@@ -84,17 +84,17 @@ def drawn(path: Path, loading: dict[str, Any] | None = None, **options: Any) -> 
 
 
 def drawn_by_command(*arguments: str | Path) -> np.ndarray:
-    """The same from the command line, by way of a file that keeps floats as they are."""
+    """The picture that the command line draws, through a file of 32-bit floats."""
     done("render", *arguments, "-o", "picture.tif", "--bits", "32")
     return read_picture("picture.tif").pixels
 
 
-def same(found: np.ndarray, wanted: np.ndarray) -> bool:
-    """Equal to the last bit; a picture that is opaque is stored without its alpha."""
-    if found.shape[2] == 3:
-        assert (wanted[:, :, 3] == 1.0).all()
-    return found.shape[:2] == wanted.shape[:2] and bool(
-        (found == wanted[:, :, : found.shape[2]]).all()
+def same(drawn: np.ndarray, expected: np.ndarray) -> bool:
+    """Whether pictures are equal to the last bit; opaque ones are stored without alpha."""
+    if drawn.shape[2] == 3:
+        assert (expected[:, :, 3] == 1.0).all()
+    return drawn.shape[:2] == expected.shape[:2] and bool(
+        (drawn == expected[:, :, : drawn.shape[2]]).all()
     )
 
 
@@ -217,25 +217,25 @@ NEED_MAPS = ("own tiling", "alpha", "mapping", "layer", "occlusion")
 
 @pytest.mark.parametrize("option", OPTIONS)
 def test_options_of_drawing(option: str, bumps: Path, wall: Path, here: Path) -> None:
-    """Each acts, and acts as it does in Python, to the last bit."""
+    """Each option has an effect, and the same as in Python, to the last bit."""
     text, options = OPTIONS[option]
     path = wall if option in NEED_MAPS else bumps
-    found = drawn_by_command(path, *DRAW, *text.split())
-    wanted = drawn(path, **options)
-    assert same(found, wanted)
-    plain = drawn(path)
-    assert found.shape[:2] != plain.shape[:2] or not same(found, plain)
+    picture = drawn_by_command(path, *DRAW, *text.split())
+    expected = drawn(path, **options)
+    assert same(picture, expected)
+    default = drawn(path)
+    assert picture.shape[:2] != default.shape[:2] or not same(picture, default)
 
 
 def test_stretch(bumps: Path, here: Path) -> None:
-    found = drawn_by_command(bumps, *DRAW, "--shape", "box", "--stretch", "1,0.5,2")
-    wanted = drawn(bumps, shape="box", transform=placed(scale=(1.0, 0.5, 2.0)))
-    assert same(found, wanted)
-    # a plane lies, and is stretched as it lies
-    found = drawn_by_command(bumps, *DRAW, "--stretch", "1/1/2")
+    picture = drawn_by_command(bumps, *DRAW, "--shape", "box", "--stretch", "1,0.5,2")
+    expected = drawn(bumps, shape="box", transform=placed(scale=(1.0, 0.5, 2.0)))
+    assert same(picture, expected)
+    # a plane is horizontal before it is stretched
+    picture = drawn_by_command(bumps, *DRAW, "--stretch", "1/1/2")
     lying = basrelief.Object(basrelief.load(bumps)).to_world
-    wanted = drawn(bumps, transform=placed(scale=(1.0, 1.0, 2.0)) @ lying)
-    assert same(found, wanted)
+    expected = drawn(bumps, transform=placed(scale=(1.0, 1.0, 2.0)) @ lying)
+    assert same(picture, expected)
 
 
 ADDED = "sphere,position=0/0.2/0,size=0.5,material=sample:tiles,technique=steep,scale=0.1"
@@ -244,7 +244,7 @@ ADDED = "sphere,position=0/0.2/0,size=0.5,material=sample:tiles,technique=steep,
 def test_further_objects(bumps: Path, here: Path) -> None:
     box = "box,position=0.3/0.2/0,size=0.2/0.4/0.2,turn=y/30,color=1/0.5/0.2"
     lit = ("--shadows", "hard", "--shadows-on", "polygon")
-    found = drawn_by_command(bumps, *DRAW, *lit, "--add", ADDED, "--add", box)
+    picture = drawn_by_command(bumps, *DRAW, *lit, "--add", ADDED, "--add", box)
     white = basrelief.Map(np.ones((1, 1, 3), np.float32), False, "white")
     objects = (
         basrelief.Object(basrelief.load(bumps)),
@@ -259,20 +259,20 @@ def test_further_objects(bumps: Path, here: Path) -> None:
         ),
     )  # fmt: skip
     scene = basrelief.Scene(objects, shadows="hard", shadows_on="polygon")
-    wanted = basrelief.render(scene, size=SIZE, samples=1, device="cpu").color
-    assert same(found, wanted)
+    expected = basrelief.render(scene, size=SIZE, samples=1, device="cpu").color
+    assert same(picture, expected)
 
 
 def test_casting_none(bumps: Path, here: Path) -> None:
-    """What casts no shadow leaves the others as bright as they were."""
+    """An object that casts no shadow does not darken others."""
     above = "box,position=0/0.3/0,size=0.4"
     noon = ("--shadows", "hard", "--light", "directional,elevation=85")
     with_it = drawn_by_command(bumps, *DRAW, *noon, "--add", f"{above},casts=none")
     shadow = drawn_by_command(bumps, *DRAW, *noon, "--add", above)
     assert (shadow <= with_it).all()
     assert (shadow < with_it).any()
-    found = drawn_by_command(bumps, *DRAW, "--casts", "opaque")
-    assert same(found, drawn(bumps, casts="opaque"))
+    picture = drawn_by_command(bumps, *DRAW, "--casts", "opaque")
+    assert same(picture, drawn(bumps, casts="opaque"))
 
 
 READING = {
@@ -287,12 +287,12 @@ READING = {
 @pytest.mark.parametrize("option", READING)
 def test_options_of_reading(option: str, wall: Path, here: Path) -> None:
     text, loading = READING[option]
-    wanted = drawn(wall, loading)
-    assert same(drawn_by_command(wall, *DRAW, *text.split()), wanted)
-    assert not (wanted == drawn(wall)).all()
-    told = json.loads(done("info", wall, "--json", *text.split()))
-    assert told == as_json(basrelief.load(wall, **loading))
-    assert told != as_json(basrelief.load(wall))
+    expected = drawn(wall, loading)
+    assert same(drawn_by_command(wall, *DRAW, *text.split()), expected)
+    assert not (expected == drawn(wall)).all()
+    info = json.loads(done("info", wall, "--json", *text.split()))
+    assert info == as_json(basrelief.load(wall, **loading))
+    assert info != as_json(basrelief.load(wall))
 
 
 def as_json(material: basrelief.Material) -> Any:
@@ -302,25 +302,25 @@ def as_json(material: basrelief.Material) -> Any:
 @pytest.mark.parametrize("kind", FILE_NAMES)
 def test_a_file_for_each_map(kind: str, wall: Path, others: Path, here: Path) -> None:
     option, file = f"--{kind.replace('_', '-')}", other(others, kind)
-    wanted = drawn(wall, {kind: file})
-    assert same(drawn_by_command(wall, *DRAW, option, file), wanted)
-    assert not (wanted == drawn(wall)).all()
-    told = json.loads(done("info", wall, "--json", option, file))
-    assert told["maps"][kind]["source"].startswith(file.name)
+    expected = drawn(wall, {kind: file})
+    assert same(drawn_by_command(wall, *DRAW, option, file), expected)
+    assert not (expected == drawn(wall)).all()
+    info = json.loads(done("info", wall, "--json", option, file))
+    assert info["maps"][kind]["source"].startswith(file.name)
 
 
 def test_height_channel(wall: Path, others: Path, here: Path) -> None:
     file = other(others, "height")
-    wanted = drawn(wall, {"height": file, "height_channel": "b"})
-    found = drawn_by_command(wall, *DRAW, "--height", file, "--height-channel", "b")
-    assert same(found, wanted)
-    assert not (wanted == drawn(wall, {"height": file})).all()
-    told = json.loads(done("info", wall, "--json", "--height", file, "--height-channel", "b"))
-    assert told["maps"]["height"]["source"] == f"{file.name} (B)"
+    expected = drawn(wall, {"height": file, "height_channel": "b"})
+    picture = drawn_by_command(wall, *DRAW, "--height", file, "--height-channel", "b")
+    assert same(picture, expected)
+    assert not (expected == drawn(wall, {"height": file})).all()
+    info = json.loads(done("info", wall, "--json", "--height", file, "--height-channel", "b"))
+    assert info["maps"]["height"]["source"] == f"{file.name} (B)"
 
 
 def test_info_reads_as_render_does() -> None:
-    """What can be said about reading a folder can be said to both."""
+    """Both commands have all options of reading maps."""
     named = {name: set(command_options(name)) for name in ("info", "render")}
     assert named["info"] - {"json"} < named["render"]
     assert set(command_options("info")) - {"json"} >= {*FILE_NAMES, "depth", "tile"}
@@ -347,13 +347,13 @@ def command_options(name: str) -> list[str]:
 def test_formats_for_the_eye(
     file: str, extra: tuple[str, ...], dtype: type, close: float, bumps: Path, here: Path
 ) -> None:
-    # said in full, so that what is compressed does not change with what is drawn by default
-    said = (
+    # explicit, so that compression errors do not change with the defaults
+    explicit = (
         *("--camera", "distance=1.8"),
         *("--light", "directional,azimuth=-50,elevation=35,color=1/0.96/0.9,intensity=2.6"),
         *("--light", "directional,azimuth=120,elevation=25,color=0.8/0.9/1,intensity=0.6"),
     )
-    printed = done("render", bumps, *DRAW, *said, "-o", file, *extra)
+    printed = done("render", bumps, *DRAW, *explicit, "-o", file, *extra)
     assert printed == f"{file}  (cpu: {choose_device('cpu').adapter})\n"
     assert os.listdir() == [file]
     back = read_picture(file).pixels
@@ -532,7 +532,7 @@ def test_help_is_whole_and_in_panels(columns: int, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("COLUMNS", str(columns))
     text = done("render", "--help")
     assert max(map(len, text.splitlines())) <= columns
-    # rich cuts what does not fit, with an ellipsis; ours stand for "and so on"
+    # rich cuts long text with an ellipsis; ours mean "and so on"
     cut = [line for line in text.splitlines() if line.rstrip(" │").endswith("…")]
     assert all(line.strip(" │") == "…" or "exr …" in line for line in cut)
     panels = [line.split()[1] for line in text.splitlines() if line.startswith("╭─")]
@@ -541,12 +541,12 @@ def test_help_is_whole_and_in_panels(columns: int, monkeypatch: pytest.MonkeyPat
         "Further",
     ]  # fmt: skip
     words = " ".join(text.replace("│", " ").split())
-    assert "scale=0.05; repeat." in words
+    assert "scale=0.05; repeatable." in words
     assert "field_of_view=30 · position=1/1/1," in words
 
 
 def test_help_is_fast() -> None:
-    """Nothing heavy is imported for it."""
+    """It imports no heavy module."""
     code = (
         "import sys; sys.argv = ['basrelief', 'render', '--help']\n"
         "from basrelief.cli.main import main\n"
@@ -574,7 +574,7 @@ def test_without_arguments_it_helps() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["draw"], "No such command 'draw'"),
         (["--nothing"], "No such option: --nothing"),
@@ -589,10 +589,10 @@ def test_without_arguments_it_helps() -> None:
         (["techniques", "relief"], "unexpected extra argument"),
     ],
 )
-def test_misspelt_commands(arguments: list[str], told: str) -> None:
+def test_misspelt_commands(arguments: list[str], message: str) -> None:
     line = refused(*arguments)
-    assert told.lower() in line.lower()
-    assert line.endswith("(basrelief COMMAND --help tells more)")
+    assert message.lower() in line.lower()
+    assert line.endswith("(see basrelief COMMAND --help)")
 
 
 # --- interrupted ----------------------------------------------------------------------------------
@@ -654,7 +654,7 @@ def test_ctrl_c_at_a_terminal(bumps: Path, here: Path) -> None:
 
 
 def read_until(terminal: int, wanted: bytes) -> bytes:
-    """What comes from a terminal, up to some text or its end."""
+    """The output of a terminal, up to some text or its end."""
     seen = b""
     while wanted not in seen:
         try:
@@ -669,7 +669,7 @@ def test_too_little_memory(bumps: Path, here: Path, monkeypatch: pytest.MonkeyPa
         raise MemoryError
 
     monkeypatch.setattr(choose_device("cpu"), "run", too_much, raising=False)
-    assert "does not fit in memory; take a smaller --size" in refused("render", bumps, *DRAW)
+    assert "does not fit in memory; use a smaller --size" in refused("render", bumps, *DRAW)
     assert os.listdir() == []
 
 
@@ -688,16 +688,16 @@ def test_errors_of_our_own_keep_their_traceback(
 
 
 class Terminal:
-    """A standard error that says it is a terminal, and keeps what is written."""
+    """A standard error that claims to be a terminal and records its text."""
 
     encoding = "utf-8"
 
-    def __init__(self, is_one: bool = True) -> None:
-        self.is_one = is_one
+    def __init__(self, is_terminal: bool = True) -> None:
+        self.is_terminal = is_terminal
         self.text = ""
 
     def isatty(self) -> bool:
-        return self.is_one
+        return self.is_terminal
 
     def write(self, text: str) -> int:
         self.text += text
@@ -708,7 +708,7 @@ class Terminal:
 
 
 class Clock:
-    """Stands in for `threading.Timer`: time passes when the test says so."""
+    """A fake `threading.Timer`, whose time the test sets."""
 
     def __init__(self, seconds: float, act: Any) -> None:
         self.seconds, self.act = seconds, act
@@ -777,7 +777,7 @@ def test_the_bar_shows_before_a_share_is_known(
     assert "0%" not in error.text
 
 
-# --- in a process of its own ----------------------------------------------------------------------
+# --- in a separate process -----------------------------------------------------------------------
 
 
 def test_apart(bumps: Path, here: Path) -> None:
@@ -792,15 +792,15 @@ def test_apart(bumps: Path, here: Path) -> None:
     assert result.stderr.startswith("basrelief: nowhere: ")
 
 
-def test_a_terminal_without_our_letters() -> None:
+def test_a_terminal_without_unicode() -> None:
     result = run_apart("info", "sample:tiles", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert (result.returncode, result.stderr) == (0, "")
     assert "512?512" in result.stdout
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_a_reader_that_has_enough(unbuffered: str) -> None:
-    """As `basrelief techniques | head -1`, which closes the pipe."""
+def test_a_closed_pipe(unbuffered: str) -> None:
+    """As in `basrelief techniques | head -1`."""
     with subprocess.Popen(
         [*COMMAND, "techniques"],
         stdout=subprocess.PIPE,

@@ -1,4 +1,4 @@
-"""The demo's pictures; and what the README and the documentation show runs as it stands there."""
+"""The demo's pictures, and the commands and examples of the README and the documentation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SMALL = ["--size", "24x18", "--samples", "1"]
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with FOLDER, a material, and my.py, the documentation's own technique."""
+    """A folder with FOLDER, a material, and my.py, the technique of the documentation."""
     monkeypatch.chdir(tmp_path)
     write_heights(tmp_path / "FOLDER")
     (own,) = (block for block in blocks("docs/write-a-technique.md") if "@technique" in block)
@@ -48,14 +48,14 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo, "_SIZE", (24, 18))
     monkeypatch.setattr(demo, "sample", heights_alone)
     names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
-    printed = done("demo", "--device", "cpu", "-o", "some/where")
-    assert printed.splitlines()[:3] == [f"some/where/{name}" for name in names]
-    assert "The pictures are in some/where. Next: basrelief render" in printed
+    output = done("demo", "--device", "cpu", "-o", "some/where")
+    assert output.splitlines()[:3] == [f"some/where/{name}" for name in names]
+    assert "The pictures are in some/where. Next: basrelief render" in output
     assert sorted(os.listdir("some/where")) == names
     pictures = [read_picture(f"some/where/{name}").pixels for name in names]
-    assert all(each.shape == (18, 24, 3) for each in pictures)
+    assert all(picture.shape == (18, 24, 3) for picture in pictures)
     assert not (pictures[0] == pictures[1]).all()
-    # a second time, over the first, into the folder of the default
+    # into the default folder
     assert "basrelief-demo/bricks-flat.png" in done("demo", "--device", "cpu")
     assert sorted(os.listdir("basrelief-demo")) == names
 
@@ -67,45 +67,46 @@ def test_demo_knows_how_many_pictures_there_are() -> None:
     assert {scene.objects[0].shape for scene in scenes.values()} == set(basrelief.scene.SHAPES)
 
 
-# --- what pages show ------------------------------------------------------------------------------
+# --- examples of pages ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "line", [line for page in PAGES for line in commands(page) if not DRAWS_MANY.search(line)]
 )
 def test_commands_that_pages_show(line: str, here: Path) -> None:
-    """Each runs, and those that draw leave their picture; small, and of few frames, since all are
-    many."""
+    """Each command runs and writes its picture, small and with few frames."""
     words = shlex.split(line)[1:]
     if "--frames" in words:
         words[words.index("--frames") + 1] = "6"
-    printed = done(*words, *(SMALL if words[0] == "render" else []))
-    assert printed
+    output = done(*words, *(SMALL if words[0] == "render" else []))
+    assert output
     if words[0] in ("explain", "view"):
         assert not words.count("-o") or Path(words[words.index("-o") + 1]).is_file()
         return
-    pictures = sorted(each for each in os.listdir() if each != "my.py" and Path(each).is_file())
+    pictures = sorted(name for name in os.listdir() if name != "my.py" and Path(name).is_file())
     assert len(pictures) == (words[0] == "render") * pictures_of(words)
-    assert not pictures or printed.startswith(pictures[0])
+    assert not pictures or output.startswith(pictures[0])
     for name in pictures:
         if Path(name).suffix not in (".mp4", ".gif"):
             assert read_picture(name).pixels.shape[:2] == (18, 24)
 
 
 def pictures_of(words: list[str]) -> int:
-    """How many files a command writes: several where its film is pictures with numbers."""
+    """Number of files that a command writes: several for a film of numbered pictures."""
     file = words[words.index("-o") + 1] if "-o" in words else ".png"
     as_one = file.endswith((".mp4", ".gif", ".webp"))
     return 1 if as_one or "--frames" not in words else int(words[words.index("--frames") + 1])
 
 
 def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-    monkeypatch.setattr(demo, "pictures", lambda *given: asked.append(given) or [Path("a.png")])
+    calls = []
+    monkeypatch.setattr(
+        demo, "pictures", lambda *arguments: calls.append(arguments) or [Path("a.png")]
+    )
     for line in commands("docs/command-line.md"):
         if "demo" in line:
             done(*shlex.split(line)[1:])
-    assert asked == [(Path("basrelief-demo"), "auto"), (Path("pictures"), "cpu")]
+    assert calls == [(Path("basrelief-demo"), "auto"), (Path("pictures"), "cpu")]
 
 
 def test_every_command_is_shown() -> None:
@@ -118,7 +119,7 @@ def test_every_command_is_shown() -> None:
 
 
 def test_the_python_example_of_the_readme(here: Path) -> None:
-    """As it stands, but for the size of the picture."""
+    """With a smaller picture."""
     (example,) = (block for block in blocks("README.md") if "image.save" in block)
     small = example.replace("(1280, 720)", "(24, 18)")
     assert small != example

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import basrelief
+import basrelief.viewer
 from basrelief.errors import RENAMED
 from helpers.command_line import refused
 from helpers.repository import REPOSITORY
@@ -101,10 +102,15 @@ def test_no_hint_at_a_key_that_presets_do_not_have(tmp_path: Path) -> None:
 # --- Python ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["choose_engine", "EngineError", "Finish", "turned"])
+@pytest.mark.parametrize("name", ["choose_engine", "EngineError", "Finish", "turned", "Tuned"])
 def test_an_old_python_name_is_refused_with_the_new_one(name: str) -> None:
     with pytest.raises(AttributeError, match=f"{name} is now {RENAMED[name]}"):
         getattr(basrelief, name)
+
+
+def test_an_old_name_of_the_viewer_is_refused_with_the_new_one() -> None:
+    with pytest.raises(AttributeError, match="View is now ViewerPage"):
+        basrelief.viewer.View  # noqa: B018
 
 
 def test_a_fog_mode_given_as_fog_is_refused_with_the_new_name() -> None:

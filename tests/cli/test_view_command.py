@@ -1,4 +1,4 @@
-"""`basrelief view`: the page that it writes, opens, and says; and what it copies back."""
+"""`basrelief view`: the page that it writes and opens, and its data."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def without_stills() -> Iterator[None]:
         yield
 
 
-def told(page: Path) -> dict[str, Any]:
-    """What a page is made with."""
-    found = re.search(r'id="data">([^<]*)</script>', page.read_text("utf-8"))
-    assert found is not None
-    data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(found[1])))
+def page_data(page: Path) -> dict[str, Any]:
+    """The data of a page."""
+    match = re.search(r'id="data">([^<]*)</script>', page.read_text("utf-8"))
+    assert match is not None
+    data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(match[1])))
     return data
 
 
@@ -45,7 +45,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
     assert done.code == 0, done.err
     assert done.out.strip() == str(page)
     assert "scaled to 64 × 64" in done.err
-    state = told(page)["state"]
+    state = page_data(page)["state"]
     assert state["technique"] == "steep"
     assert state["settings"]["steep"]["steps"] == 9
     assert (state["shape"], state["heights"], state["edge"]) == ("cylinder", "smooth", "clamp")
@@ -58,7 +58,7 @@ def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("without_stills")
-def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
+def test_options_of_reading_are_on_the_page(tmp_path: Path) -> None:
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
     write_data(tmp_path / "wall_height.png", ramp)
     page = tmp_path / "page.html"
@@ -67,7 +67,7 @@ def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
         "--layer", "sample:gravel", "--device", "cpu",
     )  # fmt: skip
     assert done.code == 0, done.err
-    data = told(page)
+    data = page_data(page)
     assert data["source"] == str(tmp_path)
     assert data["reading"] == {"height_polarity": "depth", "stretch_height": True}
     assert data["layerSource"] == "sample:gravel"
@@ -75,19 +75,19 @@ def test_how_maps_are_read_is_copied_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "line"),
+    ("options", "line"),
     [
         (["--texels", "0"], "--texels 0: give at least 1"),
-        (["--light", "none", "--light", "point,position=1/1/1"], "or none, alone"),
-        (["-o", "page.png"], "--output page.png: name a page, as page.html"),
+        (["--light", "none", "--light", "point,position=1/1/1"], "or give none alone"),
+        (["-o", "page.png"], "--output page.png: name an HTML file"),
         (["--add", "sphere"], "No such option"),
         (["--technique", "warp"], "warp"),
         (["--camera", "distance=0"], "distance"),
     ],
 )
-def test_what_cannot_be_is_one_line(tmp_path: Path, given: list[str], line: str) -> None:
+def test_impossible_options_are_refused(tmp_path: Path, options: list[str], line: str) -> None:
     page = tmp_path / "page.html"
-    assert line in refused("view", "sample:bricks", "-o", page, *given)
+    assert line in refused("view", "sample:bricks", "-o", page, *options)
     assert not page.exists()
 
 
@@ -99,7 +99,7 @@ def test_samples_are_named_and_no_lights_are_none(tmp_path: Path) -> None:
         "none", "--device", "cpu",
     )  # fmt: skip
     assert done.code == 0, done.err
-    data = told(page)
+    data = page_data(page)
     assert (data["source"], data["layerSource"]) == ("sample:noise", "sample:stone")
     assert data["state"]["lights"] == []
 
@@ -121,8 +121,8 @@ def test_without_a_file_the_page_is_opened(
     with pytest.raises(SystemExit) as ended:
         main.main()
     assert not ended.value.code
-    heard = capsys.readouterr()
-    said = Path(heard.out.strip())
-    assert said.is_file()
-    assert ("no browser could be opened" in heard.err) != opens
-    assert opened == [said.resolve().as_uri()]
+    output = capsys.readouterr()
+    page = Path(output.out.strip())
+    assert page.is_file()
+    assert ("no browser could be opened" in output.err) != opens
+    assert opened == [page.resolve().as_uri()]

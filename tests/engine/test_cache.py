@@ -1,4 +1,4 @@
-"""The cache: where its folder lies, what an entry is, and the limit of all entries together."""
+"""The cache: its folder, its entries, and the limit of all entries together."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from basrelief.engine import cache
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache folder, which does not exist yet."""
-    monkeypatch.setenv("BASRELIEF_CACHE", str(tmp_path / "kept"))
-    return tmp_path / "kept"
+    """Path of an empty cache folder, which does not exist yet."""
+    monkeypatch.setenv("BASRELIEF_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
 
 
 # --- the folder -----------------------------------------------------------------------------------
@@ -31,7 +31,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A home folder on Linux, with nothing set that names the cache."""
+    """Home folder on Linux, without variables that set the cache folder."""
     for name in ("BASRELIEF_CACHE", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
@@ -79,7 +79,7 @@ def test_a_relative_folder_of_platformdirs_is_not_used(
 
 
 def test_basrelief_cache_names_the_folder(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Absolute as it stands, relative from the working directory; empty counts as unset."""
+    """An absolute path, or one relative to the working directory; empty counts as unset."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(home / "elsewhere"))
     monkeypatch.chdir(home)
     monkeypatch.setenv("BASRELIEF_CACHE", str(home / "mine"))
@@ -90,7 +90,7 @@ def test_basrelief_cache_names_the_folder(home: Path, monkeypatch: pytest.Monkey
     assert cache.cache_folder() == home / "elsewhere" / "basrelief"
 
 
-def test_without_a_home_folder_nothing_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_home_folder_nothing_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
     class Homeless(Unix):
         @property
         def user_cache_dir(self) -> str:
@@ -113,7 +113,7 @@ def names(place: Path) -> set[str]:
     return {file.name for file in place.iterdir()}
 
 
-def test_keys_tell_kinds_and_parts_apart() -> None:
+def test_keys_depend_on_kind_and_parts() -> None:
     keys = [
         key("ab", "c"), key("a", "bc"), key("abc"), key("ab", "c", ""), key("ab", "c", kind="bake"),
     ]  # fmt: skip
@@ -147,7 +147,7 @@ def total(place: Path) -> int:
 
 
 def fill(*parts: str, kind: str = "cpu", age: int = 0) -> str:
-    """Write an entry last used so many seconds ago."""
+    """Write an entry that was last used `age` seconds ago."""
     name = key(*parts, kind=kind)
     cache.write(name, {}, b"x" * SIZE)
     used = time.time() - age
@@ -156,13 +156,13 @@ def fill(*parts: str, kind: str = "cpu", age: int = 0) -> str:
 
 
 def set_limit(monkeypatch: pytest.MonkeyPatch, entries: float) -> int:
-    """Let about so many entries fit."""
+    """Set the limit to about that many entries."""
     limit = int(entries * (SIZE + 100))
     monkeypatch.setattr(cache, "LIMIT", limit)
     return limit
 
 
-def test_the_least_recently_used_are_removed_whatever_they_are(
+def test_the_least_recently_used_are_removed_of_any_kind(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Programs and bakes share one limit; reading an entry is using it."""
@@ -185,8 +185,8 @@ def test_the_limit_holds_after_every_write(place: Path, monkeypatch: pytest.Monk
     assert total(place) > limit // 2
 
 
-def test_what_was_just_written_stays(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Though by their times all others were used later, as after a clock was set back."""
+def test_the_newest_entry_stays(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also if all others have later times, as after a clock was set back."""
     for number in range(4):
         fill(str(number), age=-1000)
     set_limit(monkeypatch, 2)
@@ -210,7 +210,7 @@ def test_an_entry_over_the_limit_is_not_stored(
 
 
 def test_other_files_stay_and_do_not_count(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The folder may be the user's own."""
+    """The folder may contain files of the user."""
     set_limit(monkeypatch, 3)
     place.mkdir()
     others = {"notes.txt", "cpu-program", f"CPU-{'0' * 64}", "bake-" + "0" * 63, "large"}
@@ -218,15 +218,15 @@ def test_other_files_stay_and_do_not_count(place: Path, monkeypatch: pytest.Monk
         (place / name).write_bytes(b"x" * 5 * SIZE)
         os.utime(place / name, (1, 1))
     (place / key("folder")).mkdir()
-    kept = {fill("a", age=2), fill("b", age=1)}
-    assert names(place) == others | kept | {key("folder")}
+    entries = {fill("a", age=2), fill("b", age=1)}
+    assert names(place) == others | entries | {key("folder")}
     for number in range(9):
         fill(str(number))
     assert others | {key("folder")} <= names(place)
 
 
 def test_the_folder_is_seldom_listed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Once to begin with, and then each time that a sixteenth of the limit was written."""
+    """Once at first, and then after each sixteenth of the limit."""
     set_limit(monkeypatch, 160)
     listed = []
     scandir = os.scandir
@@ -236,7 +236,7 @@ def test_the_folder_is_seldom_listed(place: Path, monkeypatch: pytest.MonkeyPatc
     assert 1 < len(listed) < 80
 
 
-def test_what_other_processes_write_counts(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_entries_of_other_processes_count(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = set_limit(monkeypatch, 32)
     fill("first")
     raw = (place / key("first")).read_bytes()
@@ -249,10 +249,8 @@ def test_what_other_processes_write_counts(place: Path, monkeypatch: pytest.Monk
     assert total(place) <= limit
 
 
-def test_files_that_nobody_finished_are_removed(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A process was killed while it wrote; one that writes still is left alone."""
+def test_abandoned_files_are_removed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of a killed process are removed, those of a running one are not."""
     place.mkdir()
     old, new = (place / f"{key(name)}.abc" for name in ("old", "new"))
     for file in (old, new):
@@ -287,18 +285,18 @@ cache.LIMIT = int(sys.argv[2])
 for number in range(150):
     key = cache.key_of("cpu", sys.argv[1], str(number))
     cache.write(key, {"number": number}, b"x" * 1000)
-    # written by us, or meanwhile removed to make room: never half
-    found = cache.read(key)
-    assert found in (None, ({"number": number}, b"x" * 1000)), found
+    # ours, or removed meanwhile, never incomplete
+    entry = cache.read(key)
+    assert entry in (None, ({"number": number}, b"x" * 1000)), entry
     cache.read(cache.key_of("cpu", "both", str(number % 5)))
     cache.write(cache.key_of("cpu", "both", str(number % 5)), {}, b"y" * 1000)
 """
 
 
 def test_two_processes_share_the_folder(place: Path) -> None:
-    """Both write and remove at once: nothing fails, every entry is whole, the limit holds.
+    """Both write and remove at once: nothing fails, every entry is complete, the limit holds.
 
-    Each may write a sixteenth of the limit before it sees what the other one wrote.
+    Each may write a sixteenth of the limit before it counts the entries of the other.
     """
     limit = 20 * (SIZE + 100)
     running = [

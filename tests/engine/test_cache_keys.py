@@ -1,4 +1,4 @@
-"""Keys of the cache follow the source: what an edit may change is not found under its old key."""
+"""Keys of the cache depend on the source: an edit changes the keys of what it may affect."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ KEYS = """
 import basrelief
 from basrelief.engine import cache
 
-class Asked(Exception):
+class Requested(Exception):
     pass
 
-def asked(key):
-    raise Asked(key)
+def request(key):
+    raise Requested(key)
 
 def key_of(technique):
-    "The first key that drawing with a technique asks for."
+    "The first key that drawing with a technique reads."
     try:
         basrelief.render(material, technique=technique, size=(4, 4), samples=1, device="cpu")
-    except Asked as key:
+    except Requested as key:
         return key
 
-cache.read = asked
+cache.read = request
 material = basrelief.sample("bricks", 128)
 print(basrelief.__file__)
 print(key_of("secant"))  # needs no bake: the key of its program
@@ -50,7 +50,7 @@ EDITS = {
 
 
 def keys(folder: Path) -> tuple[str, str]:
-    """The keys of a program and of a bake, of the package in a folder."""
+    """Keys of a program and of a bake, for the package in a folder."""
     environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
     made = subprocess.run(
         [sys.executable, "-c", KEYS], env=environment, capture_output=True, text=True, check=True
@@ -68,7 +68,7 @@ def unedited() -> tuple[str, str]:
 
 
 def copy(folder: Path, edit: str | None = None) -> Path:
-    """A folder with a copy of the package, one file of it edited."""
+    """Folder with a copy of the package, with one file edited."""
     shutil.copytree(PACKAGE, folder / "basrelief", ignore=shutil.ignore_patterns("__pycache__"))
     if edit is not None:
         name, text, other = EDITS[edit]
@@ -85,7 +85,7 @@ def test_a_copy_has_the_same_keys(tmp_path: Path, unedited: tuple[str, str]) -> 
 
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_changes_the_keys(edit: str, tmp_path: Path, unedited: tuple[str, str]) -> None:
-    """Of bakes every edit; of programs those of shaders and printers, for bakes are their input."""
+    """Every edit for bakes; those of shaders and printers for programs."""
     program, bake = keys(copy(tmp_path, edit))
     assert bake != unedited[1]
     assert (program == unedited[0]) == (edit == "a bake")
@@ -95,7 +95,7 @@ def test_an_edit_changes_the_keys(edit: str, tmp_path: Path, unedited: tuple[str
 
 
 def write_package(folder: Path, name: str, files: dict[str, str]) -> ModuleType:
-    """A package of some files, imported."""
+    """Write a package and import it."""
     for path, text in files.items():
         file = folder / name / path
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -104,7 +104,7 @@ def write_package(folder: Path, name: str, files: dict[str, str]) -> ModuleType:
 
 
 def digest(module: ModuleType) -> str:
-    """The digest as a new process finds it."""
+    """Digest without the cache of this process."""
     return source_digest.__wrapped__(module)
 
 
@@ -130,14 +130,14 @@ def test_each_source_file_and_its_name_are_in_the_digest(tmp_path: Path) -> None
         digests.append(digest(package))
     (folder / "deep" / "c.py").rename(folder / "deep" / "d.py")
     digests.append(digest(package))
-    # the same text, parted otherwise
+    # the same text, split differently
     (folder / "a.py").write_text("x = 2y")
     (folder / "deep" / "er" / "b.py").write_text(" = 3")
     digests.append(digest(package))
     assert len(set(digests)) == len(digests) == 6
 
 
-def test_a_module_is_its_file(tmp_path: Path) -> None:
+def test_the_digest_of_a_module_is_that_of_its_file(tmp_path: Path) -> None:
     package = write_package(tmp_path, "some_modules", {"__init__.py": "import some_modules.a",
                                                        "a.py": "", "b.py": ""})  # fmt: skip
     before = digest(package.a)
@@ -155,7 +155,9 @@ def test_a_package_in_a_zip_archive_has_its_source(tmp_path: Path) -> None:
     assert len(source_digest(package)) == 64
 
 
-def test_no_source_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_without_source_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     package = write_package(tmp_path, "without_source", {"data.txt": "1"})
     with pytest.raises(DeviceError, match="without_source has no source files"):
         source_digest(package)

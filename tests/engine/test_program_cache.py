@@ -1,4 +1,4 @@
-"""The folder of compiled programs: found again, thrown away when damaged, done without."""
+"""Cached programs: read again, recompiled when damaged, compiled without a usable folder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from helpers.comparing import write_module
 
 SOURCE = """
 @struct
-class Found:
+class Result:
     x: float
     n: int
 
@@ -28,13 +28,13 @@ class Settings:
     gain: float
 
 @shader
-def entry(pixel: IVec2, settings: Settings) -> Found:
+def entry(pixel: IVec2, settings: Settings) -> Result:
     total = 0.0
     for k in range(pixel.x % 7):
         if k == pixel.y:
             break
         total = total + sin(float(k) * settings.gain) / float(pixel.y + 1)
-    return Found(total, pixel.x * pixel.y)
+    return Result(total, pixel.x * pixel.y)
 """
 
 
@@ -45,7 +45,7 @@ def module(folder):
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """An empty cache folder, which does not exist yet."""
+    """Path of an empty cache folder, which does not exist yet."""
     folder = tmp_path / "deep" / "cache"
     monkeypatch.setenv("BASRELIEF_CACHE", str(folder))
     return folder
@@ -53,7 +53,7 @@ def place(tmp_path, monkeypatch):
 
 @pytest.fixture
 def compilations(monkeypatch):
-    """A list that grows with each program that is compiled and not found."""
+    """Keys of the programs that are compiled instead of read from the cache."""
     done: list[str] = []
     compiling = cpu_module._object_code
 
@@ -81,7 +81,7 @@ def test_a_program_is_compiled_once(module, place, compilations):
 
 
 def test_programs_age_out(module, place, compilations, monkeypatch):
-    """Those of an older version, which no key finds any more, go like any that is not used."""
+    """Programs of an older version are removed like any that are not used."""
     run(module, lanes=8)
     (used,) = place.iterdir()
     older = place / cache.key_of("cpu", "an older version")
@@ -90,7 +90,7 @@ def test_programs_age_out(module, place, compilations, monkeypatch):
     os.utime(used, (1000, 1000))
     os.utime(older, (2000, 2000))
     monkeypatch.setattr(cache, "LIMIT", 11 * size)
-    run(module, lanes=8)  # found, so used last
+    run(module, lanes=8)  # read, so used last
     run(module, lanes=4)
     run(module, lanes=16)
     assert not older.exists()
@@ -123,7 +123,7 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_damaged_entry_is_compiled_anew(module, place, compilations, damage):
+def test_a_damaged_entry_is_compiled_again(module, place, compilations, damage):
     whole = run(module)
     (entry,) = place.iterdir()
     raw = entry.read_bytes()
@@ -161,7 +161,7 @@ def test_a_folder_that_cannot_be_written(module, place, compilations, monkeypatc
     def refused(*_args, **_options):
         raise PermissionError("read-only")
 
-    # the superuser may write anywhere, so the refusal is made
+    # the superuser may write anywhere, so the refusal is simulated
     monkeypatch.setattr(cache.tempfile, "mkstemp", refused)
     assert run(module) == whole
     assert len(compilations) == 1
@@ -170,7 +170,7 @@ def test_a_folder_that_cannot_be_written(module, place, compilations, monkeypatc
     assert [p.read_bytes() for p in place.iterdir()] == [before]
 
 
-def test_a_full_disk_leaves_no_half_entry(place, monkeypatch):
+def test_a_full_disk_leaves_no_incomplete_entry(place, monkeypatch):
     class Full:
         def __enter__(self):
             return self
@@ -191,7 +191,7 @@ def test_a_full_disk_leaves_no_half_entry(place, monkeypatch):
     assert cache.read("key") is None
 
 
-def test_an_interrupt_leaves_no_half_entry_either(place, monkeypatch):
+def test_an_interrupt_leaves_no_incomplete_entry_either(place, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
@@ -201,7 +201,7 @@ def test_an_interrupt_leaves_no_half_entry_either(place, monkeypatch):
     assert list(place.iterdir()) == []
 
 
-def test_content_comes_back_as_it_was(place):
+def test_content_is_read_as_written(place):
     content = bytes(range(256)) * 3 + b"\n\n"
     cache.write("key", {"parameters": ["a\nb", "ü"]}, content)
     assert cache.read("key") == ({"parameters": ["a\nb", "ü"]}, content)
@@ -209,7 +209,7 @@ def test_content_comes_back_as_it_was(place):
 
 
 def test_processes_at_once(folder, place):
-    """Several processes compile one program at the same moment: one entry, one result."""
+    """Several processes compile one program at the same time: one entry, one result."""
     write_module(folder, SOURCE, "cached_source")
     script = """
 import hashlib
@@ -226,10 +226,10 @@ print(hashlib.sha256(b"".join(p.tobytes() for p in planes.values())).hexdigest()
         )
         for _ in range(3)
     ]
-    found = {process.communicate(timeout=60)[0] for process in running}
+    results = {process.communicate(timeout=60)[0] for process in running}
     assert all(process.returncode == 0 for process in running)
-    assert len(found) == 1
-    assert len(found.pop()) == 65
+    assert len(results) == 1
+    assert len(results.pop()) == 65
     (entry,) = place.iterdir()
     assert entry.name.startswith("cpu-")
 
@@ -239,21 +239,21 @@ print(hashlib.sha256(b"".join(p.tobytes() for p in planes.values())).hexdigest()
 
 @pytest.mark.parametrize("size", [(1, 1), (5, 3), (67, 19)])
 def test_the_same_bytes_for_all_lanes_and_threads(module, size):
-    found = {
+    results = {
         tuple(run(module, lanes, threads, size).items())
         for lanes in (4, 8, 16)
         for threads in (1, 2, 3)
     }
-    assert len(found) == 1
+    assert len(results) == 1
 
 
-def test_some_rows_are_those_of_the_whole(module):
+def test_rows_equal_those_of_the_whole_picture(module):
     engine, size = CpuEngine(8, 2), (13, 67)
     program, values = Program(module.entry), {"settings": module.Settings(0.7)}
     whole = engine.run(program, values, size)
-    some = engine.run(program, values, size, (9, 31))
+    rows = engine.run(program, values, size, (9, 31))
     for name, plane in whole.items():
-        np.testing.assert_array_equal(some[name], plane[9:31])
+        np.testing.assert_array_equal(rows[name], plane[9:31])
 
 
 def test_values_that_are_missing_or_wrong(module):

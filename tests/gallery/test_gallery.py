@@ -1,7 +1,7 @@
-"""The gallery: every page against its golden picture, on both engines; its folder; its coverage.
+"""The gallery: pages against golden pictures on both engines, its folder, its coverage.
 
 A picture may differ from the golden one by more than 2 ÷ 255 at 0.5 % of its pixels: at outlines
-and layers, where a last digit decides between two places.
+and layers, where rounding decides between two hits.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from basrelief.rendering.render import render
 from helpers import goldens
 from helpers.command_line import done, refused
 from helpers.features import COUNTS
-from helpers.goldens import GOLDEN, SIZE, golden, share_apart, strip
+from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, strip
 from helpers.repository import commands
 
-MOST_APART = 0.005
+MAX_SHARE_APART = 0.005
 NOT_SHOWN = {"C20"}
 """The viewer's panel, which is no picture."""
 FEW = ["strength", "cube"]
@@ -34,10 +34,12 @@ VOID = {"img", "meta", "br", "link", "input", "hr"}
 
 
 def assert_like_golden(page: Page, drawn: np.ndarray) -> None:
-    kept = golden(page.name)
-    assert drawn.shape == kept.shape, f"{page.name} has other panels; see scripts/goldens"
-    share = share_apart(drawn, kept)
-    assert share <= MOST_APART, f"{page.name}: {share:.2%} of the pixels differ from its golden"
+    expected = golden(page.name)
+    assert drawn.shape == expected.shape, f"{page.name} has other panels; see scripts/goldens"
+    share = fraction_different(drawn, expected)
+    assert share <= MAX_SHARE_APART, (
+        f"{page.name}: {share:.2%} of the pixels differ from its golden"
+    )
 
 
 # --- pictures -------------------------------------------------------------------------------------
@@ -55,29 +57,29 @@ def test_pages_look_the_same_on_the_gpu(page: Page) -> None:
 
 
 def test_a_picture_that_changed_is_noticed() -> None:
-    """A panel a little brighter, a panel moved by a pixel, a panel fewer."""
+    """A slightly brighter panel, a panel shifted by a pixel, a missing panel."""
     page, width = PAGES["strength"], SIZE[0]
-    kept = golden(page.name)
-    assert_like_golden(page, kept)
-    brighter, moved = kept.copy(), kept.copy()
+    expected = golden(page.name)
+    assert_like_golden(page, expected)
+    brighter, moved = expected.copy(), expected.copy()
     brighter[:, :width] = np.minimum(brighter[:, :width], 250) + 4
     moved[:, :width] = np.roll(moved[:, :width], 1, axis=1)
     for changed in (brighter, moved):
         with pytest.raises(AssertionError, match="pixels differ"):
             assert_like_golden(page, changed)
     with pytest.raises(AssertionError, match="other panels"):
-        assert_like_golden(page, kept[:, width:])
+        assert_like_golden(page, expected[:, width:])
 
 
 def test_panels_of_a_page_differ() -> None:
-    """Each shows something; where two are meant to be the same, it is said here."""
+    """No panel is blank, and no two are equal but those listed here."""
     same = {("scaled", 0, 1)}
     for page in PAGES.values():
         panels = np.split(golden(page.name), golden(page.name).shape[1] // SIZE[0], axis=1)
         for n, one in enumerate(panels):
             assert one.std() > 10.0, f"{page.name}: panel {n + 1} shows nothing"
             for m, other in enumerate(panels[n + 1 :], n + 1):
-                alike = share_apart(one, other) < 0.005
+                alike = fraction_different(one, other) < 0.005
                 assert alike == ((page.name, n, m) in same), f"{page.name}: {n + 1} and {m + 1}"
 
 
@@ -92,8 +94,8 @@ def test_every_golden_has_a_page_and_all_are_small() -> None:
     assert sum(file.stat().st_size for file in files) < 4 * 2**20
 
 
-def test_costs_are_what_the_pages_say() -> None:
-    """No reads without strength, one for an offset, no more than asked for by a march."""
+def test_reads_are_those_of_the_techniques() -> None:
+    """No reads without strength, one for an offset, at most the maximum for a march."""
     frames = {
         name: [
             render(panel.scene, size=SIZE, samples=1, device=goldens.engine("cpu"))
@@ -103,19 +105,19 @@ def test_costs_are_what_the_pages_say() -> None:
     }
     assert [frame.mean_reads for frame in frames["strength"]] == [0.0, 1.0, 1.0, 1.0]
     assert not any(frame.reads.any() for frame in frames["normal-map"])
-    assert [int(frame.reads.max()) <= most for frame, most in zip(
+    assert [int(frame.reads.max()) <= maximum for frame, maximum in zip(
         frames["march"], (1, 10, 100, 10, 13), strict=True
     )] == [True] * 5  # fmt: skip
 
 
-# --- what pages say -------------------------------------------------------------------------------
+# --- texts of pages -------------------------------------------------------------------------------
 
 
 def test_every_row_of_the_sources_is_on_a_page() -> None:
-    wanted = {f"{letter}{n + 1}" for letter in "CWGHL" for n in range(COUNTS[letter])}
+    rows = {f"{letter}{n + 1}" for letter in "CWGHL" for n in range(COUNTS[letter])}
     ours = [page for page in PAGES.values() if page.source != "beyond"]
-    shown = {row for page in ours for row in page.rows}
-    assert shown == wanted - NOT_SHOWN
+    on_pages = {row for page in ours for row in page.rows}
+    assert on_pages == rows - NOT_SHOWN
 
 
 def test_pages_are_whole() -> None:
@@ -151,15 +153,15 @@ class Reader(HTMLParser):
         assert not self.open, f"{file.name}: {self.open} left open"
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
+        attributes = dict(attrs)
         self.tags.add(tag)
         if tag not in VOID:
             self.open.append(tag)
         if tag == "img":
-            assert "alt" in given, f"no alt: {given}"
-            self.pictures.append(given["src"] or "")
-        if "href" in given:
-            self.links.append(given["href"] or "")
+            assert "alt" in attributes, f"no alt: {attributes}"
+            self.pictures.append(attributes["src"] or "")
+        if "href" in attributes:
+            self.links.append(attributes["href"] or "")
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open, f"</{tag}> closes nothing"
@@ -170,28 +172,28 @@ class Reader(HTMLParser):
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small gallery of some pages, one of them with a headline."""
     path = tmp_path_factory.mktemp("gallery") / "deep" / "down"
-    heard: list[float] = []
+    shares: list[float] = []
     index = write(
         path,
         chosen(FEW),
         choose_device("cpu"),
         (48, 27),
         1,
-        lambda what, share: heard.append(share),
+        lambda what, share: shares.append(share),
     )
     assert index == path / "index.html"
-    assert heard == sorted(heard)
-    assert heard[-1] == 1.0
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     return path
 
 
 def test_pages_are_well_formed_and_need_nothing_else(folder: Path) -> None:
     for name in (*FEW, "index"):
-        read = Reader(folder / f"{name}.html")
-        assert read.pictures
-        assert {"title", "h1", "style"} <= read.tags
-        assert not {"script", "link", "iframe"} & read.tags
-        for target in read.pictures + read.links:
+        page = Reader(folder / f"{name}.html")
+        assert page.pictures
+        assert {"title", "h1", "style"} <= page.tags
+        assert not {"script", "link", "iframe"} & page.tags
+        for target in page.pictures + page.links:
             assert (folder / target).is_file(), f"{name} names {target}"
         text = (folder / f"{name}.html").read_text(encoding="utf-8")
         assert "http" not in text.replace("http-equiv", "")
@@ -213,12 +215,17 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
 def test_debug_pictures_say_what_their_colours_mean(tmp_path: Path) -> None:
     write(tmp_path, chosen(["errors"]), choose_device("cpu"), (32, 18), 1)
     text = (tmp_path / "errors.html").read_text(encoding="utf-8")
-    meanings = ("heights read a pixel", "orange passed", "uv overshoot, from", "depth error, from")
+    meanings = (
+        "heights read in a pixel",
+        "orange: passed",
+        "uv overshoot, from",
+        "depth error, from",
+    )
     assert [text.count(meaning) for meaning in meanings] == [1, 2, 1, 1]
     orange = np.rint(srgb_encode(np.array(PASSED)) * 255.0)
-    plain, missed = (read_picture(tmp_path / f"errors-{n}.png").pixels for n in (1, 3))
+    color, missed = (read_picture(tmp_path / f"errors-{n}.png").pixels for n in (1, 3))
     assert (missed == orange).all(-1).mean() > 0.1
-    assert not (plain == orange).all(-1).any()
+    assert not (color == orange).all(-1).any()
 
 
 def test_the_reader_can_fail(tmp_path: Path) -> None:
@@ -228,7 +235,7 @@ def test_the_reader_can_fail(tmp_path: Path) -> None:
             Reader(tmp_path / "a.html")
 
 
-def test_only_our_own_files_are_written_over(tmp_path: Path) -> None:
+def test_only_files_of_the_gallery_are_overwritten(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     command = ["gallery", tmp_path, "--device", "cpu", "--size", "32x18", "--samples", "1"]
     assert done(*command, "--only", "clamped") == f"{tmp_path}/index.html\n"
@@ -238,28 +245,28 @@ def test_only_our_own_files_are_written_over(tmp_path: Path) -> None:
     links = Reader(tmp_path / "index.html").links
     assert links == ["normal-map.html", "clamped.html"]
     (tmp_path / "index.html").write_text("<p>mine</p>")
-    assert "index.html: is there, and not a page of the gallery" in refused(*command)
+    assert "index.html: exists and is not a page of the gallery" in refused(*command)
     assert (tmp_path / "index.html").read_text() == "<p>mine</p>"
 
 
 def test_commands_that_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
+    calls = []
 
-    def listened(folder: Path, pages: list[Page], engine: object, *numbers: object) -> Path:
-        asked.append((len(pages), numbers[:2]))
+    def record(folder: Path, pages: list[Page], engine: object, *numbers: object) -> Path:
+        calls.append((len(pages), numbers[:2]))
         return folder / "index.html"
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("basrelief.gallery.folder.write", listened)
+    monkeypatch.setattr("basrelief.gallery.folder.write", record)
     for line in commands("docs/command-line.md"):
         if line.startswith("basrelief gallery"):
             assert done(*line.split()[1:]) == "OUT/index.html\n"
     of_halliwell = sum(page.source == "halliwell" for page in PAGES.values())
     small, large = ((480, 270), 4), ((960, 540), 16)
-    assert asked == [(len(PAGES), small), (of_halliwell, small), (2, large)]
+    assert calls == [(len(PAGES), small), (of_halliwell, small), (2, large)]
 
 
-def test_what_cannot_be_drawn_is_one_line(tmp_path: Path) -> None:
+def test_impossible_requests_are_refused(tmp_path: Path) -> None:
     assert "the gallery has no page 'cubes'; there are" in refused(
         "gallery", tmp_path, "--only", "cubes"
     )

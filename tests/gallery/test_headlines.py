@@ -1,4 +1,4 @@
-"""The benchmark of the sources' headline figures measures what they measured: G12 and H9."""
+"""The benchmark of the articles' headline figures measures the same scenes: G12 and H9."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def sources(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def test_gamedev_takes_four_to_twenty_samples_at_640_by_480(sources) -> None:
-    """G12: every pixel pays, none more than twenty reads."""
+    """G12: every pixel is covered and has at most twenty reads."""
     scene_of, size = sources.CASES["gamedev, 4 to 20 samples"]
     assert size == (640, 480)
     frame = render(scene_of(), size=(64, 48), samples=1, device="cpu")
@@ -35,7 +35,7 @@ def test_gamedev_takes_four_to_twenty_samples_at_640_by_480(sources) -> None:
 
 
 def test_halliwell_is_measured_with_and_without_self_shadow_at_1600_by_900(sources) -> None:
-    """H9: the same picture but for the shadow, which is what the second costs more."""
+    """H9: the same picture except the shadow, which accounts for the extra reads."""
     frames = []
     for name in ("halliwell without self-shadow", "halliwell with self-shadow"):
         scene_of, size = sources.CASES[name]
@@ -53,6 +53,6 @@ def test_halliwell_is_measured_with_and_without_self_shadow_at_1600_by_900(sourc
 def test_the_figures_are_printed_beside_the_articles(sources, capsys) -> None:
     seconds = dict(zip(sources.CASES, (0.002, 0.01, 0.0144), strict=True))
     sources.show("an adapter", seconds)
-    printed = capsys.readouterr().out
-    assert "1.44 times as long (halliwell: 650 to 450, 1.44)" in printed
-    assert "more than 60 frames a second there, 500 here" in printed
+    output = capsys.readouterr().out
+    assert "1.44 times as long (halliwell: 650 to 450, 1.44)" in output
+    assert "more than 60 frames a second there, 500 here" in output

@@ -20,13 +20,13 @@ SOFTWARE = (
     "--enable-unsafe-webgpu",
     "--use-webgpu-adapter=swiftshader",
     "--enable-unsafe-swiftshader",
-    # the canvas too is drawn by SwiftShader's Vulkan, or its buffers cannot be shared
+    # SwiftShader's Vulkan has to draw the canvas too, or its buffers cannot be shared
     "--enable-features=Vulkan",
     "--use-vulkan=swiftshader",
     "--use-angle=swiftshader",
 )
 PATIENCE = 120_000
-"""Milliseconds that a page is waited for: machines that test are slow, and do much at once."""
+"""Timeout of a page in milliseconds: test machines are slow and busy."""
 WITHOUT = ("--disable-gpu", "--disable-features=WebGPU", "--disable-blink-features=WebGPU")
 
 
@@ -41,7 +41,7 @@ def find_chromium() -> str | None:
 
 @contextmanager
 def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
-    """The browser; skips where there is none, or no Playwright to drive it."""
+    """A running browser; skips the test without Chromium or Playwright."""
     api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     found = find_chromium()
     if found is None:
@@ -64,14 +64,14 @@ def chromium(flags: tuple[str, ...]) -> Iterator[Any]:
 def wait_for_function(
     page: Any, condition: str, *, arg: Any = None, timeout: float = PATIENCE
 ) -> None:
-    """Wait until a condition holds in a page or a frame; with `arg` it is a function of that.
+    """Wait until a condition holds in a page or a frame; with `arg`, a function of it.
 
-    Playwright's own asks by `eval` in the page, which the content policy of our pages refuses once
-    the first answer was no; `evaluate` may.
+    Playwright's own function polls by `eval` in the page, which the content policy of our pages
+    forbids; `evaluate` is allowed.
     """
     from playwright.sync_api import Error
 
-    # a promise, such as one that a page is ready, is not waited for
+    # promises, such as that a page is ready, are not awaited
     holds = f"() => Boolean({condition})" if arg is None else f"x => Boolean(({condition})(x))"
     end = time.monotonic() + timeout / 1000.0
     why = "it does not hold"
@@ -85,7 +85,7 @@ def wait_for_function(
     raise AssertionError(f"waited {timeout / 1000.0:g} s for {condition}: {why}")
 
 
-# --- numbers by the thousand ----------------------------------------------------------------------
+# --- arrays ---------------------------------------------------------------------------------------
 
 WITH_ARRAYS = """async (given) => {
   const kinds = {
@@ -115,17 +115,17 @@ TYPED = {
     "Uint32Array": np.uint32, "Int32Array": np.int32, "Float32Array": np.float32,
     "Float64Array": np.float64,
 }  # fmt: skip
-"""NumPy's types by the names of JavaScript's arrays."""
+"""NumPy types by the names of JavaScript's typed arrays."""
 WORDS = "async side => new Uint32Array(await viewer.drawing.frames.words(side))"
-"""The words of the planes of the viewer's picture; see `planes`."""
+"""Script that returns the planes of the viewer's picture as 32-bit words; see `planes`."""
 NAMES = {np.dtype(kind): name for name, kind in TYPED.items() if name != "Uint8ClampedArray"}
 
 
 def evaluate(page: Any, script: str, given: Any = None) -> Any:
-    """What a function in a page or a frame returns: NumPy arrays go there, typed arrays come back,
-    flat and also within lists.
+    """Result of a function in a page or a frame, with NumPy arrays as typed arrays.
 
-    Playwright writes numbers one by one: those of a picture would take longer than drawing it.
+    Arrays come back flat, also within lists. Playwright serialises numbers one by one, which would
+    take longer for a picture than drawing it.
     """
     return _read(page.evaluate(WITH_ARRAYS.replace("SCRIPT", script), _written(given)))
 
@@ -143,16 +143,16 @@ def _read(x: Any) -> Any:
 
 
 def planes(words: np.ndarray, size: tuple[int, int], background: Sequence[float]) -> Frame:
-    """The planes of a page's picture, (width, height), as the library's frame."""
+    """The library's frame from the planes of a page's picture of (width, height)."""
     width, height = size
-    whole = words.view(np.uint32).reshape(9, height, width)
-    real = whole.view(np.float32)
-    share = np.where(whole[7] != 0, real[3], 0.0)[:, :, None]
-    hit = share[:, :, 0] >= SOLID
+    plane_words = words.view(np.uint32).reshape(9, height, width)
+    real = plane_words.view(np.float32)
+    coverage = np.where(plane_words[7] != 0, real[3], 0.0)[:, :, None]
+    hit = coverage[:, :, 0] >= SOLID
     color = np.zeros((height, width, 4), np.float32)
     behind = np.array(background, np.float32)
-    color[:, :, :3] = behind * (1.0 - share) + real[:3].transpose(1, 2, 0) * share
+    color[:, :, :3] = behind * (1.0 - coverage) + real[:3].transpose(1, 2, 0) * coverage
     color[:, :, 3] = 1.0
     depth = np.where(hit, real[4], np.inf).astype(np.float32)
     uv = real[5:7].transpose(1, 2, 0)
-    return Frame(color, depth, uv, hit, whole[8].astype(np.int32), "browser")
+    return Frame(color, depth, uv, hit, plane_words[8].astype(np.int32), "browser")

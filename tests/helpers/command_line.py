@@ -1,4 +1,4 @@
-"""Running the command line in a test, and folders of maps for it to read."""
+"""Runs of the command line in tests, and folders of maps as its input."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FILE_NAMES = {
 
 
 class Outcome(NamedTuple):
-    """How a command ended, and what it wrote."""
+    """Exit code and output of a command."""
 
     code: int
     out: str
@@ -42,7 +42,7 @@ class Outcome(NamedTuple):
 
 
 def run(*arguments: str | Path) -> Outcome:
-    """A command within this process."""
+    """Run a command in this process."""
     out, err = io.StringIO(), io.StringIO()
     with (
         mock.patch.object(sys, "argv", ["basrelief", *map(str, arguments)]),
@@ -57,19 +57,19 @@ def run(*arguments: str | Path) -> Outcome:
 
 
 def interruptible() -> None:
-    """Let Ctrl-C stop a command of its own, even where tests run in the background."""
+    """Let Ctrl-C stop a child process, even if the tests run in the background."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def done(*arguments: str | Path) -> str:
-    """What a command that must succeed prints."""
+    """Output of a command that has to succeed."""
     outcome = run(*arguments)
     assert outcome.code == 0, outcome.err
     return outcome.out
 
 
 def refused(*arguments: str | Path) -> str:
-    """The one line with which a command refuses."""
+    """The one-line error message of a command that has to fail."""
     outcome = run(*arguments)
     assert outcome.code == 2, outcome
     assert outcome.out == ""
@@ -80,7 +80,7 @@ def refused(*arguments: str | Path) -> str:
 
 
 def run_apart(*arguments: str | Path, **variables: str) -> subprocess.CompletedProcess[str]:
-    """A command in a process of its own."""
+    """Run a command in a separate process."""
     return subprocess.run(
         [*COMMAND, *map(str, arguments)],
         capture_output=True,
@@ -91,18 +91,18 @@ def run_apart(*arguments: str | Path, **variables: str) -> subprocess.CompletedP
 
 
 def environment() -> dict[str, str]:
-    """What is compiled goes where that of all tests goes, and is found there by other processes."""
+    """Environment with the shared cache of all tests and their processes."""
     return {"BASRELIEF_CACHE": str(cache_folder())}
 
 
 def write_map(folder: Path, kind: str, pixels: np.ndarray, name: str = "wall") -> Path:
-    """A map under the name that says what it is."""
+    """Write a map under a file name that identifies it."""
     suffix = "exr" if pixels.dtype == np.float32 else "png"
     return write_data(folder / f"{name}_{FILE_NAMES[kind]}.{suffix}", pixels)
 
 
 def write_material(folder: Path, size: int = 24) -> Path:
-    """A folder with all eight maps."""
+    """Write a folder with all eight maps."""
     folder.mkdir()
     maps = {kind: each.pixels for kind, each in basrelief.sample("tiles", size).maps()}
     maps["height"] = maps["height"] // 2 + 5000  # leaves room for --stretch-height
@@ -116,7 +116,7 @@ def write_material(folder: Path, size: int = 24) -> Path:
 
 
 def write_heights(folder: Path, pixels: np.ndarray | None = None) -> Path:
-    """A folder with a height map alone."""
+    """Write a folder with only a height map."""
     folder.mkdir()
     if pixels is None:
         pixels = np.random.default_rng(5).integers(0, 65535, (6, 8, 1), np.uint16)

@@ -1,6 +1,6 @@
-"""Run a shader in plain Python and compiled, and compare what comes out, bit for bit.
+"""Bit-exact comparison of a shader run in plain Python and compiled.
 
-Programs read one record of a `Buffer` a pixel, so that one compiled program sees many values.
+Programs read one record of a `Buffer` per pixel, so that one compiled program sees many values.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ FLOATS = [
     3.4028235e38, -3.4028235e38, 1.1754944e-38, -1.1754944e-38, 1e-40, -1e-45, 5.877472e-39,
     0.99999994, 1.0000001, 3.1415927, -1.5707964, float("inf"), float("-inf"), float("nan"),
 ]  # fmt: skip
-"""Floats at which something changes: signs of zero, denormals, ends of the range, NaN."""
+"""Floats at boundaries: signs of zero, denormals, ends of the range, NaN."""
 
 INTS = [
     0, 1, -1, 2, -2, 3, -3, 5, 7, -7, 16, 31, -32, 127, 1000, -1000, 65535, 65536, 8388607,
     16777217, -16777217, 1073741824, 2147483647, -2147483647, -2147483648,
 ]  # fmt: skip
-"""Ints at which something changes: signs, powers of two, ends of the range."""
+"""Ints at boundaries: signs, powers of two, ends of the range."""
 
 
 @functools.cache
@@ -46,7 +46,7 @@ _numbers = itertools.count()
 
 
 def write_module(folder: Path, text: str, name: str | None = None):
-    """A module imported from a file of that text, since shaders need source files."""
+    """Import a module from a file with a text, since shaders need source files."""
     name = name or f"written_{next(_numbers)}"
     path = folder / f"{name}.py"
     path.write_text(IMPORTS + text)
@@ -67,8 +67,8 @@ def bits(value) -> int:
     return int(value)
 
 
-def plain(entry, size, values, bindings=None):
-    """The planes of a program computed by calling its entry for each pixel: arrays of bits."""
+def interpreted(entry, size, values, bindings=None):
+    """Planes of a program, by calling its entry in Python for each pixel: arrays of bits."""
     width, height = size
     names = [name for name, _ in Program(entry, bindings or {}).planes]
     result = entry.signature[1]
@@ -85,26 +85,26 @@ def compiled(entry, size, values, bindings=None, lanes=8, threads=1, edge="wrap"
     """The planes of a program from the CPU engine: arrays of bits."""
     program = Program(entry, bindings or {}, edge)
     planes = cpu(lanes, threads).run(program, values, size)
-    found = {}
+    words_by_name = {}
     for name, plane in planes.items():
         words = np.ascontiguousarray(plane).view(np.int32).astype(np.int64)
         if plane.dtype == np.float32:
             words[np.isnan(plane)] = 0x7FC00000
-        found[name] = words
-    return found
+        words_by_name[name] = words
+    return words_by_name
 
 
-def assert_same(expected, given, describe=None) -> None:
-    """Fail with the first place at which planes of bits differ."""
-    assert expected.keys() == given.keys()
+def assert_same(expected, actual, describe=None) -> None:
+    """Fail with the first position at which planes of bits differ."""
+    assert expected.keys() == actual.keys()
     for name, plane in expected.items():
-        places = np.argwhere(plane != given[name])
+        places = np.argwhere(plane != actual[name])
         if len(places):
             y, x = places[0]
             what = describe(name, x, y) if describe else ""
             raise AssertionError(
                 f"{name} at ({x}, {y}): plain {shown(plane[y, x])}, compiled "
-                f"{shown(given[name][y, x])}; {len(places)} of {plane.size} differ. {what}"
+                f"{shown(actual[name][y, x])}; {len(places)} of {plane.size} differ. {what}"
             )
 
 
@@ -114,15 +114,15 @@ def shown(word) -> str:
 
 
 def assert_python_is_cpu(entry, size, values, bindings=None, lanes=(8,), edge="wrap") -> None:
-    expected = plain(entry, size, values, bindings)
+    expected = interpreted(entry, size, values, bindings)
     for count in lanes:
-        given = compiled(entry, size, values, bindings, count, edge=edge)
+        actual = compiled(entry, size, values, bindings, count, edge=edge)
 
         def describe(name, x, y):
             inputs = [v.items[min(x, len(v) - 1)] for v in values.values() if hasattr(v, "items")]
             return f"lanes {count}, inputs {inputs}"  # noqa: B023
 
-        assert_same(expected, given, describe)
+        assert_same(expected, actual, describe)
 
 
 def record_fields(record) -> list[str]:

@@ -1,4 +1,4 @@
-"""An engine that records what runs on it, to see where something is computed."""
+"""An engine that records its runs, to show which engine computes a result."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from basrelief.lang.program import Program
 
 
 class RecordingEngine:
-    """A CPU engine under another name that lists the entries it runs, and the texels of each run.
+    """A CPU engine under another name that records entries and texels of its runs.
 
-    It is an instance of its own: what goes to `choose_device("cpu")` instead is not in its list.
+    It is a separate instance: runs on `choose_device("cpu")` are not recorded.
     """
 
     adapter = "a recording engine"
@@ -36,7 +36,7 @@ class RecordingEngine:
         size: tuple[int, int],
         rows: tuple[int, int] | None = None,
     ) -> Planes:
-        """Record the program, and run it."""
+        """Record the program and run it."""
         first, last = rows or (0, size[1])
         self.entries.append(program.entry)
         self.texels.append(size[0] * (last - first))

@@ -1,6 +1,6 @@
 """Materials from integer arithmetic: the same bytes with every processor, Python and NumPy.
 
-No elementary function, no linear algebra and no random generator of NumPy has a say in them.
+They use no elementary functions, no linear algebra and no random generator of NumPy.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 from basrelief import Map, Material
 
 COLUMNS, ROWS = 45, 30
-"""Texels of the heights: an odd side, not square, no power of two."""
+"""Size of the heights: not square, one side odd, no powers of two."""
 
 
 def random_bytes(name: str, *shape: int) -> NDArray[np.int64]:
-    """Numbers from 0 to 255, the same for the same name and shape."""
+    """Reproducible numbers from 0 to 255 for a name and a shape."""
     stream = hashlib.shake_128(name.encode()).digest(int(np.prod(shape)))
     return np.frombuffer(stream, np.uint8).astype(np.int64).reshape(shape)
 
 
-def value_noise(name: str, rows: int, columns: int, cell: int, most: int) -> NDArray[np.int64]:
-    """Periodic value noise from 0 to `most`: `cell` texels from one random number to the next.
+def value_noise(name: str, rows: int, columns: int, cell: int, largest: int) -> NDArray[np.int64]:
+    """Periodic value noise from 0 to `largest`: `cell` texels from one random number to the next.
 
     Bilinear, in integers; `cell` divides both sides.
     """
@@ -34,11 +34,11 @@ def value_noise(name: str, rows: int, columns: int, cell: int, most: int) -> NDA
         far = np.repeat(np.roll(values, -1, axis), cell, axis)
         share = np.arange(near.shape[axis]).reshape((-1, 1) if axis == 0 else (1, -1)) % cell
         values = near * (cell - share) + far * share
-    return values * most // (255 * cell * cell)
+    return values * largest // (255 * cell * cell)
 
 
 def heights() -> NDArray[np.int64]:
-    """Hills with a terrace and a pit, 0 to 65535: slopes, walls, level ground."""
+    """Hills with a terrace and a pit, 0 to 65535: slopes, walls, flat ground."""
     rough = 3 * value_noise("hills", ROWS, COLUMNS, 5, 65535) + value_noise(
         "bumps", ROWS, COLUMNS, 1, 65535
     )
@@ -50,7 +50,7 @@ def heights() -> NDArray[np.int64]:
 
 @functools.cache
 def towers() -> Map:
-    """Heights of a wide plain with a few towers: long ways on which nothing is met."""
+    """Heights of a wide plain with a few towers, for long rays without a hit."""
     rows, columns, cell = 200, 300, 10
     plain = value_noise("plain", rows, columns, 4, 9000)
     built = random_bytes("towers", rows // cell, columns // cell) > 240
@@ -93,7 +93,7 @@ def material() -> Material:
 
 @functools.cache
 def opacity() -> Map:
-    """Holes, what is opaque, and soft transitions between them."""
+    """Holes and opaque areas with soft transitions."""
     return map_of(np.clip(4 * value_noise("opacity", 20, 30, 5, 255) - 220, 0, 255))
 
 

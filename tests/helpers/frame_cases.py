@@ -1,20 +1,20 @@
-"""Small scenes that between them use every technique, shape and option, each known by its name.
+"""Small named scenes that together cover every technique, shape and option.
 
-A name lists what is drawn: a technique, a shape, and the options that differ from the defaults, as
-in "relief sphere clamp hard linear".
+A name lists a technique, a shape, and the options that differ from the defaults, as in "relief
+sphere clamp hard linear".
 
 - `PLAIN`: every technique on every shape, with no option.
 - `DEEP`: the same programs with other numbers: a deep relief, seen and lit at grazing angles.
-- `PAIRS`: with the others, every two options of different menus meet in a case, techniques and
-  shapes being menus too.
+- `PAIRS`: with the others, every two options of different menus occur together in a case;
+  techniques and shapes count as menus.
 - `MORE`: single cases.
 
-Compiling takes nearly all of the time: a case that needs no program of its own is cheap.
+Compilation takes nearly all of the time: a case that needs no new program is cheap.
 
-The pictures are the same to the last bit on every processor with IEEE 754 arithmetic. Maps are
-integer arithmetic. What cameras, lights and transforms compute with elementary functions or linear
-algebra, in 64 bits, is either exact or far from the middle between two 32-bit numbers, so that
-another last bit is rounded away.
+Pictures are bit-identical on every processor with IEEE 754 arithmetic. Maps are integer arithmetic.
+Cameras, lights and transforms use elementary functions and linear algebra in 64 bits, with results
+that are exact or far from the middle between two 32-bit numbers, so that a different last bit is
+rounded away.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ SIZE = (33, 21)
 """Width and height of the pictures in pixels."""
 
 
-# --- a technique of a user's own ------------------------------------------------------------------
+# --- a user-defined technique ---------------------------------------------------------------------
 
 
 @struct
@@ -69,14 +69,14 @@ class Guesses:
 
 @technique(reference_height=0.5, most_reads=2)
 def own(field: HeightField, ray: Ray, settings: Guesses) -> Hit:
-    """The height below the ray, read again where that height puts the ray."""
+    """Fixed-point iteration: read the height at the point where the ray has the last height."""
     height = ray.reference_height
     for _ in range(settings.guesses):
         height = height_under(field, ray, t_at(ray, height))
     return hit_at(ray, t_at(ray, height), True, settings.guesses)
 
 
-DRAWN_WITH = {**TECHNIQUES, "own": own}
+ALL_TECHNIQUES = {**TECHNIQUES, "own": own}
 
 
 # --- numbers --------------------------------------------------------------------------------------
@@ -91,10 +91,10 @@ SETTINGS = {
     "step_length": 0.03,
     "guesses": 3,
 }
-"""Settings of the techniques, by name; none is a default."""
+"""Settings of the techniques, by name; none is at its default."""
 SMOOTHING = {"mip_bias": 0.4, "mip_fade": 2.5}
-"""Numbers of smooth heights; none is a default."""
-FINISHES = {
+"""Parameters of smooth heights; none is at its default."""
+SURFACE_PARAMETERS = {
     "standard": {
         "base_color": (0.9, 0.7, 0.8),
         "normal_strength": 1.4,
@@ -113,7 +113,7 @@ FINISHES = {
         "normal_strength": 0.6,
     },
 }
-"""Numbers of the surfaces; none is a default."""
+"""Parameters of the surfaces; none is at its default."""
 SCENE_NUMBERS = {
     "shading": {
         "ambient": (0.2, 0.15, 0.1),
@@ -130,7 +130,7 @@ SCENE_NUMBERS = {
         "fog_end": 4.1,
     },
 }
-"""Numbers of scenes; none is a default."""
+"""Parameters of scenes; none is at its default."""
 
 
 # --- options --------------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ SCENE_NUMBERS = {
 
 @dataclass(frozen=True)
 class Option:
-    """Arguments of the material, the object, the scene and `render`; further objects."""
+    """Arguments of the material, the object, the scene and `render`, and further objects."""
 
     material: dict[str, Any] = field(default_factory=dict)
     object: dict[str, Any] = field(default_factory=dict)
@@ -148,30 +148,30 @@ class Option:
 
 
 def copy(first: Object) -> tuple[Object, ...]:
-    """The object once more, smaller, above the first; of a solid shape the two intersect."""
+    """A smaller copy of the object above it; solid shapes intersect."""
     return (replace(first, transform=placed((0.2, 0.45, 0.1), 0.6) @ first.to_world),)
 
 
 def floor_and_ball(first: Object) -> tuple[Object, ...]:
-    """Objects of other shapes, techniques and maps, behind and before the first."""
+    """Objects with other shapes, techniques and maps, behind and in front of the first."""
     plain = replace(exact_maps.material(), normal=None, base_color=None)
     ball = Object(plain, "sphere", "steep", transform=placed((0.35, 0.3, 0.4), 0.4))
     return Object(plain, "box", "flat", transform=placed((0.1, -0.6, -0.2), (1.9, 0.2, 1.4))), ball
 
 
 def layer(*missing: str) -> Option:
-    """A second layer, tiled and mirrored along v, without some of its maps."""
+    """A second layer, tiled and mirrored along v, without the missing maps."""
     material = replace(exact_maps.layer_material(), **dict.fromkeys(missing))
     return Option(object={"layer": Layer(material, Tiling((4.6, -3.4), (0.25, 0.1)))})
 
 
 def translucent(alpha: str) -> Option:
-    """An opacity map, and how it is used."""
+    """An opacity map with an alpha mode."""
     return Option({"opacity": exact_maps.opacity()}, {"alpha": alpha})
 
 
 def without(*maps: str) -> Option:
-    """A material that lacks some maps."""
+    """A material without some maps."""
     return Option(dict.fromkeys(maps))
 
 
@@ -192,7 +192,7 @@ NEAR_LAMP = point((-0.55, 0.62, 0.41), (0.5, 0.6, 0.4), 0.6, falloff=1.0)
 FAR_LAMP = point((9e3, 2.1e4, 1.7e4), (1.0, 0.9, 0.8), 3e4, falloff=1.0)
 SPOT = spot((-0.7, 1.5, 1.1), (0.1, 0.05, -0.1), (1.0, 0.8, 0.6), 4.0, angle=42.0, softness=0.4)
 WIDE_SPOT = spot((1.2, 1.1, -0.6), (0.0, 0.1, 0.0), (0.6, 0.6, 1.0), 2.0, angle=130.0)
-APART = {
+OWN_TILINGS = {
     "base_color": Tiling((2.3, 1.7), (0.15, 0.4)),
     "normal": Tiling((1.6, 2.9), (0.3, 0.2)),
     "response": Tiling((3.2, 1.4), (0.7, 0.1)),
@@ -200,7 +200,7 @@ APART = {
 }
 MIRRORED = {
     name: replace(tiling, tiles=(-tiling.tiles[0], tiling.tiles[1]))
-    for name, tiling in APART.items()
+    for name, tiling in OWN_TILINGS.items()
 }
 TURNED = placed((0.07, -0.04, 0.05)) @ rotated("y", 31.0) @ rotated("x", -67.0)
 STRETCHED = rotated("y", -23.0) @ placed(scale=(1.2, 0.7, 0.9)) @ rotated("x", -71.0)
@@ -224,7 +224,7 @@ MENUS: dict[str, dict[str, Option]] = {
     "fade": {"fades": Option(object={"fade": (1.6, 2.9)})},
     "mapping": {"triplanar": Option(object={"mapping": "triplanar"})},
     "tilings": {
-        "apart": Option(object={"tilings": APART}),
+        "apart": Option(object={"tilings": OWN_TILINGS}),
         "mirrored": Option(object={"tilings": MIRRORED}),
     },
     "alpha": {name: translucent(name) for name in ("blend", "mask", "opaque")},
@@ -270,9 +270,9 @@ MENUS: dict[str, dict[str, Option]] = {
     },
     "numbers": {"numbers": Option(scene=SCENE_NUMBERS)},
 }
-"""Each menu's options beside its default."""
+"""The options of each menu other than its default."""
 
-BESIDE: dict[str, Option] = {
+OTHER_OPTIONS: dict[str, Option] = {
     "full": Option(object={"projection": "full"}),
     "scale-0": Option(object={"scale": 0.0}),
     "deep": Option(object={"scale": 0.7}),
@@ -292,13 +292,15 @@ BESIDE: dict[str, Option] = {
     "transparent": Option(scene={"background": None}),
     "samples": Option(render={"samples": 3}),
 }
-"""Options of no menu."""
-OPTIONS = {name: option for menu in (*MENUS.values(), BESIDE) for name, option in menu.items()}
+"""Options outside the menus."""
+OPTIONS = {
+    name: option for menu in (*MENUS.values(), OTHER_OPTIONS) for name, option in menu.items()
+}
 
 
 # --- cases ----------------------------------------------------------------------------------------
 
-PLAIN = tuple(f"{technique} {shape}" for technique in DRAWN_WITH for shape in SHAPES)
+PLAIN = tuple(f"{technique} {shape}" for technique in ALL_TECHNIQUES for shape in SHAPES)
 DEEP = tuple(f"{case} tiled level-half stretched lights grazing numbers deep" for case in PLAIN)
 PAIRS = """
 flat plane limited level-1 smooth clip apart mask layer-color emission stretched hard linear lamp orthographic
@@ -408,25 +410,25 @@ CASES = (*PLAIN, *DEEP, *PAIRS, *MORE)
 
 
 def scene_of(case: str) -> Scene:
-    """The scene of a case, from its name."""
+    """The scene of a case."""
     technique_name, shape, *names = case.split()
-    drawn_with = DRAWN_WITH[technique_name]
+    drawn_technique = ALL_TECHNIQUES[technique_name]
     options = [OPTIONS[name] for name in names]
     material = replace(exact_maps.material(), **merged(option.material for option in options))
     arguments = merged(option.object for option in options)
     if "numbers" in names:
-        known = drawn_with.settings.__dataclass_fields__
+        known = drawn_technique.settings.__dataclass_fields__
         arguments["settings"] = {key: SETTINGS[key] for key in SETTINGS if key in known}
         arguments["smoothing"] = SMOOTHING
-        arguments["surface_parameters"] = FINISHES[arguments.get("surface", "standard")]
-    first = Object(material, shape, drawn_with, **arguments)
+        arguments["surface_parameters"] = SURFACE_PARAMETERS[arguments.get("surface", "standard")]
+    first = Object(material, shape, drawn_technique, **arguments)
     further = [obj for option in options for obj in option.further(first)]
     scene = merged(option.scene for option in options)
     return Scene((first, *further), **{"camera": CAMERA, "lights": (SUN, LAMP), **scene})
 
 
 def merged(parts: Iterable[dict[str, Any]]) -> dict[str, Any]:
-    """The entries of all dictionaries; where names are alike, the last."""
+    """The entries of all dictionaries; for equal names, the last."""
     return {name: value for part in parts for name, value in part.items()}
 
 

@@ -1,8 +1,8 @@
-"""Digests of the planes of the CPU engine's frames, stored so that any changed bit shows.
+"""Stored digests of the planes of the CPU engine's frames, which reveal any changed bit.
 
-`frame_hashes.json` has a line for each of `frame_cases.CASES`, a digest for each plane. Code that
-is only moved or rearranged keeps them all; they change only in commits that say why. To store them
-anew, and see which cases and planes differ:
+`frame_hashes.json` has a line for each of `frame_cases.CASES`, with a digest for each plane.
+Refactoring keeps them all; they change only in commits that explain why. To update them, and see
+which cases and planes differ:
 
     PYTHONPATH=tests .venv-test/bin/python -m helpers.frame_hashes
     git diff --word-diff tests/rendering/frame_hashes.json
@@ -30,7 +30,7 @@ Digests = dict[str, str]
 def digests(frame: Frame) -> Digests:
     """Digests of a frame's planes: type, shape and bytes.
 
-    Fails where a plane holds NaN, which processors write with different bits.
+    Fails for planes with NaN, whose bits depend on the processor.
     """
     return {name: _digest(name, getattr(frame, name)) for name in PLANES}
 
@@ -47,17 +47,20 @@ def stored() -> dict[str, Digests]:
     return json.loads(STORE.read_text(encoding="utf-8"))
 
 
-def text(of_cases: dict[str, Digests]) -> str:
-    """The stored form: JSON, sorted, one case a line."""
-    lines = [f"  {json.dumps(name)}: {json.dumps(of_cases[name])}" for name in sorted(of_cases)]
+def text(digests_of_cases: dict[str, Digests]) -> str:
+    """The stored form: sorted JSON with one case per line."""
+    lines = [
+        f"  {json.dumps(name)}: {json.dumps(digests_of_cases[name])}"
+        for name in sorted(digests_of_cases)
+    ]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def store_all() -> None:
     """Draw every case and store its digests."""
-    made = {name: digests(frame_cases.drawn(name)) for name in frame_cases.CASES}
-    STORE.write_text(text(made), encoding="utf-8")
-    print(f"{STORE}: {len(made)} cases")
+    digests_of_cases = {name: digests(frame_cases.drawn(name)) for name in frame_cases.CASES}
+    STORE.write_text(text(digests_of_cases), encoding="utf-8")
+    print(f"{STORE}: {len(digests_of_cases)} cases")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""The golden pictures of the gallery: one strip a page, all panels side by side, drawn small.
+"""Golden pictures of the gallery: one strip per page, with all panels side by side at a small size.
 
-Run as a program it draws them anew, on the CPU, and writes docs/gallery.md: `scripts/goldens`.
+Run as a program, it redraws them on the CPU and writes docs/gallery.md: `scripts/goldens`.
 """
 
 from __future__ import annotations
@@ -32,31 +32,33 @@ def engine(name: str) -> Any:
     return choose_device(name)
 
 
-def strip(page: Page, on: str) -> Strip:
+def strip(page: Page, device: str) -> Strip:
     """All panels of a page side by side, as 8-bit codes (height, panels · width, 3)."""
     pictures = []
     for panel in page.panels(TEXELS):
-        frame = render(panel.scene, size=SIZE, samples=1, device=engine(on))
-        pictures.append(picture_of(panel, frame, engine(on)).image.pixels[:, :, :3])
+        frame = render(panel.scene, size=SIZE, samples=1, device=engine(device))
+        pictures.append(picture_of(panel, frame, engine(device)).image.pixels[:, :, :3])
     colors = np.concatenate(pictures, axis=1)
     return np.rint(srgb_encode(np.clip(colors, 0.0, 1.0)) * 255.0).astype(np.uint8)
 
 
 def golden(name: str) -> Strip:
-    """The strip that is kept; fails with what to do where there is none."""
+    """The stored strip; fails with advice if it is missing."""
     file = GOLDEN / f"{name}.png"
-    assert file.is_file(), f"{name} has no golden picture; look at what `scripts/goldens` draws"
+    assert file.is_file(), (
+        f"{name} has no golden picture; draw it with `scripts/goldens`, and look at it"
+    )
     return np.asarray(read_picture(file).pixels[:, :, :3], np.uint8)
 
 
-def share_apart(one: Strip, other: Strip, steps: int = 2) -> float:
-    """The share of pixels of which any channel differs by more than some steps of 255."""
+def fraction_different(one: Strip, other: Strip, steps: int = 2) -> float:
+    """Fraction of pixels with a channel that differs by more than `steps` of 255."""
     apart = np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=2)
     return float((apart > steps).mean())
 
 
 def draw_all() -> None:
-    """Draw every strip, drop those without a page, and write the document."""
+    """Draw every strip, delete those without a page, and write the document."""
     GOLDEN.mkdir(exist_ok=True)
     for file in GOLDEN.glob("*.png"):
         if file.stem not in PAGES:

@@ -1,4 +1,4 @@
-"""Programs put together from a library's pieces, as the page's `web/link.js` does it."""
+"""Linking of programs from a library's pieces, as the page's `web/link.js` does it."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ from basrelief.lang.targets.wgsl import ELSE, END, IF, THEN
 from basrelief.lang.tree import holds
 
 _NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
-"""A name that is used: not a field, nor the name of a parameter."""
+"""A used name: neither a field nor the name of a parameter."""
 _STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
-"""Two texts under a static condition, no other such texts within them."""
+"""Two texts under a static condition, without nested ones."""
 
 
 def linked(library: Library, program: Program) -> str:
-    """The WGSL of a program of the library's: all that its entry uses, with its slots bound and its
-    static conditions decided."""
+    """The WGSL of a program: all that its entry uses, with bound slots and decided conditions."""
     bound = library.bound_names(program.bindings)
 
     def decided(text: str) -> str:
@@ -32,17 +31,17 @@ def linked(library: Library, program: Program) -> str:
         return holds(library.conditions[number], program.static_value)
 
     texts = [decided(library.entries[program.entry.name])]
-    found: set[str] = set()
-    for text in texts:  # and those that are added meanwhile
+    included: set[str] = set()
+    for text in texts:  # including those that are appended
         for name in _used(text):
             options = library.slots.get(name)
             piece = library.pieces.get(name) if options is None else options[bound[name]]
-            if piece is not None and name not in found:
-                found.add(name)
+            if piece is not None and name not in included:
+                included.add(name)
                 texts.append(decided(piece))
     return "\n".join(texts)
 
 
 def _used(text: str) -> list[str]:
-    """The names in a text, its comments left out, each once."""
+    """The distinct names in a text, without its comments."""
     return list(dict.fromkeys(_NAME.findall(re.sub(r"//[^\n]*", "", text))))

@@ -1,4 +1,4 @@
-"""The whole pixel as plain Python, with the values of a program."""
+"""The pixel shader run as plain Python with the values of a program."""
 
 from __future__ import annotations
 
@@ -18,19 +18,26 @@ from basrelief.shading.surfaces.surface import SurfaceMaps
 
 
 def pixel_in_python(program: Program, values: Mapping[str, Any], x: int, y: int) -> pixels.Pixel:
-    """One pixel of a program, stepped through as it stands; something unread for missing maps."""
-    nothing = Texture([np.zeros((1, 1, 4), np.uint16)])
-    zero = HeightField([np.zeros((1, 1))])
-    given = {"field": zero, "baked": nothing, "distances": zero, "views": Buffer((), ShadowMapView)}
-    apart = ("maps_", "geometry_")
-    given |= {name: value for name, value in values.items() if not name.startswith(apart)}
+    """One pixel of a program, computed in Python; missing maps get unused placeholders."""
+    empty_texture = Texture([np.zeros((1, 1, 4), np.uint16)])
+    empty_field = HeightField([np.zeros((1, 1))])
+    arguments = {
+        "field": empty_field,
+        "baked": empty_texture,
+        "distances": empty_field,
+        "views": Buffer((), ShadowMapView),
+    }
+    grouped = ("maps_", "geometry_")
+    arguments |= {name: value for name, value in values.items() if not name.startswith(grouped)}
     geometry = Geometry(values.get("geometry_vertices", Buffer((), Vertex)))
-    of_surface = {name: values.get(f"maps_{name}", nothing) for name in members_of(SurfaceMaps)}
+    surface_textures = {
+        name: values.get(f"maps_{name}", empty_texture) for name in members_of(SurfaceMaps)
+    }
     with bound(program.bindings):
         return pixels.pixel(
             IVec2(x, y),
-            **given,
+            **arguments,
             geometry=geometry,
-            maps=SurfaceMaps(**of_surface),
+            maps=SurfaceMaps(**surface_textures),
             variant=program.variant,
         )

@@ -1,4 +1,4 @@
-"""PNG files made by hand, with the filter of every row chosen (W3C, PNG Specification, 2003)."""
+"""PNG files with a chosen filter for every row (W3C, PNG Specification, 2003)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 FILTERS = ("none", "sub", "up", "average", "paeth")
-"""By their numbers."""
+"""Names of the filters, by number."""
 
 
 def png(
@@ -24,10 +24,10 @@ def png(
     filters: Sequence[int] = (0, 1, 2, 3, 4),
     pieces: int = 1,
 ) -> bytes:
-    """A PNG of (h, w, c) samples; its rows take turns with the filters.
+    """A PNG of (h, w, c) samples, whose rows cycle through the filters.
 
-    `type` is the colour type, `parts` are further chunks, `rows` is the height that the header
-    claims; the packed rows are split into so many `pieces`.
+    `type` is the colour type, `parts` are further chunks, `rows` is the height in the header, and
+    `pieces` the number of IDAT chunks.
     """
     height, width, count = codes.shape
     # samples of fewer than eight bits share bytes, and are filtered byte by byte
@@ -64,7 +64,7 @@ def _filtered(line: np.ndarray, above: np.ndarray, pixel: int, filter: int) -> n
     # the first of the nearest: left, above, upper left
     near = np.stack([abs(b - c), abs(a - c), abs(a + b - 2 * c)]).argmin(0)
     guesses = (0 * a, a, b, (a + b) // 2, np.choose(near, (a, b, c)))
-    # a filter that there is not leaves rows as they are
+    # an unknown filter leaves rows unchanged
     return (line - (guesses[filter] if filter < len(guesses) else 0)).astype(np.uint8)
 
 
@@ -73,7 +73,7 @@ def _chunk(name: bytes, part: bytes) -> bytes:
 
 
 def filters_of(content: bytes, row: int) -> list[int]:
-    """The filter of each row of a PNG whose rows have so many bytes."""
+    """The filter of each row of a PNG with `row` bytes per row."""
     packed, at = b"", 8
     while at < len(content):
         length, name = struct.unpack(">I4s", content[at : at + 8])

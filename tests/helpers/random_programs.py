@@ -1,8 +1,8 @@
 """Random programs of the shader subset, as source text.
 
 A program is an entry, a few functions it calls, and every kind of statement: assignments in
-branches, loops with `break`, `continue` and early returns. What it computes means nothing; plain
-Python and compiled code must only agree on it.
+branches, loops with `break`, `continue` and early returns. The results are meaningless; plain
+Python and compiled code only have to agree on them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import random
 
 RECORDS = """
 @struct
-class Given:
+class Input:
     a: float
     b: float
     i: int
@@ -26,7 +26,7 @@ class Pair:
 
 
 @struct
-class Found:
+class Result:
     x: float
     n: int
     q: bool
@@ -42,7 +42,7 @@ _INTS = ("0", "1", "2", "3", "5", "-1", "-4", "100", "65537")
 
 
 class Writer:
-    """Writes one program; the same seed writes the same text."""
+    """Writer of one program, determined by its seed."""
 
     def __init__(self, seed: int, size: int = 6, *, exact: bool = False) -> None:
         self.random = random.Random(seed)
@@ -61,13 +61,13 @@ class Writer:
                 self.random.choice(self.parameter_types) for _ in range(self.random.randint(1, 3))
             ]
             self.function(f"part_{number}", parameters, self.random.choice(self.types))
-        self.function("whole", ["float", "float", "int", "int", "bool"], "Found", self.size)
+        self.function("whole", ["float", "float", "int", "int", "bool"], "Result", self.size)
         flag = "g.p"
         if self.exact:
             flag = "g.i < g.j"
         self.lines += [
             "@shader",
-            "def entry(pixel: IVec2, items: Buffer[Given]) -> Found:",
+            "def entry(pixel: IVec2, items: Buffer[Input]) -> Result:",
             "    g = items[pixel.x]",
             f"    return whole(g.a, g.b, g.i, g.j, {flag})",
         ]
@@ -80,8 +80,8 @@ class Writer:
 
     def function(self, name: str, parameters: list[str], result: str, size: int = 5) -> None:
         names = [self.name("p") for _ in parameters]
-        given = ", ".join(f"{n}: {t}" for n, t in zip(names, parameters, strict=True))
-        self.lines += ["@shader", f"def {name}({given}) -> {result}:"]
+        signature = ", ".join(f"{n}: {t}" for n, t in zip(names, parameters, strict=True))
+        self.lines += ["@shader", f"def {name}({signature}) -> {result}:"]
         self.result = result
         self.readable = dict(zip(names, parameters, strict=True))
         self.fixed = set(names)
@@ -98,7 +98,7 @@ class Writer:
     # --- statements -----------------------------------------------------------------------------
 
     def block(self, size: int) -> bool:
-        """Some statements; whether the block is left for good at its end."""
+        """Write statements; returns whether the block always leaves at its end."""
         for _ in range(self.random.randint(1, size)):
             self.statement(size)
         return False
@@ -142,7 +142,7 @@ class Writer:
                 after.append(self.readable)
         self.readable = {n: t for n, t in before.items() if all(n in found for found in after)}
         if not after:
-            # every branch leaves: nothing may follow, so let one path through
+            # every branch leaves, so that nothing may follow: let one path through
             self.lines[-1] = self.lines[-1][: self.indent_of(self.lines[-1])] + "pass"
         elif shared and all(shared in found for found in after):
             self.readable[shared] = kind
@@ -151,7 +151,7 @@ class Writer:
         return len(line) - len(line.lstrip())
 
     def inner(self, size: int, shared: str | None = None, kind: str = "float") -> bool:
-        """An indented block; whether its last statement leaves it."""
+        """Write an indented block; returns whether its last statement leaves it."""
         self.depth += 1
         if shared:
             self.emit(f"{shared} = {self.expression(kind, 2)}")
@@ -170,8 +170,8 @@ class Writer:
         counter = self.random.choice(("k", "m", self.name("k")))
         if counter in self.readable:
             counter = self.name("k")
-        start = self.random.choice(("", "", "0, ", "-2, ", f"{self.hold('int', 4)}, "))
-        stop = self.random.choice(("3", "5", self.hold("int", 5), self.hold("int", 5)))
+        start = self.random.choice(("", "", "0, ", "-2, ", f"{self.clamped('int', 4)}, "))
+        stop = self.random.choice(("3", "5", self.clamped("int", 5), self.clamped("int", 5)))
         step = self.random.choice(("", "", ", 2", ", 3")) if start else ""
         before = dict(self.readable)
         self.emit(f"for {counter} in range({start}{stop}{step}):")
@@ -183,7 +183,7 @@ class Writer:
 
     def write_while(self, size: int) -> None:
         counter, end = self.name("c"), self.name("e")
-        self.emit(f"{end} = {self.hold('int', 4)}")
+        self.emit(f"{end} = {self.clamped('int', 4)}")
         self.emit(f"{counter} = 0")
         self.fixed |= {counter, end}
         self.readable |= {counter: "int", end: "int"}
@@ -192,7 +192,7 @@ class Writer:
         self.emit(f"while {counter} < {end}{also}:")
         start = len(self.lines)
         self.loop_body(size, 4)
-        # `continue` would pass by the counting
+        # `continue` would skip the counting
         self.lines[start:] = [
             line.replace("continue", "break") if line.strip() == "continue" else line
             for line in self.lines[start:]
@@ -211,7 +211,7 @@ class Writer:
         self.rounds //= rounds
         self.loops -= 1
 
-    def hold(self, t: str, limit: int) -> str:
+    def clamped(self, t: str, limit: int) -> str:
         """An int of −limit … limit."""
         return f"min(max({self.expression(t, 1)}, -{limit}), {limit})"
 
@@ -229,7 +229,7 @@ class Writer:
         if calls and self.random.random() < 0.3 and self.rounds < 30:
             name, parameters, _ = self.random.choice(calls)
             return f"{name}({', '.join(self.expression(p, depth - 1) for p in parameters)})"
-        if self.random.random() < 0.12 and not (self.exact and t == "Found"):
+        if self.random.random() < 0.12 and not (self.exact and t == "Result"):
             test = self.expression("bool", depth - 1)
             return (
                 f"({self.expression(t, depth - 1)} if {test} else {self.expression(t, depth - 1)})"
@@ -253,7 +253,7 @@ class Writer:
                 return f"IVec2({pick(_INTS)}, {pick(_INTS)})"
             case "Pair":
                 return f"Pair(Vec3({pick(_FLOATS)}), {pick(_INTS)})"
-        return self.of_Found(lambda kind: self.leaf(kind))
+        return self.of_Result(lambda kind: self.leaf(kind))
 
     def of_float(self, e) -> str:
         return self.random.choice((
@@ -315,6 +315,6 @@ class Writer:
     def of_Pair(self, e) -> str:  # noqa: N802
         return f"Pair({e('Vec3')}, {e('int')})"
 
-    def of_Found(self, e) -> str:  # noqa: N802
+    def of_Result(self, e) -> str:  # noqa: N802
         parts = ("float", "int", "bool", "Vec3", "Vec2", "IVec2", "Pair")
-        return f"Found({', '.join(e(t) for t in parts)})"
+        return f"Result({', '.join(e(t) for t in parts)})"

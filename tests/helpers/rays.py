@@ -1,4 +1,4 @@
-"""Rays scattered over a tile, and height maps to follow them on."""
+"""Random rays over a tile, and height maps to trace them on."""
 
 from __future__ import annotations
 
@@ -11,18 +11,25 @@ from basrelief.material import sample
 from basrelief.techniques import Ray
 
 LATE = 0.05
-"""Texels."""
+"""Tolerance of hits behind the true one, in texels."""
 
 
-def flat_ray(uv, travel, level: float = 1.0, cosine: float = 0.5) -> Ray:
-    """The whole ray over a flat surface; it meets the polygon, at the height `level`, at `uv`."""
+def flat_ray(uv, travel, reference_height: float = 1.0, cosine: float = 0.5) -> Ray:
+    """The whole ray over a flat surface; it intersects the polygon at `uv`."""
     travel = Vec2(*travel)
-    return Ray(Vec2(*uv) + travel * (level - 1.0), travel, 1.0, 1.0, cosine, reference_height=level)
+    return Ray(
+        Vec2(*uv) + travel * (reference_height - 1.0),
+        travel,
+        1.0,
+        1.0,
+        cosine,
+        reference_height=reference_height,
+    )
 
 
 @struct
 class Fan:
-    """Rays that start anywhere on a tile and fall any way, each component up to `reach` tiles."""
+    """Rays from random positions on a tile, each component of their travel up to `reach` tiles."""
 
     reach: float
     seed: int
@@ -30,7 +37,7 @@ class Fan:
 
 @shader
 def scattered(n: int) -> float:
-    """A number from 0 to 1 for every int."""
+    """A pseudo-random number from 0 to 1 for every int."""
     x = n * 747796405 + 891336453
     y = ((x >> 15) ^ x) * 277803737
     return float(((y >> 11) ^ y) & 16777215) / 16777216.0

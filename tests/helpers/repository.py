@@ -1,4 +1,4 @@
-"""Where the repository is, and what its documents tell the reader to run."""
+"""Folder of the repository, and the commands and examples in its documents."""
 
 from __future__ import annotations
 

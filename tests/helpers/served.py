@@ -1,4 +1,4 @@
-"""A notebook that marimo serves, for tests of what is in it."""
+"""A marimo server of a notebook, for tests of its contents."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ from basrelief.engine.cache import cache_folder
 
 @contextlib.contextmanager
 def marimo(file: Path, folder: Path) -> Iterator[str]:
-    """The address at which marimo serves a notebook, while it does."""
-    with socket.socket() as held:
-        held.bind(("127.0.0.1", 0))
-        port = held.getsockname()[1]
-    own = {f"XDG_{name}_HOME": str(folder / name) for name in ("CONFIG", "STATE", "CACHE", "DATA")}
-    kept = {"BASRELIEF_CACHE": str(cache_folder()), "MARIMO_SKIP_UPDATE_CHECK": "1"}
+    """Serve a notebook with marimo; yields its address."""
+    with socket.socket() as reserved:
+        reserved.bind(("127.0.0.1", 0))
+        port = reserved.getsockname()[1]
+    folders = {
+        f"XDG_{name}_HOME": str(folder / name) for name in ("CONFIG", "STATE", "CACHE", "DATA")
+    }
+    variables = {"BASRELIEF_CACHE": str(cache_folder()), "MARIMO_SKIP_UPDATE_CHECK": "1"}
     command = [sys.executable, "-m", "marimo", "run", str(file), "--headless", "--no-token"]
     with (folder / "log").open("w") as log:
         server = subprocess.Popen(
             [*command, "--host", "127.0.0.1", "--port", str(port)],
             stdout=log,
             stderr=log,
-            env={**os.environ, **own, **kept},
+            env={**os.environ, **folders, **variables},
         )
         try:
             while not _listens(port):
@@ -41,5 +43,5 @@ def marimo(file: Path, folder: Path) -> Iterator[str]:
 
 
 def _listens(port: int) -> bool:
-    with socket.socket() as asking:
-        return asking.connect_ex(("127.0.0.1", port)) == 0
+    with socket.socket() as connection:
+        return connection.connect_ex(("127.0.0.1", port)) == 0

@@ -1,6 +1,6 @@
-"""The pictures of the viewer's page in docs/viewer.md, drawn in a headless Chromium.
+"""Screenshots of the viewer's page for docs/viewer.md, taken in a headless Chromium.
 
-Run as a program it draws them anew: `scripts/goldens`. A test holds them to what the page shows.
+Run as a program, it takes them anew: `scripts/goldens`. A test compares them with the page.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ EXAMPLE = REPOSITORY / "examples" / "viewer.py"
 
 @dataclass(frozen=True)
 class Shot:
-    """The window's size, the scheme, and what is changed of the page's start.
+    """Window size, colour scheme, and changes of the page's initial state.
 
-    `unfolded` is the one section of the panel that is open, "" for those that are at the start.
+    `unfolded` is the only open section of the panel, "" for the initial ones.
     """
 
     size: tuple[int, int]
@@ -46,7 +46,7 @@ SHOTS = {
 
 
 def write_page(folder: Path) -> Path:
-    """The page that the pictures are of."""
+    """Write the page of the screenshots."""
     file = folder / "page.html"
     scene = Scene((Object(sample("cobbles", 256)),), camera=Orbit(28.0, 30.0))
     write_view(scene, file, sources=Sources("sample:cobbles"), device="cpu")
@@ -54,7 +54,7 @@ def write_page(folder: Path) -> Path:
 
 
 def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
-    """A picture of the page as PNG, and where in it the canvas is: x, y, width, height."""
+    """A screenshot as PNG, and the rectangle of the canvas: x, y, width, height."""
     made = SHOTS[name]
     width, height = made.size
     page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=made.scheme)
@@ -84,7 +84,7 @@ def shot(browser: Any, file: Path, name: str) -> tuple[bytes, dict[str, float]]:
 
 
 def main() -> None:
-    """Draw them all."""
+    """Take all screenshots."""
     file = write_page(Path(tempfile.mkdtemp()))
     with chromium(SOFTWARE) as browser:
         for name in SHOTS:
@@ -94,7 +94,7 @@ def main() -> None:
 
 
 def notebook(browser: Any) -> None:
-    """The example in marimo, after a slider was moved."""
+    """Take the screenshot of the marimo example, after moving a slider."""
     with marimo(EXAMPLE, Path(tempfile.mkdtemp())) as address:
         page = browser.new_page(viewport={"width": 1200, "height": 1060})
         page.set_default_timeout(PATIENCE)

@@ -1,4 +1,4 @@
-"""Pages of the viewer without their still pictures, which tests of other parts do not look at."""
+"""Viewer pages without still pictures, for tests that do not need them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import pytest
 
 @contextlib.contextmanager
 def no_stills() -> Iterator[None]:
-    """Pages written meanwhile have no pictures for browsers without WebGPU.
+    """Write pages without the pictures for browsers without WebGPU.
 
-    Each page would compile up to four programs for them.
+    These would compile up to four programs per page.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("basrelief.viewer.page._stills", lambda *_: [])

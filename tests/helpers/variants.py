@@ -1,4 +1,4 @@
-"""Random programs of a pixel, as a page chooses them and as the library has them."""
+"""Random variants of the pixel program, as names of a page and as programs of the library."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from basrelief.techniques import TECHNIQUES, displace, flat
 
 
 def random_programs(count: int, seed: int) -> list[tuple[dict[str, Any], Program]]:
-    """So many programs twice over: with the names of a page, and as the library has them."""
+    """Random programs, each as the names that a page uses, and as the library's program."""
     rng = random.Random(seed)
     return [_program(rng) for _ in range(count)]
 
@@ -25,13 +25,13 @@ def _program(rng: random.Random) -> tuple[dict[str, Any], Program]:
     name, technique = rng.choice([*TECHNIQUES.items()])
     edge = rng.choice(get_args(Edge))
     filter = "columns" if technique.columns else rng.choice(technique.takes_heights)
-    chosen: dict[str, Any] = {
+    choices: dict[str, Any] = {
         each: rng.choice(field.choices or (False, True))
         for each, field in static_fields(Variant).items()
     }
-    # what a technique says of itself, it alone decides
-    chosen |= {"displaced": technique is not flat, "columns": technique.columns}
-    variant = Variant(**chosen)
+    # these fields follow from the technique
+    choices |= {"displaced": technique is not flat, "columns": technique.columns}
+    variant = Variant(**choices)
     bindings: Any = {displace: technique, surface_at: SURFACES[variant.surface]}
-    told = {"technique": name, **chosen, "map.edge": edge, "map.filter": filter}
-    return told, Program(pixel, bindings, edge, filter, variant)
+    names = {"technique": name, **choices, "map.edge": edge, "map.filter": filter}
+    return names, Program(pixel, bindings, edge, filter, variant)

@@ -1,4 +1,4 @@
-"""Pictures: values survive the disk, bad files are named, a file is whole or not there."""
+"""Picture files: exact values, errors for bad files, atomic writes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def ramp(height: int = 5, width: int = 7, channels: int = 3) -> np.ndarray:
 
 
 def png(width: int, height: int, kind: int, bits: int, rows: bytes, *extra: bytes) -> bytes:
-    """A PNG file by hand, so that tests do not rest on the writer they test."""
+    """A PNG file made by hand, so that tests do not depend on the writer that they test."""
 
     def chunk(name: bytes, body: bytes) -> bytes:
         check = struct.pack(">I", zlib.crc32(name + body))
@@ -128,14 +128,14 @@ def test_a_gamma_chunk_changes_nothing(tmp_path: Path) -> None:
     ],
 )
 def test_orientation_is_applied(tmp_path: Path, orientation: int, corner: tuple[int, int]) -> None:
-    """The stored top left texel goes where TIFF 6.0 says that row 0 and column 0 lie."""
+    """The stored top left texel moves to the corner that TIFF 6.0 names for row 0, column 0."""
     import OpenImageIO
 
     pixels = np.zeros((5, 7, 1), np.uint8)
     pixels[0, 0] = 255
     spec = OpenImageIO.ImageSpec(7, 5, 1, "uint8")
     spec.attribute("Orientation", orientation)
-    file = tmp_path / "turned.tif"
+    file = tmp_path / "rotated.tif"
     out = OpenImageIO.ImageOutput.create(str(file))
     assert out.open(str(file), spec)
     assert out.write_image(pixels)
@@ -162,7 +162,9 @@ def test_missing_file_and_folder_are_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("content", [b"", b"hello", b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"])
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".exr", ".tif", ".tga"])
-def test_what_is_no_picture_is_refused(tmp_path: Path, content: bytes, suffix: str) -> None:
+def test_files_that_are_not_pictures_are_refused(
+    tmp_path: Path, content: bytes, suffix: str
+) -> None:
     file = tmp_path / f"a{suffix}"
     file.write_bytes(content)
     with pytest.raises(InputError, match=rf"a\{suffix}: .*(not a picture|damaged)") as caught:
@@ -180,7 +182,7 @@ def test_cut_off_pictures_are_refused(tmp_path: Path, suffix: str, share: float)
         read_picture(file)
 
 
-def test_a_damaged_png_makes_no_noise(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_damaged_png_prints_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     file = write_picture(tmp_path / "a.png", ramp(40, 50))
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 0x55
@@ -196,29 +198,29 @@ def test_a_damaged_png_makes_no_noise(tmp_path: Path, capfd: pytest.CaptureFixtu
 @given(
     suffix=st.sampled_from([".png", ".jpg", ".exr", ".hdr", ".tif", ".webp"]),
     hits=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 255)), min_size=1, max_size=6),
-    kept=st.floats(0, 1),
+    length=st.floats(0, 1),
 )
 def test_damaged_files_give_a_picture_or_one_clear_line(
-    tmp_path: Path, suffix: str, hits: list[tuple[float, int]], kept: float
+    tmp_path: Path, suffix: str, hits: list[tuple[float, int]], length: float
 ) -> None:
-    """Bytes past the header of an honest size are changed, and the end may be missing."""
+    """Bytes after the header are changed, and the end may be missing."""
     whole = tmp_path / f"whole{suffix}"
     if not whole.exists():
         write_picture(whole, ramp(9, 11))
     content = bytearray(whole.read_bytes())
-    start = min(64, len(content) - 1)  # an absurd size in the header is memory's trouble, not ours
+    start = min(64, len(content) - 1)  # an absurd size in the header is a memory error
     for where, value in hits:
         content[start + int(where * (len(content) - 1 - start))] = value
     file = tmp_path / f"damaged{suffix}"
-    file.write_bytes(content[: max(1, int((0.5 + kept) * len(content)))])
-    trouble = ""
+    file.write_bytes(content[: max(1, int((0.5 + length) * len(content)))])
+    problem = ""
     try:
-        trouble = "" if read_picture(file).pixels.size else "no pixels"
+        problem = "" if read_picture(file).pixels.size else "no pixels"
     except InputError as error:
-        trouble = str(error).replace(str(file), "", 1)
-        assert len(trouble) < len(str(error)), "the file is not named"  # noqa: PT017
-    assert "\n" not in trouble
-    assert trouble != "no pixels"
+        problem = str(error).replace(str(file), "", 1)
+        assert len(problem) < len(str(error)), "the file is not named"  # noqa: PT017
+    assert "\n" not in problem
+    assert problem != "no pixels"
 
 
 # --- writing
@@ -328,7 +330,7 @@ def test_impossible_arrays_are_refused(tmp_path: Path, shape: tuple[int, ...]) -
         write_picture(tmp_path / "a.png", np.zeros(shape, np.float32))
 
 
-def test_data_goes_only_where_it_is_kept(tmp_path: Path) -> None:
+def test_data_is_written_only_to_formats_that_store_it(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"\.png"):
         write_data(tmp_path / "a.jpg", np.zeros((2, 2, 1), np.uint8))
     with pytest.raises(InputError, match=r"\.exr"):
@@ -337,7 +339,7 @@ def test_data_goes_only_where_it_is_kept(tmp_path: Path) -> None:
         write_data(tmp_path / "a.png", np.zeros((2, 2, 1), np.int64))
 
 
-def test_places_that_cannot_be_written_are_named(tmp_path: Path) -> None:
+def test_paths_that_cannot_be_written_are_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     (tmp_path / "folder.png").mkdir()
     for place in ("none/a.png", "file/a.png"):
@@ -350,19 +352,19 @@ def test_places_that_cannot_be_written_are_named(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 2
 
 
-@pytest.mark.parametrize("trouble", [OSError("full"), KeyboardInterrupt()])
+@pytest.mark.parametrize("problem", [OSError("full"), KeyboardInterrupt()])
 def test_a_write_that_fails_leaves_the_old_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, trouble: BaseException
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, problem: BaseException
 ) -> None:
     file = tmp_path / "a.png"
     file.write_bytes(b"old")
 
     def half(path: Path, *_: object) -> None:
         path.write_bytes(b"half")
-        raise trouble
+        raise problem
 
     monkeypatch.setattr("basrelief.images.write._write", half)
-    expected = InputError if isinstance(trouble, OSError) else KeyboardInterrupt
+    expected = InputError if isinstance(problem, OSError) else KeyboardInterrupt
     with pytest.raises(expected):
         write_picture(file, ramp())
     assert file.read_bytes() == b"old"

@@ -1,4 +1,4 @@
-"""Compiled programs of these tests, many and tiny, go to a folder that is thrown away."""
+"""A temporary cache for the many small programs of these tests."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import pytest
 
 
 @pytest.fixture(scope="session")
-def throw_away_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def temporary_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _own_cache(throw_away_cache: Path) -> Iterator[None]:
+def _use_temporary_cache(temporary_cache: Path) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("BASRELIEF_CACHE", str(throw_away_cache))
+        patch.setenv("BASRELIEF_CACHE", str(temporary_cache))
         yield

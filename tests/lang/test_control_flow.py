@@ -1,4 +1,4 @@
-"""Branches, loops and early returns: lanes that part ways find what plain Python finds."""
+"""Branches, loops and early returns: divergent lanes compute the same as plain Python."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from helpers.comparing import assert_python_is_cpu, cpu, write_module
 
 SHADERS = '''
 @struct
-class Given:
+class Input:
     a: float
     i: int
 
 @struct
-class Found:
+class Result:
     value: float
     count: int
     flag: bool
@@ -25,37 +25,37 @@ LEAST = 0.125
 
 
 @shader
-def early_returns(a: float, i: int) -> Found:
+def early_returns(a: float, i: int) -> Result:
     if i < 0:
-        return Found(a, i, True)
+        return Result(a, i, True)
     if a > 2.0:
         if i > 3:
-            return Found(a * 2.0, i, False)
+            return Result(a * 2.0, i, False)
         elif i == 2:
             a2 = a + 1.0
-            return Found(a2, 2, True)
+            return Result(a2, 2, True)
     elif a < -1.0:
-        return Found(-a, 7, False)
-    return Found(0.0, i * 2, i > 1)
+        return Result(-a, 7, False)
+    return Result(0.0, i * 2, i > 1)
 
 
 @shader
-def returns_from_loops(a: float, i: int) -> Found:
+def returns_from_loops(a: float, i: int) -> Result:
     total = a
     for k in range(5):
         for n in range(k, i):
             total = total * 0.5 + float(n)
             if total > 3.0 and n == 2:
-                return Found(total, k * 10 + n, True)
+                return Result(total, k * 10 + n, True)
             if total < -100.0:
                 break
         if k == i:
-            return Found(total, k, False)
-    return Found(total, -1, False)
+            return Result(total, k, False)
+    return Result(total, -1, False)
 
 
 @shader
-def break_and_continue(a: float, i: int) -> Found:
+def break_and_continue(a: float, i: int) -> Result:
     total = 0.0
     rounds = 0
     for k in range(12):
@@ -70,25 +70,25 @@ def break_and_continue(a: float, i: int) -> Found:
                 break
             continue
         total = total - 0.25
-    return Found(total, rounds, rounds > 4)
+    return Result(total, rounds, rounds > 4)
 
 
 @shader
-def continue_in_both_branches(a: float, i: int) -> Found:
-    seen = 0
+def continue_in_both_branches(a: float, i: int) -> Result:
+    count = 0
     for k in range(6):
         if k < i:
-            seen = seen + 1
+            count = count + 1
             continue
         else:
             if a < 0.0:
                 break
-            seen = seen + 10
-    return Found(a, seen, True)
+            count = count + 10
+    return Result(a, count, True)
 
 
 @shader
-def while_with_a_counter(a: float, i: int) -> Found:
+def while_with_a_counter(a: float, i: int) -> Result:
     x = abs(a) + 1.0
     n = 0
     while n < 20 and x < 50.0 and n < i + 9:
@@ -96,11 +96,11 @@ def while_with_a_counter(a: float, i: int) -> Found:
         if x > 30.0:
             x = x + 1.0
         n += 1
-    return Found(x, n, x > 40.0)
+    return Result(x, n, x > 40.0)
 
 
 @shader
-def loops_with_their_own_bounds(a: float, i: int) -> Found:
+def loops_with_their_own_bounds(a: float, i: int) -> Result:
     total = a
     count = 0
     for k in range(i):
@@ -113,11 +113,11 @@ def loops_with_their_own_bounds(a: float, i: int) -> Found:
             count += n
     for k in range(3):
         count += k
-    return Found(total, count, count > 5)
+    return Result(total, count, count > 5)
 
 
 @shader
-def a_counter_s_name_again(a: float, i: int) -> Found:
+def counter_name_reused(a: float, i: int) -> Result:
     total = 0
     for k in range(3):
         total += k
@@ -126,11 +126,11 @@ def a_counter_s_name_again(a: float, i: int) -> Found:
     for k in range(2, 4):
         total += k
     k = i * 100
-    return Found(a, total + k, True)
+    return Result(a, total + k, True)
 
 
 @shader
-def counters_at_the_end_of_the_range(a: float, i: int) -> Found:
+def counters_at_the_end_of_the_range(a: float, i: int) -> Result:
     n = 0
     for k in range(2147483640, 2147483647, 5):
         n += 1
@@ -143,11 +143,11 @@ def counters_at_the_end_of_the_range(a: float, i: int) -> Found:
     for _ in range(2):
         for _ in range(3):
             n += 7
-    return Found(a, n, True)
+    return Result(a, n, True)
 
 
 @shader
-def set_in_branches_and_used_after(a: float, i: int) -> Found:
+def set_in_branches_and_used_after(a: float, i: int) -> Result:
     if a > 0.5:
         v = Vec3(a, 1.0, 2.0)
         n = 3
@@ -166,11 +166,11 @@ def set_in_branches_and_used_after(a: float, i: int) -> Found:
     flag = i > 2
     if flag:
         n = n * 2
-    return Found(dot(v, Vec3(1.0, 10.0, 100.0)), n, flag)
+    return Result(dot(v, Vec3(1.0, 10.0, 100.0)), n, flag)
 
 
 @shader
-def set_late_used_in_a_loop(a: float, i: int) -> Found:
+def set_late_used_in_a_loop(a: float, i: int) -> Result:
     x = a
     y = 0.0
     for k in range(4):
@@ -181,7 +181,7 @@ def set_late_used_in_a_loop(a: float, i: int) -> Found:
                 x = -x
             else:
                 x = t
-    return Found(x, int(y * 8.0), y > x)
+    return Result(x, int(y * 8.0), y > x)
 
 
 @shader
@@ -204,7 +204,7 @@ def steps_down(x: float, least: int) -> int:
 
 
 @shader
-def calls_within_branches(a: float, i: int) -> Found:
+def calls_within_branches(a: float, i: int) -> Result:
     total = 0.0
     n = 1
     if i > 0:
@@ -214,12 +214,12 @@ def calls_within_branches(a: float, i: int) -> Found:
             n = n + 100 // steps_down(a, k)
     if sign_of(a) > 0.0 and steps_down(a, 0) > 0 or i == 2:
         total = total + sign_of(-a)
-    return Found(total if sign_of(a) < 0.0 else -total, n, steps_down(a, i) == i)
+    return Result(total if sign_of(a) < 0.0 else -total, n, steps_down(a, i) == i)
 
 
 @shader
-def nothing_to_do(a: float, i: int) -> Found:
-    """Blocks of comments and `pass` alone."""
+def nothing_to_do(a: float, i: int) -> Result:
+    """Blocks with only comments and `pass`."""
     if a > 0.0:
         pass
     else:
@@ -227,36 +227,36 @@ def nothing_to_do(a: float, i: int) -> Found:
         pass
     for _ in range(i):
         pass
-    return Found(a, i, False)
+    return Result(a, i, False)
 
 
 @shader
-def returns_in_every_branch(a: float, i: int) -> Found:
+def returns_in_every_branch(a: float, i: int) -> Result:
     for k in range(4):
         if k == i:
             if a > 0.0:
-                return Found(a, k, True)
+                return Result(a, k, True)
             else:
-                return Found(-a, k, False)
+                return Result(-a, k, False)
         elif a > 6.0:
-            return Found(6.0, -k, False)
+            return Result(6.0, -k, False)
     if a > 1.0:
-        return Found(1.0, 1, True)
+        return Result(1.0, 1, True)
     else:
-        return Found(2.0, 2, True)
+        return Result(2.0, 2, True)
 '''
 
 ENTRY = """
 
 @shader
-def run_{name}(pixel: IVec2, items: Buffer[Given]) -> Found:
+def run_{name}(pixel: IVec2, items: Buffer[Input]) -> Result:
     item = items[pixel.x]
     return {name}(item.a, item.i)
 """
 NAMES = [
     line.split("(")[0].removeprefix("def ")
     for line in SHADERS.splitlines()
-    if line.startswith("def ") and line.endswith("-> Found:")
+    if line.startswith("def ") and line.endswith("-> Result:")
 ]
 
 
@@ -270,11 +270,11 @@ def items_of(module, count: int) -> Buffer:
     edges = [(0.0, 0), (7.5, 4), (-3.0, -1), (float("nan"), 2), (float("inf"), 3)]
     rows = edges + [(draw.normal(0, 3), draw.integers(-3, 9)) for _ in range(count)]
     draw.shuffle(rows)
-    return Buffer([module.Given(float(a), int(i)) for a, i in rows[:count]])
+    return Buffer([module.Input(float(a), int(i)) for a, i in rows[:count]])
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_lanes_that_part_ways(module, name):
+def test_divergent_lanes(module, name):
     entry = getattr(module, f"run_{name}")
     for lanes, width in ((8, 67), (4, 13), (16, 45)):
         items = items_of(module, width)
@@ -296,20 +296,20 @@ def test_no_pixels_at_all(module):
         assert all(plane.shape == size[::-1] for plane in planes.values())
 
 
-def test_names_that_the_compiled_code_uses_itself(folder):
+def test_names_that_the_compiled_code_uses(folder):
     module = write_module(
         folder,
         """
 @struct
-class Given:
+class Input:
     a: float
 
 @struct
-class Found:
+class Result:
     value: float
 
 @shader
-def run(active: Buffer[Given], mask: float) -> float:
+def run(active: Buffer[Input], mask: float) -> float:
     returned = active[0].a
     return returned + mask
 
@@ -319,11 +319,11 @@ def first(result: float, width: float) -> float:
     return lanes
 
 @shader
-def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
+def entry(pixel: IVec2, items: Buffer[Input]) -> Result:
     x = float(pixel.x)
     rows = run(items, x)
-    return Found(first(rows, x))
+    return Result(first(rows, x))
 """,
     )
-    items = Buffer([module.Given(2.5)])
+    items = Buffer([module.Input(2.5)])
     assert_python_is_cpu(module.entry, (5, 2), {"items": items})

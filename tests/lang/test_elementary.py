@@ -1,6 +1,6 @@
-"""The functions of `lang.elementary` against NumPy in float64, over the domains they state.
+"""Functions of `lang.elementary` against NumPy in float64, over their stated domains.
 
-A million values each, on the CPU; samples of them in plain Python, to the last bit.
+A million values each on the CPU, and samples of them in plain Python, to the last bit.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from basrelief.lang.shader import Shader
 from helpers.comparing import assert_python_is_cpu, bits, cpu, write_module
 
 WIDTH, HEIGHT = 1000, 1000
-"""The pictures whose pixels are the values of a sweep."""
+"""Size of the pictures whose pixels are the values of a sweep."""
 
 SHADERS = """
 @struct
@@ -27,7 +27,7 @@ class Sweep:
     other: float
 
 @struct
-class Found:
+class Result:
     x: float
     y: float
 
@@ -43,9 +43,9 @@ def swept(pixel: IVec2, sweep: Sweep) -> float:
 """
 ENTRY = """
 @shader
-def sweep_{name}(pixel: IVec2, sweep: Sweep) -> Found:
+def sweep_{name}(pixel: IVec2, sweep: Sweep) -> Result:
     x = swept(pixel, sweep)
-    return Found(x, {call})
+    return Result(x, {call})
 """
 CALLS = {name: f"{name}(x)" for name in ELEMENTARY} | {
     "pow": "pow(x, sweep.other)",
@@ -76,7 +76,7 @@ def sweep(module, name, low, high, *, by_bits=False, other=0.0):
     return planes["x"].astype(np.float64).ravel(), planes["y"].astype(np.float64).ravel()
 
 
-def units_in_the_last_place(found, exact):
+def ulp_error(result, exact):
     """The error of float32 results in units of the last place of the exact ones.
 
     Where the exact result rounds to an infinity, an infinity is right.
@@ -84,8 +84,8 @@ def units_in_the_last_place(found, exact):
     with np.errstate(over="ignore", invalid="ignore"):
         nearest = exact.astype(np.float32)
         unit = np.spacing(np.abs(np.where(np.isinf(nearest), np.float32(HUGE), nearest)))
-        error = np.abs(found - exact) / unit.astype(np.float64)
-    return np.where(np.isinf(nearest) & (found == nearest), 0.0, error)
+        error = np.abs(result - exact) / unit.astype(np.float64)
+    return np.where(np.isinf(nearest) & (result == nearest), 0.0, error)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def units_in_the_last_place(found, exact):
 def test_units_in_the_last_place(module, name, low, high, by_bits, most):
     x, y = sweep(module, name, low, high, by_bits=by_bits)
     exact = {"atan": np.arctan}.get(name, getattr(np, name, None))(x)
-    error = units_in_the_last_place(y, exact)
+    error = ulp_error(y, exact)
     worst = error.argmax()
     assert error[worst] <= most, f"{name}({x[worst]!r}) = {y[worst]!r}, not {exact[worst]!r}"
 
@@ -138,10 +138,10 @@ def test_absolute_error(module, name, low, high, most):
 @pytest.mark.parametrize("x", [-3.0, -1e-3, -1e-30, 0.0, -0.0, 1e-40, 0.25, 1.0, 1e20])
 def test_atan2(module, x):
     for low, high, by_bits in ((-4.0, 4.0, False), (TINY, HUGE, True), (-1.0, -1e-3, False)):
-        y, found = sweep(module, "atan2", low, high, by_bits=by_bits, other=x)
+        y, result = sweep(module, "atan2", low, high, by_bits=by_bits, other=x)
         # -0.0 is taken for 0.0: the angle of the positive axis
         exact = np.arctan2(y, float(np.float32(x)) + 0.0)
-        assert np.abs(found - exact).max() <= 4e-7
+        assert np.abs(result - exact).max() <= 4e-7
 
 
 def test_atan2_at_the_origin():
@@ -152,11 +152,11 @@ def test_atan2_at_the_origin():
 
 @pytest.mark.parametrize("y", [-3.0, -0.5, 0.3, 0.5, 1.0, 2.2, 5.0, 13.0])
 def test_pow(module, y):
-    x, found = sweep(module, "pow", 1e-6, 100.0, other=y, by_bits=True)
+    x, result = sweep(module, "pow", 1e-6, 100.0, other=y, by_bits=True)
     power = float(np.float32(y))
     exact = x**power
     whole = (np.abs(exact) > TINY) & (np.abs(exact) < HUGE)
-    error = np.abs(found - exact)[whole] / exact[whole]
+    error = np.abs(result - exact)[whole] / exact[whole]
     assert (error <= 2e-7 * (1 + np.abs(power * np.log2(x[whole])))).all()
 
 
@@ -167,16 +167,16 @@ def test_pow_of_zero_and_below():
 
 
 def test_tan_is_sine_by_cosine(module):
-    x, found = sweep(module, "tan", -1.5, 1.5)
-    assert (np.abs(found - np.tan(x)) <= 4e-7 * (1 + np.tan(x) ** 2)).all()
+    x, result = sweep(module, "tan", -1.5, 1.5)
+    assert (np.abs(result - np.tan(x)) <= 4e-7 * (1 + np.tan(x) ** 2)).all()
 
 
-def test_logarithms_of_nothing_are_finite():
+def test_logarithms_of_zero_and_below_are_finite():
     for function in (elementary.log, elementary.log2):
         for x in (0.0, -0.0, -5.0, 1e-45, float("-inf")):
-            found = function(x)
-            assert np.isfinite(found)
-            assert found < -80
+            result = function(x)
+            assert np.isfinite(result)
+            assert result < -80
 
 
 def test_arcs_beyond_one_are_those_of_one():
@@ -206,20 +206,20 @@ def test_ends_and_samples_in_python(folder):
         folder,
         f"""
 @struct
-class Given:
+class Input:
     x: float
 
 @struct
-class Found:
+class Result:
 {fields}
 
 @shader
-def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
+def entry(pixel: IVec2, items: Buffer[Input]) -> Result:
     x = items[pixel.x].x
-    return Found({calls})
+    return Result({calls})
 """,
     )
-    items = Buffer([module.Given(x) for x in special])
+    items = Buffer([module.Input(x) for x in special])
     assert_python_is_cpu(module.entry, (len(items), 1), {"items": items})
 
 

@@ -20,17 +20,17 @@ from helpers.random_programs import Writer
 pytestmark = pytest.mark.gpu
 
 GPU_INPUTS = INPUTS | {"mixed": INPUTS["mixed"].replace("bool", "int")}
-"""Records that a GPU reads hold no bools; they are ints there, `p` and `q` of the tables too."""
+"""Inputs of the tables; records on a GPU cannot contain bools, so `p` and `q` are ints."""
 
 LOOSE = {"asin(a)": 1e-6, "acos(a)": 1e-6, "atan(a)": 1e-6}
-"""Absolute errors of functions that are some operations long."""
+"""Allowed absolute errors of functions of several operations."""
 
 ULPS = 4
-"""Units in the last place that a GPU may be off in one operation or intrinsic: WGSL allows 2.5 for
-a division, and a multiplication and an addition may be contracted."""
+"""Allowed error of one operation or intrinsic in units in the last place: WGSL allows 2.5 for a
+division, and the contraction of a multiplication and an addition."""
 
 NARROW = 1e-5
-"""The error that is allowed relative to the largest of the operands, for sums that cancel."""
+"""Allowed error relative to the largest operand, for sums that cancel."""
 
 
 @functools.cache
@@ -42,14 +42,14 @@ def gpu():
 
 def both(entry, values, size, edge="wrap"):
     program = Program(entry, {}, edge)
-    given = gpu().run(program, values, size)
+    actual = gpu().run(program, values, size)
     expected = cpu().run(program, values, size)
-    assert {n: p.dtype for n, p in given.items()} == {n: p.dtype for n, p in expected.items()}
-    return expected, given
+    assert {n: p.dtype for n, p in actual.items()} == {n: p.dtype for n, p in expected.items()}
+    return expected, actual
 
 
-def distance(a, b):
-    """How many floats lie between."""
+def ulp_distance(a, b):
+    """Distance of two float arrays in units in the last place."""
     ordered = [
         np.where(w < 0, -(w & 0x7FFFFFFF), w).astype(np.int64)
         for w in (np.ascontiguousarray(x).view(np.int32).astype(np.int64) for x in (a, b))
@@ -94,12 +94,12 @@ def test_operators_and_intrinsics(folder, table):
     inputs = TABLES[table][0]
     draw = np.random.default_rng(11)
     rows = [row if isinstance(row, tuple) else tuple(row) for row in MODERATE[inputs](draw)]
-    items = Buffer([module.Given(*row) for row in rows])
-    expected, given = both(module.entry, {"items": items}, (len(rows), 1))
+    items = Buffer([module.Input(*row) for row in rows])
+    expected, actual = both(module.entry, {"items": items}, (len(rows), 1))
     wrong = []
     for name in expected:
         text = expressions[int(name.split(".")[0][1:])][1]
-        a, b = expected[name][0], given[name][0]
+        a, b = expected[name][0], actual[name][0]
         if a.dtype != np.float32:
             bad = a != b
         else:
@@ -108,10 +108,10 @@ def test_operators_and_intrinsics(folder, table):
                 small = np.abs(a.astype(np.float64) - b) <= np.maximum(1, np.abs(a)) * LOOSE.get(
                     text, NARROW
                 )
-            # logarithms of what is below 0 and so on: held, and each engine in its own way
-            held = text.split("(")[0] in ("log", "log2", "pow") and "abs" not in text
-            positive = np.array([row[0] > 0 for row in rows]) if held else True
-            bad = finite & positive & (distance(a, b) > ULPS) & ~small
+            # logarithms and powers of negative numbers are clamped differently by each engine
+            clamped = text.split("(")[0] in ("log", "log2", "pow") and "abs" not in text
+            positive = np.array([row[0] > 0 for row in rows]) if clamped else True
+            bad = finite & positive & (ulp_distance(a, b) > ULPS) & ~small
         if bad.any():
             k = int(np.argmax(bad))
             wrong.append(
@@ -127,24 +127,24 @@ def test_control_flow(folder, name):
     draw = np.random.default_rng(4)
     # quarters: sums and products of them are exact, so no branch hangs on a last digit
     rows = [(float(draw.integers(-16, 17)) / 4, int(draw.integers(-3, 9))) for _ in range(203)]
-    items = Buffer([module.Given(*row) for row in rows])
-    expected, given = both(getattr(module, f"run_{name}"), {"items": items}, (len(rows), 1))
-    assert (expected["count"] == given["count"]).all()
-    assert (expected["flag"] == given["flag"]).all()
-    np.testing.assert_allclose(given["value"], expected["value"], rtol=1e-6, atol=1e-6)
+    items = Buffer([module.Input(*row) for row in rows])
+    expected, actual = both(getattr(module, f"run_{name}"), {"items": items}, (len(rows), 1))
+    assert (expected["count"] == actual["count"]).all()
+    assert (expected["flag"] == actual["flag"]).all()
+    np.testing.assert_allclose(actual["value"], expected["value"], rtol=1e-6, atol=1e-6)
 
 
 ALONE = {
     "a vector and a scalar mixed by a vector": {f"mix(u{n}, s, v{n})" for n in (2, 3, 4)},
-    "a matrix chosen": {"m if i < 0 else transpose(m)"},
+    "a selected matrix": {"m if i < 0 else transpose(m)"},
     "matrices in the result": {"transpose(m)", "Mat3(v3, m.x, Vec3(1.0, 2.0, 3.0))"},
     "constants that overflow": {"1 << 31"},
 }
-"""Expressions for which WGSL needs other words than most, by what they show."""
+"""Expressions that WGSL writes differently, by topic."""
 
 ALONE_ROWS = """
 @struct
-class Given:
+class Input:
     a: float
     b: float
     i: int
@@ -161,57 +161,57 @@ class Pair:
 ALONE_PROGRAMS = {
     "two comparisons as arguments": ("""
 @struct
-class Found:
+class Result:
     less: bool
     more: bool
-""", "return Found(g.a < g.b, g.b > g.a * 2.0)"),
+""", "return Result(g.a < g.b, g.b > g.a * 2.0)"),
     "a vector and a scalar mixed by a vector": ("""
 @struct
-class Found:
+class Result:
     v: Vec2
-""", "return Found(mix(g.u2, g.a, g.v2))"),
-    "a matrix chosen": ("""
+""", "return Result(mix(g.u2, g.a, g.v2))"),
+    "a selected matrix": ("""
 @struct
-class Found:
+class Result:
     v: Vec3
-""", "m = g.m if g.a < 0.0 else transpose(g.m)\n    return Found(m @ Vec3(1.0, 2.0, 4.0))"),
-    "a record chosen": ("""
+""", "m = g.m if g.a < 0.0 else transpose(g.m)\n    return Result(m @ Vec3(1.0, 2.0, 4.0))"),
+    "a selected record": ("""
 @struct
-class Found:
+class Result:
     pair: Pair
-""", "return Found(Pair(g.a, 1) if g.a < g.b else Pair(g.b, g.i))"),
+""", "return Result(Pair(g.a, 1) if g.a < g.b else Pair(g.b, g.i))"),
     "matrices in the result": ("""
 @struct
-class Found:
+class Result:
     m: Mat3
-""", "return Found(transpose(g.m))"),
+""", "return Result(transpose(g.m))"),
     "constants that overflow": ("""
 @struct
-class Found:
+class Result:
     n: int
     k: int
-""", "return Found((1 << 31) + g.i, 65537 * 65537 + g.i)"),
+""", "return Result((1 << 31) + g.i, 65537 * 65537 + g.i)"),
     "the smallest int": ("""
 LEAST = -2147483648
 
 @struct
-class Found:
+class Result:
     n: int
-""", "return Found(max(g.i, LEAST) - LEAST)"),
+""", "return Result(max(g.i, LEAST) - LEAST)"),
     "names with an underscore": ("""
 @struct
-class Found:
+class Result:
     n: int
 """, "target = g.i\n    target_ = 5\n    k_end = 3\n    total = 0\n"
      "    for k in range(target):\n        total = total + k\n"
-     "    return Found(total + target_ + k_end)"),
+     "    return Result(total + target_ + k_end)"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("what", ALONE_PROGRAMS)
-def test_what_wgsl_says_in_its_own_way(folder, what):
+def test_expressions_that_wgsl_writes_differently(folder, what):
     result, body = ALONE_PROGRAMS[what]
-    head = "\n@shader\ndef entry(pixel: IVec2, items: Buffer[Given]) -> Found:\n"
+    head = "\n@shader\ndef entry(pixel: IVec2, items: Buffer[Input]) -> Result:\n"
     text = f"{ALONE_ROWS}{result}{head}    g = items[pixel.x]\n    {body}\n"
     module = write_module(folder, text)
     draw = np.random.default_rng(3)
@@ -219,10 +219,10 @@ def test_what_wgsl_says_in_its_own_way(folder, what):
         (r[0], r[1], int(r[2]), Mat3(Vec3(*r[3:6]), Vec3(*r[6:9]), Vec3(*r[9:12])), r[:2], r[2:4])
         for r in draw.uniform(-4, 4, (20, 12))
     ]
-    items = Buffer([module.Given(*row) for row in rows])
-    expected, given = both(module.entry, {"items": items}, (20, 1))
+    items = Buffer([module.Input(*row) for row in rows])
+    expected, actual = both(module.entry, {"items": items}, (20, 1))
     for name, plane in expected.items():
-        np.testing.assert_allclose(given[name], plane, rtol=1e-5, atol=1e-5)
+        np.testing.assert_allclose(actual[name], plane, rtol=1e-5, atol=1e-5)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -230,7 +230,7 @@ def test_random_programs_of_ints(folder, seed):
     module = write_module(folder, Writer(seed, size=4, exact=True).program())
     draw = np.random.default_rng(seed)
     rows = [(0.0, 0.0, int(i), int(j)) for i, j in draw.integers(-9, 12, (75, 2))]
-    items = Buffer([module.Given(*row) for row in rows])
-    expected, given = both(module.entry, {"items": items}, (75, 1))
+    items = Buffer([module.Input(*row) for row in rows])
+    expected, actual = both(module.entry, {"items": items}, (75, 1))
     for name, plane in expected.items():
-        assert (plane == given[name]).all(), name
+        assert (plane == actual[name]).all(), name

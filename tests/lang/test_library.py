@@ -1,4 +1,4 @@
-"""Shaders printed apart: put together they are the programs that are printed whole."""
+"""Libraries of shaders: linked programs equal those that are printed whole."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from basrelief.scene.objects import technique_named
 from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import displace
-from basrelief.viewer.printed import printed
+from basrelief.viewer.printed import program_library
 from helpers.linking import linked
 from helpers.variants import random_programs
 
@@ -46,18 +46,18 @@ class Length:
 
 @slot
 def measure(place: Vec2, scale: float) -> float:
-    """How far a place is."""
+    """Distance of a place."""
 
 
 @shader
 def straight(place: Vec2, scale: float) -> float:
-    """As the crow flies."""
+    """Squared Euclidean distance."""
     return scale * (place.x * place.x + place.y * place.y)
 
 
 @shader
 def along_u(place: Vec2) -> float:
-    """Sideways alone; of no scale."""
+    """Distance along u, without the scale."""
     return abs(place.x)
 
 
@@ -70,7 +70,7 @@ def measured(at: IVec2, scale: Length) -> Length:
 OPTIONS = {measure: [straight, along_u]}
 
 
-def test_a_slot_hands_on_what_its_shader_takes() -> None:
+def test_a_slot_passes_the_arguments_that_its_shader_takes() -> None:
     made = library_of([measured], OPTIONS)
     assert set(made.slots["measure"]) == {"straight", "along_u"}
     for shader_, call in ((straight, "straight(place_, scale)"), (along_u, "along_u(place_)")):
@@ -81,30 +81,30 @@ def test_a_slot_hands_on_what_its_shader_takes() -> None:
         assert "fn main(" in text
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_a_shader_that_does_not_fit_is_refused() -> None:
     with pytest.raises(ShaderError, match="does not fit the slot"):
         library_of([measured], {measure: [measured]})
 
 
 class Numbers(TypeSlot):
-    """Whatever numbers there are."""
+    """The numbers of the bound shader."""
 
 
 @slot
 def chosen(numbers: Numbers, length: Length) -> Length:
-    """A length by numbers."""
+    """A length, changed by numbers."""
 
 
 @struct
 class Switch:
-    """What no GPU can be given."""
+    """A record that no GPU can read."""
 
     on: bool
 
 
 @shader
 def switched(numbers: Switch, length: Length) -> Length:
-    """As it is, or nothing."""
+    """The length, or 0."""
     return length if numbers.on else Length(0.0)
 
 
@@ -114,7 +114,7 @@ def choosing(at: IVec2, numbers: Numbers, length: Length) -> Length:
     return chosen(numbers, length)
 
 
-def test_a_record_that_no_gpu_can_be_given_is_refused() -> None:
+def test_a_record_that_no_gpu_can_read_is_refused() -> None:
     with pytest.raises(ShaderError, match="a record that a GPU reads cannot contain a bool"):
         library_of([choosing], {chosen: [switched]})
 
@@ -129,19 +129,21 @@ def _gpu() -> Any:
 
 @pytest.mark.gpu
 def test_every_option_and_condition_compiles() -> None:
-    made = printed().library
+    made = program_library().library
     gpu = _gpu()
-    left: set[Any] = {(slot_, each) for slot_, options in made.slots.items() for each in options}
-    # that of a bake's step is in no pixel
+    remaining: set[Any] = {
+        (slot_, each) for slot_, options in made.slots.items() for each in options
+    }
+    # the condition of a pass of a bake is in no pixel program
     conditions = [each for each in made.conditions if each != ("by_sector", (True,))]
-    left |= {(each, truth) for each in conditions for truth in (False, True)}
+    remaining |= {(each, truth) for each in conditions for truth in (False, True)}
     for _, program in random_programs(400, 2):
         bound = made.bound_names(program.bindings)
-        held = {(each, holds(each, program.static_value)) for each in conditions}
-        if new := left & {*bound.items(), *held}:
+        decided = {(each, holds(each, program.static_value)) for each in conditions}
+        if new := remaining & {*bound.items(), *decided}:
             gpu.create_shader_module(code=linked(made, program))
-            left -= new
-    assert not left
+            remaining -= new
+    assert not remaining
 
 
 OWN = """
@@ -168,7 +170,7 @@ def {name}(field: HeightField, ray: Ray, settings: Settings) -> Hit:
 def test_a_technique_may_have_any_name(tmp_path: Path, name: str, helper: str) -> None:
     (tmp_path / "own.py").write_text(OWN.replace("{name}", name).replace("{helper}", helper))
     own = technique_named(f"{tmp_path / 'own.py'}:{name}")
-    made = printed({"own": own})
+    made = program_library({"own": own})
     ((_, program),) = random_programs(1, 4)
     bindings = {**program.bindings, displace: own}
     text = linked(made.library, replace(program, bindings=bindings))
@@ -181,34 +183,34 @@ def test_a_slot_without_options_is_refused() -> None:
 
 
 @pytest.mark.gpu
-@pytest.mark.parametrize("way", ["exact", "texel", "landscape", "smooth"])
-def test_a_linked_program_computes_what_the_whole_one_does(way: str) -> None:
+@pytest.mark.parametrize("case", ["exact", "texel", "landscape", "smooth"])
+def test_a_linked_program_computes_what_the_whole_one_does(case: str) -> None:
     material = basrelief.sample("bricks", 64)
     options: dict[str, Any] = {
         "exact": {"technique": "exact", "shape": "sphere"},
         "texel": {"technique": "texel", "edge": "clamp"},
         "landscape": {"surface": "landscape", "scale": 0.2},
         "smooth": {"heights": "smooth", "tiling": (6.0, 6.0), "fade": (1.0, 3.0)},
-    }[way]
+    }[case]
     obj = basrelief.Object(material, **options)
     scene = basrelief.Scene((obj,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog_mode="linear")
     engine, size = GpuEngine(), (64, 48)
     program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
-    made = printed()
+    made = program_library()
     text = linked(made.library, program)
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in made.library.bindings["pixel"]]
     texel = np.zeros((1, 1, 4), np.uint16)
-    nothing = {b.name: Texture([texel], program.edge) for b in needed if b.type is Texture}
+    dummies = {b.name: Texture([texel], program.edge) for b in needed if b.type is Texture}
     far = HeightField([np.ones((1, 1), np.float32)], program.edge)
-    nothing |= {"distances": far, "views": Buffer((), ShadowMapView)}
-    nothing |= {"geometry_vertices": Buffer((), Vertex)}
+    dummies |= {"distances": far, "views": Buffer((), ShadowMapView)}
+    dummies |= {"geometry_vertices": Buffer((), Vertex)}
     with (
         engine.prepare(program, values, size) as whole,
-        engine.prepare_text(text, program, {**nothing, **values}, size, needed) as apart,
+        engine.prepare_text(text, program, {**dummies, **values}, size, needed) as other,
     ):
-        for job in (whole, apart):
+        for job in (whole, other):
             job.dispatch(0, size[1])
         drawn = whole.read(size[1])
         assert (drawn[7] != 0).mean() > 0.1
-        assert np.array_equal(drawn, apart.read(size[1]))
+        assert np.array_equal(drawn, other.read(size[1]))

@@ -1,4 +1,4 @@
-"""The LLVM that is printed, as text: readable, strict about floats, nothing that is not used."""
+"""Text of the printed LLVM IR: readable, strict about floats, without dead code."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class Light:
     power: float
 
 @struct
-class Found:
+class Result:
     colour: Vec3
 
 @shader
 def attenuated(light: Light, distance: float) -> Vec3:
-    """What is left of a light.
+    """Attenuated colour of a light.
 
-    The square of the distance tells.
+    Inverse square of the distance.
     """
     # never divide by zero
     square = max(distance * distance, 0.01)
@@ -39,7 +39,7 @@ def brightness(light: Light, x: float) -> float: ...
 
 @shader
 def constant_brightness(light: Light, x: float) -> float:
-    """As it is."""
+    """Constant brightness."""
     return light.power
 
 @shader
@@ -47,17 +47,17 @@ def waving_brightness(light: Light, x: float) -> float:
     return light.power * exp2(x)
 
 @shader
-def entry(pixel: IVec2, light: Light, field: HeightField) -> Found:
+def entry(pixel: IVec2, light: Light, field: HeightField) -> Result:
     x = float(pixel.x)
-    return Found(attenuated(light, x) * brightness(light, x))
+    return Result(attenuated(light, x) * brightness(light, x))
 
 @shader
-def flat_entry(pixel: IVec2, light: Light) -> Found:
-    return Found(attenuated(light, float(pixel.x)))
+def flat_entry(pixel: IVec2, light: Light) -> Result:
+    return Result(attenuated(light, float(pixel.x)))
 
 @shader
-def deep_entry(pixel: IVec2, light: Light, field: HeightField) -> Found:
-    return Found(attenuated(light, parallax_of(field, float(pixel.x))))
+def deep_entry(pixel: IVec2, light: Light, field: HeightField) -> Result:
+    return Result(attenuated(light, parallax_of(field, float(pixel.x))))
 '''
 
 
@@ -73,7 +73,7 @@ def text_of(module, entry, lanes=8, bindings=None):
 def test_names_docstrings_and_comments_are_kept(module):
     text = text_of(module, "flat_entry")
     assert re.search(
-        r"^; What is left of a light\.\n; *\n; The square of the distance tells\.\n"
+        r"^; Attenuated colour of a light\.\n; *\n; Inverse square of the distance\.\n"
         r"define internal fastcc \{.*\} @attenuated\(",
         text,
         re.MULTILINE,
@@ -85,7 +85,7 @@ def test_names_docstrings_and_comments_are_kept(module):
 
 @pytest.mark.parametrize("lanes", [4, 8, 16])
 def test_floats_keep_their_meaning(module, lanes):
-    """No fast-math flag on any operation, nothing contracted, and one width of vectors."""
+    """No fast-math flags, no contraction, and one vector width."""
     bindings = {module.brightness: module.waving_brightness}
     for entry in ("entry", "deep_entry"):
         text = text_of(module, entry, lanes, bindings)
@@ -98,7 +98,7 @@ def test_floats_keep_their_meaning(module, lanes):
         assert "llvm.fmuladd" not in text
 
 
-def test_only_what_is_used_is_there(module):
+def test_dead_code_is_removed(module):
     flat = text_of(module, "flat_entry")
     for name in ("parallax_of", "corners", "math.", "brightness", "sine"):
         assert name not in flat
@@ -109,10 +109,10 @@ def test_only_what_is_used_is_there(module):
     assert "@math.exp" not in deep
 
 
-def test_a_slot_becomes_what_is_bound(module):
+def test_a_slot_becomes_the_bound_shader(module):
     plain = text_of(module, "entry", bindings={module.brightness: module.constant_brightness})
     assert "@constant_brightness" in plain
-    assert "; As it is." in plain
+    assert "; Constant brightness." in plain
     assert "@brightness" not in plain
     assert "waving" not in plain
     # the height field is a parameter, but nothing reads it

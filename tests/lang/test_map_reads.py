@@ -1,6 +1,6 @@
-"""Maps and buffers: `corners`, `texel`, `size`, `levels`, `len` and items, at and beyond edges.
+"""Reads of maps and buffers, within and beyond their edges.
 
-Plain Python against the CPU, bit for bit; and plain Python against NumPy's own padding.
+Plain Python against the CPU, bit for bit, and against the padding of NumPy.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Place:
     level: int
 
 @struct
-class Spot:
+class UvPlace:
     u: float
     v: float
     level: float
@@ -59,11 +59,11 @@ def read(
     )
 
 @shader
-def read_at(pixel: IVec2, field: HeightField, map: Texture, spots: Buffer[Spot]) -> Read:
-    spot = spots[pixel.x]
-    level = int(spot.level)
+def read_at(pixel: IVec2, field: HeightField, map: Texture, uv_places: Buffer[UvPlace]) -> Read:
+    place = uv_places[pixel.x]
+    level = int(place.level)
     shape = size(field, level)
-    cell = IVec2(int(spot.u * float(shape.x) - 0.5), int(spot.v * float(shape.y) - 0.5))
+    cell = IVec2(int(place.u * float(shape.x) - 0.5), int(place.v * float(shape.y) - 0.5))
     return Read(corners(field, cell, level), texel(map, cell, level), shape, shape, 0, 0)
 
 @shader
@@ -81,13 +81,13 @@ def record(pixel: IVec2, map: Texture) -> Record:
 @shader
 def in_branches(pixel: IVec2, field: HeightField, map: Texture, places: Buffer[Place]) -> Read:
     place = places[pixel.x]
-    found = Vec4(0.0)
+    result = Vec4(0.0)
     if place.x > 0:
-        found = heights_of(field, place.x)
+        result = heights_of(field, place.x)
         if place.level == 1:
-            return Read(found, Vec4(1.0), IVec2(1), IVec2(2), 3, 4)
-        found = found + texel(map, IVec2(place.y, place.x), 0)
-    return Read(found, Vec4(0.0), IVec2(0), IVec2(0), 0, 0)
+            return Read(result, Vec4(1.0), IVec2(1), IVec2(2), 3, 4)
+        result = result + texel(map, IVec2(place.y, place.x), 0)
+    return Read(result, Vec4(0.0), IVec2(0), IVec2(0), 0, 0)
 
 @shader
 def listed(pixel: IVec2, items: Buffer[Item], places: Buffer[Place]) -> Listed:
@@ -115,7 +115,7 @@ def module(folder):
 
 
 def mips(first):
-    """The levels of a map down to one texel, the values of each its own."""
+    """Levels of a map down to one texel, with different values in each."""
     levels = [first]
     while max(levels[-1].shape[:2]) > 1:
         height, width = levels[-1].shape[:2]
@@ -125,12 +125,12 @@ def mips(first):
     return levels
 
 
-def maps(width, height, edge, *, pyramid=True):
+def maps(width, height, edge, *, all_levels=True):
     draw = np.random.default_rng(width * 100 + height)
     heights = draw.random((height, width)).astype(np.float32)
     colours = draw.integers(0, 65536, (height, width, 4)).astype(np.uint16)
     colours.flat[0], colours.flat[-1] = 0, 65535
-    stop = None if pyramid else 1
+    stop = None if all_levels else 1
     return HeightField(mips(heights)[:stop], edge), Texture(mips(colours)[:stop], edge)
 
 
@@ -144,33 +144,33 @@ def places_of(module, width, height):
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize(("width", "height"), SIZES)
 def test_python_is_cpu(module, width, height, edge):
-    field, map = maps(width, height, edge, pyramid=(width, height) != (13, 8))
+    field, map = maps(width, height, edge, all_levels=(width, height) != (13, 8))
     places = places_of(module, width, height)
     values = {"field": field, "map": map, "places": places}
     assert_python_is_cpu(module.read, (len(places), 1), values, edge=edge)
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
-def test_reads_of_one_texel_beyond_the_map_are_those_of_its_padding(edge):
+def test_the_border_equals_the_padding_of_numpy(edge):
     field, map = maps(5, 3, edge)
     heights, colours = field.levels[0], map.levels[0]
     mode = "wrap" if edge == "wrap" else "edge"
     padded = np.pad(heights, 1, mode=mode)
     around = np.pad(colours, ((1, 1), (1, 1), (0, 0)), mode=mode)
     for y, x in itertools.product(range(-1, 3), range(-1, 5)):
-        found = list(corners(field, IVec2(x, y), 0))
-        # padding moves the places by one
-        assert found == [*padded[y + 1, x + 1 : x + 3], *padded[y + 2, x + 1 : x + 3]]
+        result = list(corners(field, IVec2(x, y), 0))
+        # padding shifts indices by one
+        assert result == [*padded[y + 1, x + 1 : x + 3], *padded[y + 2, x + 1 : x + 3]]
     for y, x in itertools.product(range(-1, 4), range(-1, 6)):
-        found = list(texel(map, IVec2(x, y), 0))
-        assert found == [np.float32(c) for c in around[y + 1, x + 1]]
+        result = list(texel(map, IVec2(x, y), 0))
+        assert result == [np.float32(c) for c in around[y + 1, x + 1]]
 
 
 def test_the_ends_of_16_bits():
     map = Texture([np.array([[[0, 65535, 1, 32768]]], np.uint16)])
-    found = texel(map, IVec2(0, 0), 0)
-    assert tuple(found) == (0.0, 65535.0, 1.0, 32768.0)
-    assert tuple(stored(map, IVec2(0, 0))) == tuple(found)
+    result = texel(map, IVec2(0, 0), 0)
+    assert tuple(result) == (0.0, 65535.0, 1.0, 32768.0)
+    assert tuple(stored(map, IVec2(0, 0))) == tuple(result)
 
 
 def test_records_of_a_table(module):
@@ -183,14 +183,14 @@ def test_records_of_a_table(module):
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
-def test_coordinates_that_are_no_numbers(module, edge):
-    """NaN, infinities and huge coordinates read some texel of the map, never beyond it."""
+def test_coordinates_that_are_not_finite(module, edge):
+    """NaN, infinities and huge coordinates read texels of the map, never other memory."""
     numbers = [float("nan"), float("inf"), float("-inf"), 1e30, -1e30, 3e9, -3e9, 0.5, -0.25, 7.0]
-    spots = Buffer([module.Spot(*row) for row in itertools.product(numbers, repeat=3)])
+    uv_places = Buffer([module.UvPlace(*row) for row in itertools.product(numbers, repeat=3)])
     field, map = maps(7, 3, edge)
-    values = {"field": field, "map": map, "spots": spots}
-    assert_python_is_cpu(module.read_at, (len(spots), 1), values, edge=edge)
-    planes = compiled(module.read_at, (len(spots), 1), values, edge=edge)
+    values = {"field": field, "map": map, "uv_places": uv_places}
+    assert_python_is_cpu(module.read_at, (len(uv_places), 1), values, edge=edge)
+    planes = compiled(module.read_at, (len(uv_places), 1), values, edge=edge)
     heights = planes["heights.x"].astype(np.uint32).view(np.float32)
     assert np.isin(heights, np.concatenate([level.ravel() for level in field.levels])).all()
 
@@ -222,7 +222,7 @@ def test_items_within_and_beyond(module, count):
     assert_python_is_cpu(module.summed, (3, 1), {"items": values["items"]})
 
 
-def test_an_empty_buffer_is_told_what_it_holds():
+def test_an_empty_buffer_needs_a_record_type():
     with pytest.raises(ValueError, match="record"):
         Buffer([])
 

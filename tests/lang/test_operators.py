@@ -1,7 +1,7 @@
 """Every operator and intrinsic: plain Python against the CPU, bit for bit.
 
-Each expression is a field of a result; one program computes a whole table of them for every
-record of a buffer.
+Each expression is a field of a result; one program computes a table of them for each record of a
+buffer.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ INPUTS = {
     "    s: float\n    t: float",
     "matrices": "m: Mat3\n    v3: Vec3\n    g: IVec2\n    h: IVec2\n    i: int",
 }
-"""The records that tables of expressions read."""
+"""Input records of the tables, by name."""
 
 TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
     "float arithmetic": ("floats", [
@@ -136,16 +136,16 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
 }  # fmt: skip
 
 RESOURCES = {"corners", "texel", "stored", "size", "levels", "len"}
-"""Intrinsics that `test_map_reads.py` holds."""
+"""Intrinsics that `test_map_reads.py` tests."""
 
 
 def table_module(folder, table, leave_out=(), records=INPUTS):
-    """A module whose entry computes all expressions of a table, and the expressions."""
+    """Module whose entry computes the expressions of a table, and the expressions."""
     inputs, expressions = TABLES[table]
     expressions = [e for e in expressions if e[1] not in leave_out]
     fields = records[inputs]
     names = [line.split(":")[0].strip() for line in fields.splitlines()]
-    # where bools are held as ints
+    # where bools are stored as ints
     tested = {n: " != 0" for n in ("p", "q") if f"{n}: int" in fields}
     loads = "\n".join(f"    {name} = item.{name}{tested.get(name, '')}" for name in names)
     found = "\n".join(f"    f{n}: {t}" for n, (t, _) in enumerate(expressions))
@@ -153,19 +153,19 @@ def table_module(folder, table, leave_out=(), records=INPUTS):
     results = ", ".join(f"f{n}" for n in range(len(expressions)))
     text = f"""
 @struct
-class Given:
+class Input:
     {fields}
 
 @struct
-class Found:
+class Result:
 {found}
 
 @shader
-def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
+def entry(pixel: IVec2, items: Buffer[Input]) -> Result:
     item = items[pixel.x]
 {loads}
 {values}
-    return Found({results})
+    return Result({results})
 """
     return write_module(folder, text), expressions
 
@@ -176,7 +176,7 @@ def module_of(folder):
 
 
 def hand_picked(inputs: str) -> list[tuple]:
-    """Arguments of a record of inputs: all pairs of the special values, and some."""
+    """Input records: pairs of the special values, and random ones."""
     draw = np.random.default_rng(5)
 
     def floats(*shape):
@@ -216,7 +216,7 @@ def hand_picked(inputs: str) -> list[tuple]:
 
 
 def buffer_of(module, rows) -> Buffer:
-    return Buffer([module.Given(*row) for row in rows])
+    return Buffer([module.Input(*row) for row in rows])
 
 
 @pytest.mark.parametrize("table", TABLES)

@@ -1,4 +1,4 @@
-"""A program's key says all that the program is made of, and nothing else."""
+"""The key of a program depends on its contents and on nothing else."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Settings:
     steps: int = 4
 
 @struct
-class Found:
+class Result:
     x: float
     n: int
 
@@ -42,11 +42,11 @@ def third(x: float) -> float:
 def choice(x: float) -> float: ...
 
 @shader
-def entry(pixel: IVec2, settings: Settings) -> Found:
+def entry(pixel: IVec2, settings: Settings) -> Result:
     x = first(float(pixel.x)) * settings.gain
     for k in range(STEPS):
         x = x - 0.125
-    return Found(choice(x) + second(x) + third(x), settings.steps)
+    return Result(choice(x) + second(x) + third(x), settings.steps)
 '''
 
 
@@ -73,12 +73,12 @@ def test_comments_and_blank_lines_change_nothing(folder, key):
 
 
 def test_references_to_its_parts_change_nothing(folder, key):
-    """A key may not depend on what else this process holds."""
+    """A key does not depend on reference counts."""
     module = write_module(folder, SOURCE)
-    held = [list(f.function.__code__.co_consts) for f in (module.first, module.entry)]
-    held.append(module.entry.function.__code__.co_code)
+    references = [list(f.function.__code__.co_consts) for f in (module.first, module.entry)]
+    references.append(module.entry.function.__code__.co_code)
     assert key_of(module) == key
-    assert held
+    assert references
 
 
 @pytest.mark.parametrize("change", [
@@ -92,12 +92,12 @@ def test_references_to_its_parts_change_nothing(folder, key):
     ("gain: float = 1.0", "gain: float = 1.5"),
     ("steps: int = 4", "steps: int = 5"),
     ("    gain: float", "    loss: int = 1\n    gain: float"),
-    ("class Found:\n    x: float\n    n: int", "class Found:\n    y: float\n    n: int"),
+    ("class Result:\n    x: float\n    n: int", "class Result:\n    y: float\n    n: int"),
     ("range(STEPS)", "range(1, STEPS)"),
     ("choice(x) + second(x)", "second(x) + choice(x)"),
     ("settings.gain", "float(settings.steps)"),
 ])  # fmt: skip
-def test_what_is_changed_changes_the_key(folder, key, change):
+def test_a_change_changes_the_key(folder, key, change):
     assert change[0] in SOURCE
     assert key_of(write_module(folder, SOURCE.replace(*change))) != key
 
@@ -108,7 +108,7 @@ def test_minus_zero_is_not_zero(folder):
 
 
 def test_bindings_change_the_key(folder):
-    """Also where the entry calls both candidates itself."""
+    """Also if the entry calls both shaders itself."""
     module = write_module(folder, SOURCE)
     assert len({key_of(module, name) for name in ("first", "second", "third")}) == 3
 
@@ -122,9 +122,9 @@ def test_swapped_bindings_change_the_key(folder):
 def other(x: float) -> float: ...
 
 @shader
-def both(pixel: IVec2) -> Found:
+def both(pixel: IVec2) -> Result:
     x = float(pixel.x)
-    return Found(second(x) + third(x) + choice(x) - other(x), 1)
+    return Result(second(x) + third(x) + choice(x) - other(x), 1)
 """,
     )
     pairs = [("second", "third"), ("third", "second"), ("second", "second"), ("third", "third")]
@@ -138,11 +138,11 @@ def both(pixel: IVec2) -> Found:
 
 
 def test_one_name_for_two_shaders(folder):
-    """Modules may call different shaders by one name; which one is part of the key."""
+    """Modules may import different shaders under one name; the key tells them apart."""
     write_module(folder, SOURCE, "key_shaders")
     texts = [
         f"""
-from key_shaders import second, third, Found
+from key_shaders import second, third, Result
 from key_shaders import {name} as alias
 
 @shader
@@ -150,9 +150,9 @@ def inner(x: float) -> float:
     return alias(x)
 
 @shader
-def entry(pixel: IVec2) -> Found:
+def entry(pixel: IVec2) -> Result:
     x = second(float(pixel.x)) + third(1.0)
-    return Found(x + inner(x), 1)
+    return Result(x + inner(x), 1)
 """
         for name in ("second", "third")
     ]
@@ -165,7 +165,7 @@ def test_the_edge_changes_the_key(folder, key):
 
 
 def test_other_processes_find_the_same_key_and_text(folder, key):
-    """Whatever the order of their sets, and compiled or read from a cache of bytecode."""
+    """For any order of sets, with and without cached bytecode."""
     write_module(folder, SOURCE, "key_source")
     script = """
 import hashlib, sys
@@ -178,7 +178,7 @@ print(program.key)
 text = print_llvm(program.module, 8) + print_wgsl(program.module, program.edge)
 print(hashlib.sha256(text.encode()).hexdigest())
 """
-    found = set()
+    outputs = set()
     for seed in ("1", "2", "2"):
         done = subprocess.run(
             [sys.executable, "-c", script],
@@ -187,12 +187,12 @@ print(hashlib.sha256(text.encode()).hexdigest())
             text=True,
             check=True,
         )
-        found.add(done.stdout)
-    assert len(found) == 1
-    assert found.pop().splitlines()[0] == key
+        outputs.add(done.stdout)
+    assert len(outputs) == 1
+    assert outputs.pop().splitlines()[0] == key
 
 
-# --- what names stand for -------------------------------------------------------------------------
+# --- values of names ------------------------------------------------------------------------------
 
 
 def test_a_global_of_a_fields_name_is_no_part_of_a_program(folder):
@@ -216,8 +216,8 @@ def enclosed():
         return x * SCALE
 
     @shader
-    def entry(pixel: IVec2) -> Found:
-        return Found(first(5.0), 0)
+    def entry(pixel: IVec2) -> Result:
+        return Result(first(5.0), 0)
 
     def set_to(value):
         nonlocal SCALE
@@ -243,8 +243,8 @@ def test_what_a_shader_encloses_may_be_set_later(folder):
         + """
 def enclosed():
     @shader
-    def entry(pixel: IVec2) -> Found:
-        return Found(later, 0)
+    def entry(pixel: IVec2) -> Result:
+        return Result(later, 0)
 
     early = Program(entry).key
     later = 4.0

@@ -1,7 +1,6 @@
-"""Random programs: plain Python and the CPU agree on what they compute, whatever the lanes.
+"""Random programs: plain Python and the CPU compute the same, for any number of lanes.
 
-With the variable RANDOM_PROGRAMS set to `first:count`, those seeds are tried instead of the few
-that stand here.
+The environment variable RANDOM_PROGRAMS, `first:count`, replaces the default seeds.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def items_of(module, seed: int, count: int) -> Buffer:
             int(draw.choice(INTS)) if draw.random() < 0.3 else int(draw.integers(-4, 9))
             for _ in range(2)
         )
-        rows.append(module.Given(a, b, i, j, bool(draw.random() < 0.5)))
+        rows.append(module.Input(a, b, i, j, bool(draw.random() < 0.5)))
     return Buffer(rows)
 
 

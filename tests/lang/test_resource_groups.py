@@ -1,4 +1,4 @@
-"""Groups of resources: passed on as one, in a program each member by itself."""
+"""Groups of resources: one parameter of a shader, one for each member in a program."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def module(tmp_path: Path) -> Any:
 
 
 def values(module: Any) -> dict[str, Any]:
-    """The members, none like another."""
+    """Values of the members, all different."""
     return {
         "low": HeightField([np.full((1, 1), 0.25, np.float32)]),
         "color": Texture([np.full((1, 1, 4), 7, np.uint16)]),
@@ -82,10 +82,10 @@ EXPECTED = {"heights": 3.0 + 0.25 - 1.75 + 87.5, "numbers": 22.0 + 87.5}
 @pytest.mark.parametrize("bound", EXPECTED)
 def test_python_and_cpu_agree(module: Any, bound: str) -> None:
     program = Program(module.entry, {module.chosen: getattr(module, bound)})
-    given = values(module)
+    members = values(module)
     with module.bound(program.bindings):
-        assert module.entry((0, 0), module.Maps(**given)).x == EXPECTED[bound]
-    flat = {f"maps_{name}": value for name, value in given.items()}
+        assert module.entry((0, 0), module.Maps(**members)).x == EXPECTED[bound]
+    flat = {f"maps_{name}": value for name, value in members.items()}
     assert list(program.parameters) == list(flat)
     assert CpuEngine().run(program, flat, (1, 1))["x"] == EXPECTED[bound]
 
@@ -104,7 +104,7 @@ def test_gpu_and_linked_programs_agree(module: Any, bound: str) -> None:
         assert job.read(1)[0].view(np.float32)[0] == EXPECTED[bound]
 
 
-def test_a_program_has_the_members_that_it_reads(module: Any) -> None:
+def test_a_program_has_only_the_members_that_it_reads(module: Any) -> None:
     made = Program(module.entry, {module.chosen: module.numbers}).module
     assert list(made.entry.parameters) == ["pixel", "maps_high", "maps_numbers"]
     text = print_wgsl(made, "wrap")
@@ -123,14 +123,14 @@ def test_a_key_knows_the_members(module: Any, tmp_path: Path) -> None:
     assert keys[0] != keys[1]
 
 
-def test_only_handles_are_grouped(tmp_path: Path) -> None:
+def test_a_group_contains_only_handles(tmp_path: Path) -> None:
     with pytest.raises(ShaderError, match=r"Odd\.x: a group of resources holds handles"):
         write_module(tmp_path, "@resources\nclass Odd:\n    x: float\n")
 
 
 REFUSED = {
     "y = maps": "maps is a group of resources; name a member, or pass it",
-    "y = corners(maps.middle, IVec2(0, 0), 0).x": "Maps has no member middle; it has low, color, high",
+    "y = corners(maps.middle, IVec2(0, 0), 0).x": "no member middle; it has low, color, high",
     "y = inner(x, maps.high)": "maps is Maps; pass the one of this shader",
     'y = 1.0 if maps.low.edge == "clip" else x': "there is no edge 'clip'",
 }
@@ -156,7 +156,7 @@ def test_a_name_that_a_member_has_in_a_program_is_refused(tmp_path: Path) -> Non
     assert analyse(module.right).entry.name == "right"
 
 
-def test_a_group_is_no_result(tmp_path: Path) -> None:
+def test_a_group_cannot_be_a_result(tmp_path: Path) -> None:
     text = "@shader\ndef wrong(maps: Maps) -> Maps:\n    return maps\n"
     module = write_module(tmp_path, f"{SOURCE}\n{text}")
     with pytest.raises(ShaderError, match="Maps is not a type"):

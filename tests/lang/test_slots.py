@@ -1,4 +1,4 @@
-"""Slots: what may be bound to one, and what a bound shader may leave out."""
+"""Slots: which shaders can be bound, and which parameters they may omit."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 
 
-class Knobs(TypeSlot):
-    """The record of whichever shader is bound."""
+class Numbers(TypeSlot):
+    """The record of the bound shader."""
 
 
 @struct
@@ -25,13 +25,13 @@ class Out:
 
 
 @slot
-def weighed(count: int, place: Vec2, knobs: Knobs) -> float:
-    """A number from three."""
+def weighted_sum(count: int, place: Vec2, numbers: Numbers) -> float:
+    """A number from three parameters."""
 
 
 @shader
-def with_all(count: int, place: Vec2, knobs: Gain) -> float:
-    return float(count) + place.x * knobs.gain - place.y
+def with_all(count: int, place: Vec2, numbers: Gain) -> float:
+    return float(count) + place.x * numbers.gain - place.y
 
 
 @shader
@@ -45,64 +45,66 @@ def without_place(number: int, set: Gain) -> float:
 
 
 @shader
-def without_knobs(count: int, place: Vec2) -> float:
+def without_numbers(count: int, place: Vec2) -> float:
     return float(count) + place.x
 
 
 @shader
-def out_of_order(place: Vec2, count: int, knobs: Gain) -> float:
-    return float(count) + place.x * knobs.gain
+def out_of_order(place: Vec2, count: int, numbers: Gain) -> float:
+    return float(count) + place.x * numbers.gain
 
 
 @shader
-def entry(at: IVec2, knobs: Knobs) -> Out:
-    return Out(weighed(at.x + 3, Vec2(float(at.y), 0.5), knobs))
+def entry(at: IVec2, numbers: Numbers) -> Out:
+    return Out(weighted_sum(at.x + 3, Vec2(float(at.y), 0.5), numbers))
 
 
 @pytest.mark.parametrize(
-    ("made", "wanted"),
+    ("bound_shader", "expected"),
     [
         (with_all, lambda x, y: x + 3 + y * 2.5 - 0.5),
         (without_count, lambda x, y: y * 2.5 - 0.5),
         (without_place, lambda x, y: (x + 3) * 2.5),
     ],
 )
-def test_what_is_bound_takes_the_parameters_that_it_names(made, wanted) -> None:
-    program = Program(entry, {weighed: made})
-    planes = CpuEngine().run(program, {"knobs": Gain(2.5)}, (5, 4))
+def test_a_bound_shader_takes_the_parameters_that_it_declares(bound_shader, expected) -> None:
+    program = Program(entry, {weighted_sum: bound_shader})
+    planes = CpuEngine().run(program, {"numbers": Gain(2.5)}, (5, 4))
     for x, y in [(0, 0), (4, 3), (2, 1)]:
         with bound(program.bindings):
             plain = entry(IVec2(x, y), Gain(2.5))
-        assert float(plain.value) == float(planes["value"][y, x]) == wanted(x, y)
+        assert float(plain.value) == float(planes["value"][y, x]) == expected(x, y)
     assert "fn entry(" in print_wgsl(program.module, "wrap")
 
 
-@pytest.mark.parametrize("made", [without_knobs, out_of_order])
-def test_what_does_not_fit_is_refused(made) -> None:
-    """A type slot cannot be left out, and the order is the slot's."""
-    with pytest.raises(ShaderError, match=f"{made.name}.* does not fit the slot weighed"):
-        _ = Program(entry, {weighed: made}).module
+@pytest.mark.parametrize("bound_shader", [without_numbers, out_of_order])
+def test_a_shader_that_does_not_fit_is_refused(bound_shader) -> None:
+    """A type slot cannot be omitted, and the order is that of the slot."""
+    with pytest.raises(
+        ShaderError, match=f"{bound_shader.name}.* does not fit the slot weighted_sum"
+    ):
+        _ = Program(entry, {weighted_sum: bound_shader}).module
 
 
-def test_by_name_as_by_position() -> None:
-    with bound({weighed: without_count}):
-        by_name = weighed(count=1, knobs=Gain(2.0), place=Vec2(3.0, 4.0))
+def test_arguments_by_name() -> None:
+    with bound({weighted_sum: without_count}):
+        by_name = weighted_sum(count=1, numbers=Gain(2.0), place=Vec2(3.0, 4.0))
     assert float(by_name) == 2.0
 
 
-def test_a_watch_stands_around_every_call() -> None:
-    """Slots, what is bound to them, and arguments by name; what it returns is the result."""
+def test_a_watch_wraps_every_call() -> None:
+    """It sees slots and bound shaders, with arguments by name, and returns the result."""
     seen: list[tuple[str, dict]] = []
 
-    def watch(called, given, run):
-        seen.append((called.name, dict(given)))
+    def watch(called, arguments, run):
+        seen.append((called.name, dict(arguments)))
         result = run()
         return -result if called is watched_slot else result
 
     with bound({watched_slot: watched_double}), watched(watch):
         assert watched_entry(3.0) == -6.0 + 1.0
     assert [name for name, _ in seen] == ["watched_entry", "watched_slot", "watched_double"]
-    assert [given for _, given in seen] == [{"x": 3.0}] * 3
+    assert [arguments for _, arguments in seen] == [{"x": 3.0}] * 3
     with bound({watched_slot: watched_double}):
         assert watched_entry(3.0) == 7.0
     assert len(seen) == 3
@@ -110,7 +112,7 @@ def test_a_watch_stands_around_every_call() -> None:
 
 @slot
 def watched_slot(x: float) -> float:
-    """To be bound."""
+    """A slot."""
 
 
 @shader

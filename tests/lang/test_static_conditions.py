@@ -1,4 +1,4 @@
-"""Static conditions: one source, the branches that a variant takes, and nothing of the others."""
+"""Static conditions: a program contains the branches that its variant takes, and no others."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Variant:
 
     @property
     def walled(self) -> bool:
-        """Walls go as deep as the relief."""
+        """Whether there are deep walls."""
         return self.walls and self.deep
 
 @struct
@@ -41,7 +41,7 @@ class Air:
     density: float
 
 @struct
-class Found:
+class Result:
     x: float
     n: int
     sure: bool
@@ -56,7 +56,7 @@ def squared(x: float, air: Air) -> float:
 
 @shader
 def fogged(x: float, air: Air, variant: Variant) -> float:
-    """One return after the other."""
+    """Successive returns."""
     if variant.fog == "none":
         return x
     if variant.fog == "linear":
@@ -69,7 +69,7 @@ def height_of(field: HeightField, x: int) -> float:
 
 @shader
 def sampled(near: HeightField, far: HeightField, x: int, variant: Variant) -> float:
-    """A resource that is chosen, and loops that end early."""
+    """A selected resource, and loops that end early."""
     total = height_of(near if variant.deep else far, x)
     for k in range(9):
         if variant.taps == 1:
@@ -85,7 +85,7 @@ def tinted(x: float, y: float) -> float:
     return x + y
 
 @shader
-def dear(x: float) -> float:
+def unread_part(x: float) -> float:
     return x * 100.0
 
 @slot
@@ -102,10 +102,10 @@ def by_itself(x: float) -> float:
 @shader
 def entry(
     pixel: IVec2, air: Air, near: HeightField, far: HeightField, variant: Variant
-) -> Found:
+) -> Result:
     x = float(pixel.x) * 0.5
-    # what only one branch reads
-    unread = dear(x)
+    # read in one branch only
+    unread = unread_part(x)
     steep = x > 1.0
     if variant.walled:
         steep = steep and unread > 3.0
@@ -124,10 +124,10 @@ def entry(
         n = 1 if variant.taps in (1, 2) else 5
     else:
         if variant.taps not in (2, 4):
-            return Found(x, 9, variant.deep)
+            return Result(x, 9, variant.deep)
         n = 2
     x = fogged(chosen(x, variant, air), air, variant)
-    return Found(x, n, variant.deep and steep or n > 4)
+    return Result(x, n, variant.deep and steep or n > 4)
 '''
 
 
@@ -137,7 +137,7 @@ def module(folder: Path) -> Any:
 
 
 def variants(module: Any) -> list[Any]:
-    """All of them."""
+    """All variants."""
     fields = (("none", "linear", "squared"), (False, True), (False, True), (1, 2, 4))
     return [module.Variant(*values) for values in itertools.product(*fields)]
 
@@ -181,7 +181,7 @@ def test_python_and_cpu_agree_on_every_variant(module: Any) -> None:
 
 @pytest.mark.gpu
 def test_python_gpu_and_linked_programs_agree_on_every_variant(module: Any) -> None:
-    """Also printed once, with the static lines marked, and put together."""
+    """Also for a library, with its static text marked, and linked."""
     options = {module.chosen: [module.by_air, module.by_itself]}
     library = library_of([module.entry], options)
     engine = GpuEngine()
@@ -200,43 +200,43 @@ def test_python_gpu_and_linked_programs_agree_on_every_variant(module: Any) -> N
         assert planes[1:, 0].tolist() == expected[1:], variant
 
 
-# --- nothing of what is not taken -----------------------------------------------------------------
+# --- branches that are not taken -----------------------------------------------------------------
 
 
 def declared(text: str) -> set[str]:
-    """The names of the functions in a text."""
+    """Names of the functions in a text."""
     return set(re.findall(r"(?:\bfn |define [^@]*@)([\w.]+)\(", text))
 
 
-@pytest.mark.parametrize("way", ["wgsl", "llvm", "linked"])
-def test_only_what_a_variant_takes_is_there(module: Any, way: str) -> None:
+@pytest.mark.parametrize("target", ["wgsl", "llvm", "linked"])
+def test_branches_that_are_not_taken_are_absent(module: Any, target: str) -> None:
     library = library_of([module.entry], {module.chosen: [module.by_itself]})
 
     def text_of(*values: Any) -> str:
         variant = module.Variant(*values)
         made = program(module, variant, "by_itself")
-        if way == "llvm":
+        if target == "llvm":
             return print_llvm(made.module, 8)
-        if way == "linked":
+        if target == "linked":
             return linked(library, made)
         return print_wgsl(made.module, "wrap")
 
-    bare = text_of("none", False, False, 1)
+    minimal = text_of("none", False, False, 1)
     absent = {"sampled", "height_of", "linear", "squared"}
-    # a linker decides conditions, and leaves a variable that nothing reads to the driver
-    absent |= set() if way == "linked" else {"dear"}
-    assert not declared(bare) & absent
-    assert "corners" not in bare
-    assert {"fogged", "tinted"} <= declared(bare)
+    # a linker decides conditions; the driver removes variables that nothing reads
+    absent |= set() if target == "linked" else {"unread_part"}
+    assert not declared(minimal) & absent
+    assert "corners" not in minimal
+    assert {"fogged", "tinted"} <= declared(minimal)
     full = text_of("squared", True, True, 4)
-    names = {"sampled", "height_of", "linear", "squared", "fogged", "tinted", "dear"}
+    names = {"sampled", "height_of", "linear", "squared", "fogged", "tinted", "unread_part"}
     assert names <= declared(full)
-    assert not re.search(r"\b[Vv]ariant\b", bare + full)
+    assert not re.search(r"\b[Vv]ariant\b", minimal + full)
     assert "deep enough" in full
-    assert "deep enough" not in bare
+    assert "deep enough" not in minimal
 
 
-def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
+def test_a_program_passes_and_binds_only_live_parameters(module: Any) -> None:
     def of(*values: Any) -> tuple[list[str], str]:
         made = program(module, module.Variant(*values), "by_itself").module
         return list(made.entry.parameters), print_wgsl(made, "wrap")
@@ -250,7 +250,7 @@ def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
     parameters, text = of("linear", False, True, 1)
     assert parameters == ["pixel", "air"]
     assert "fn fogged(x: f32, air: Air) -> f32 {\n  return linear(x, air);\n}" in text
-    # a variable of one branch lives where the branch did
+    # a variable of one branch is declared where the branch was
     assert "var shift: f32;" not in text
     parameters, text = of("none", True, True, 4)
     assert parameters == ["pixel", "near"]
@@ -261,15 +261,15 @@ def test_a_program_passes_and_binds_only_what_it_reads(module: Any) -> None:
     assert "let steep = " in text
 
 
-def test_what_one_branch_leaves_the_rest_goes_without(module: Any) -> None:
-    """No line stands behind a return, which a GPU's compiler would refuse."""
+def test_no_statement_follows_a_return(module: Any) -> None:
+    """A GPU's compiler would refuse one."""
     library = library_of([module.entry], {module.chosen: [module.by_itself]})
     for variant in variants(module):
         text = linked(library, program(module, variant, "by_itself"))
         assert not re.search(r"^( *)(return|break|continue)\b.*;\n\1\S", text, re.MULTILINE)
 
 
-# --- once a process -------------------------------------------------------------------------------
+# --- caching of analyses --------------------------------------------------------------------------
 
 
 def test_a_shader_is_analysed_once_for_all_programs(folder: Path) -> None:
@@ -281,7 +281,7 @@ def test_a_shader_is_analysed_once_for_all_programs(folder: Path) -> None:
     assert module.entry.analysis is seen
 
 
-def test_it_is_analysed_anew_where_a_name_in_it_changed(folder: Path) -> None:
+def test_it_is_analysed_again_if_a_name_in_it_changes(folder: Path) -> None:
     module = write_module(
         folder,
         "STEP = 2.0\n@struct\nclass Out:\n    x: float\n"
@@ -333,7 +333,7 @@ def entry(pixel: IVec2, variant: Variant) -> Out:
 """
 
 
-def test_a_key_holds_what_shaders_read_of_the_variant(folder: Path) -> None:
+def test_a_key_contains_the_fields_that_shaders_read(folder: Path) -> None:
     module = write_module(folder, KEYED)
 
     def key(**changed: Any) -> str:
@@ -343,7 +343,7 @@ def test_a_key_holds_what_shaders_read_of_the_variant(folder: Path) -> None:
     first = key()
     assert key(unread=True) == first
     assert key(a=False) != first
-    # of a property its value
+    # for a property, its value counts
     assert key(b="y") == key(c=False) == first
     assert key(b="y", c=False) != first
 
@@ -355,7 +355,7 @@ def test_a_program_needs_a_variant_of_the_type_that_its_entry_takes(folder: Path
             Program(module.entry, variant=variant)
 
 
-# --- what is refused ------------------------------------------------------------------------------
+# --- refused source ------------------------------------------------------------------------------
 
 HEAD = """
 from typing import Literal
@@ -387,7 +387,7 @@ REFUSED = {
     'if variant.fog in ("none", "thick"):\n        y = x': (
         "variant.fog in ('none', 'thick')", "there is no fog 'thick'",
     ),
-    "if variant.fog:\n        y = x": ("variant.fog", "compare it with a literal, as in `variant.fog == 'none'`"),
+    "if variant.fog:\n        y = x": ("variant.fog", "as in `variant.fog == 'none'`"),
     "if variant.taps > 1:\n        y = x": ("variant.taps > 1", "by `==` or `!=`"),
     "if 1 == variant.taps:\n        y = x": ("1 == variant.taps", "static field with a literal"),
     "if variant.taps == n:\n        y = x": ("variant.taps == n", "with a literal"),
@@ -401,11 +401,11 @@ REFUSED = {
     "if variant.scale == 1.0:\n        y = x": ("variant.scale", "no field or property scale"),
     "y = variant": ("variant", "is not a value; branch on its fields"),
     "y = variant.fog": ("variant.fog", "is not a value; compare it"),
-    "y = x + float(variant.taps)": ("variant.taps", "is not a value; compare it with a literal, as in"),
+    "y = x + float(variant.taps)": ("variant.taps", "is not a value"),
     "y = half(variant)": ("variant", "is not a value"),
-    "y = taking(x, variant if n > 1 else variant)": ("variant if n > 1", "pass the one of this shader"),
-    "y = taking(x, other)": ("other", "variant is Variant; pass the one of this shader"),
-    "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "pass the one of this shader"),
+    "y = taking(x, variant if n > 1 else variant)": ("variant if n > 1", "the one of this shader"),
+    "y = taking(x, other)": ("other", "variant is Variant; pass the one of"),
+    "y = taking(x, Variant('none', '', True, 1))": ("Variant('none'", "the one of this shader"),
     "y = taking(x)": ("taking(x)", "taking needs an argument for variant"),
     'y = "none"': ("'none'", "strings are for static conditions only, as in `variant.fog_mode == "),
     'if "none" == "none":\n        y = x': ("'none'", "strings are for static conditions only"),
@@ -416,10 +416,10 @@ REFUSED = {
     ),
     'if f.filter == "fine":\n        y = x': ("f.filter", "sharp, smooth, mip, columns"),
     'if t.filter == "mip":\n        y = x': ("t.filter", "Texture has no field or property filter"),
-    "y = f.edge": ("f.edge", "is not a value; compare it with a literal, as in `f.edge == 'wrap'`"),
+    "y = f.edge": ("f.edge", "as in `f.edge == 'wrap'`"),
     "y = f.levels": ("f.levels", "HeightField has no field or property levels"),
     "y = float(levels(m))": ("m", "is not a value"),
-    "y = turned(x, x)": ("x", "map is Map; pass the one of this shader"),
+    "y = by_map(x, x)": ("x", "map is Map; pass the one of"),
     # both branches are checked
     "if variant.deep:\n        y = x + n": ("x + n", "does not apply to float and int"),
     "if not variant.deep:\n        y = unheard": ("unheard", "is not defined"),
@@ -435,13 +435,13 @@ REFUSED = {
 }  # fmt: skip
 HALF = "@shader\ndef half(x: float) -> float:\n    return x * 0.5\n\n"
 PARAMETERS = "x: float, n: int, f: HeightField, t: Texture, m: Map, variant: Variant, other: Other"
-TURNED = "@shader\ndef turned(x: float, map: Map) -> float:\n    return x\n\n"
+BY_MAP = "@shader\ndef by_map(x: float, map: Map) -> float:\n    return x\n\n"
 
 
 @pytest.mark.parametrize("body", REFUSED)
 def test_refused_in_a_body(folder: Path, body: str) -> None:
     offending, advice = REFUSED[body]
-    before = f"{HEAD}{HALF}{TURNED}"
+    before = f"{HEAD}{HALF}{BY_MAP}"
     text = f"{before}@shader\ndef wrong({PARAMETERS}) -> float:\n    {body}\n    return x\n"
     module = write_module(folder, text)
     with pytest.raises(ShaderError) as caught:
@@ -504,7 +504,7 @@ def test_a_static_record_holds_text_flags_and_ints(folder: Path, t: str) -> None
         )
 
 
-def test_the_record_is_frozen_and_says_what_it_holds(module: Any) -> None:
+def test_the_record_is_frozen_and_lists_its_fields(module: Any) -> None:
     variant = module.Variant("none", True, False, 2)
     with pytest.raises(AttributeError):
         variant.deep = False
@@ -536,14 +536,16 @@ def entry(pixel: IVec2, near: HeightField, far: Texture, map: Map) -> Out:
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("filter", ["sharp", "smooth"])
-def test_conditions_on_maps_go_by_the_programs(folder: Path, edge: Any, filter: Any) -> None:
+def test_conditions_on_maps_use_the_values_of_the_program(
+    folder: Path, edge: Any, filter: Any
+) -> None:
     module = write_module(folder, MAPS)
     made = Program(module.entry, edge=edge, filter=filter)
     expected = 111.0 * (1.0 if edge == "wrap" else -1.0) * (1.0 if filter == "sharp" else 2.0)
     near = HeightField([np.zeros((1, 1), np.float32)], edge, filter)
     far = Texture([np.zeros((1, 1, 4), np.uint16)], edge)
     assert module.entry((0, 0), near, far, near).x == expected
-    # nothing is read of the maps, so that none is given
+    # no map is read, so none is bound
     assert list(made.module.entry.parameters) == ["pixel"]
     assert list(made.parameters) == ["near", "far"]
     assert CpuEngine().run(made, {}, (1, 1))["x"] == expected

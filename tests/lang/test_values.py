@@ -1,4 +1,4 @@
-"""Vectors, matrices and records, and what Python itself makes of shaders that it runs."""
+"""Vectors, matrices and records, and shaders that run as plain Python."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def wrapping(n: int) -> int:
 
 @slot
 def chosen(x: float) -> float:
-    """What a program chooses."""
+    """A slot."""
 
 
 @shader
@@ -100,7 +100,7 @@ def test_swizzles_name_components(c):
 
 
 @pytest.mark.parametrize("name", ["z", "xz", "xg", "", "xxxxx", "q", "__deepcopy__", "_x"])
-def test_what_is_no_swizzle(name):
+def test_invalid_swizzles(name):
     with pytest.raises(AttributeError):
         getattr(Vec2(1.0, 2.0), name)
 
@@ -144,7 +144,7 @@ def test_components_are_32_bits_wide():
 def test_operators_work_by_component_and_stay_float32(a, b, s):
     with np.errstate(all="ignore"):
         u, v, k = Vec2(a, b), Vec2(b, s), np.float32(s)
-        for found, x in (
+        for result, x in (
             (u + v, np.float32(a) + np.float32(b)),
             (u - v, np.float32(a) - np.float32(b)),
             (u * k, np.float32(a) * k),
@@ -157,9 +157,9 @@ def test_operators_work_by_component_and_stay_float32(a, b, s):
             (u / v, np.float32(a) / np.float32(b)),
             (-u, -np.float32(a)),
         ):
-            assert isinstance(found, Vec2)
-            assert isinstance(found.x, np.float32)
-            np.testing.assert_equal(found.x, x)
+            assert isinstance(result, Vec2)
+            assert isinstance(result.x, np.float32)
+            np.testing.assert_equal(result.x, x)
 
 
 def test_vectors_of_different_kinds_do_not_mix():
@@ -214,22 +214,22 @@ def test_leaves_of_a_record_in_order():
 
 @pytest.mark.parametrize("x", [0.1, np.float64(0.1), np.float32(0.1), 7, -2.5])
 def test_numbers_never_widen(x):
-    found = scaled(x)
-    assert type(found) is np.float32
+    result = scaled(x)
+    assert type(result) is np.float32
     y = np.float32(x) * np.float32(3) + np.float32(0.1)
     y = y + np.float32(0) / np.float32(3) + np.float32(1) / np.float32(3)
-    assert found == max(y, min(np.float32(1), abs(np.float32(x))))
+    assert result == max(y, min(np.float32(1), abs(np.float32(x))))
 
 
 def test_ints_wrap_without_a_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = wrapping(2**31 - 1)
-    assert type(found) is np.int32
-    assert found == np.array([(2**31 - 1) * 65537 + 2147483647]).astype(np.int32)[0]
+        result = wrapping(2**31 - 1)
+    assert type(result) is np.int32
+    assert result == np.array([(2**31 - 1) * 65537 + 2147483647]).astype(np.int32)[0]
 
 
-def test_arguments_by_name_and_what_is_wrong_with_them():
+def test_arguments_by_name_and_wrong_arguments():
     assert scaled(x=1.0) == scaled(1.0)
     with pytest.raises(TypeError):
         scaled()
@@ -288,13 +288,13 @@ def test_slots_are_bound_within_the_block_alone():
 
 def test_each_thread_has_its_own_bindings():
     results: dict[str, float] = {}
-    meet = threading.Barrier(2)
+    barrier = threading.Barrier(2)
 
     def work(name, choice):
         with bound({chosen: choice}):
-            meet.wait(5)
+            barrier.wait(5)
             results[name] = sum(float(through_the_slot(float(n))) for n in range(50))
-            meet.wait(5)
+            barrier.wait(5)
 
     threads = [
         threading.Thread(target=work, args=args)
@@ -308,7 +308,7 @@ def test_each_thread_has_its_own_bindings():
 
 
 def test_the_debugger_sees_the_lines_of_the_file():
-    """A plain run visits the very lines of this file, so breakpoints stop where they are set."""
+    """A plain run visits the lines of this file, so that breakpoints work."""
     visited: list[tuple[str, int]] = []
 
     def trace(frame, event, _argument):
@@ -387,8 +387,8 @@ def by_factor(x: float) -> float:
     return x * FACTOR
 
 
-def test_a_number_that_changes_is_read_anew(monkeypatch):
-    """In a notebook a constant may be set again: what runs is what would be compiled."""
+def test_a_number_that_changes_is_read_again(monkeypatch):
+    """A notebook may change a constant: plain Python runs what would be compiled."""
     assert by_factor(1.5) == 3.0
     monkeypatch.setattr(sys.modules[__name__], "FACTOR", 3.0)
     assert by_factor(1.5) == 4.5

@@ -1,4 +1,4 @@
-"""The WGSL that is printed, as text: names, docstrings and comments as in the Python source."""
+"""Text of the printed WGSL: names, docstrings and comments as in the Python source."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ class Light:
     power: float
 
 @struct
-class Found:
+class Result:
     colour: Vec3
     near: bool
 
 @shader
 def attenuated(light: Light, distance: float) -> Vec3:
-    """What is left of a light.
+    """Attenuated colour of a light.
 
-    The square of the distance tells.
+    Inverse square of the distance.
     """
     # never divide by zero
     square = max(distance * distance, 0.01)
@@ -41,7 +41,7 @@ def read(field: HeightField, x: float) -> float:
     return corners(field, IVec2(int(x), 0), 0).x + sin(x)
 
 @shader
-def entry(pixel: IVec2, light: Light) -> Found:
+def entry(pixel: IVec2, light: Light) -> Result:
     x = float(pixel.x)
     if x > 3.0:
         near = False
@@ -49,11 +49,11 @@ def entry(pixel: IVec2, light: Light) -> Found:
         near = True
     else:
         near = x > 0.5
-    return Found(attenuated(light, x), near)
+    return Result(attenuated(light, x), near)
 
 @shader
-def deep_entry(pixel: IVec2, light: Light, field: HeightField) -> Found:
-    return Found(attenuated(light, read(field, float(pixel.x))), True)
+def deep_entry(pixel: IVec2, light: Light, field: HeightField) -> Result:
+    return Result(attenuated(light, read(field, float(pixel.x))), True)
 '''
 
 
@@ -61,10 +61,10 @@ def text_of(folder, source, entry="entry"):
     return print_wgsl(Program(getattr(write_module(folder, source), entry)).module, "wrap")
 
 
-def test_the_source_can_be_read_in_it(folder):
+def test_names_docstrings_and_comments_are_kept(folder):
     text = text_of(folder, SOURCE)
     assert (
-        "// What is left of a light.\n//\n// The square of the distance tells.\n"
+        "// Attenuated colour of a light.\n//\n// Inverse square of the distance.\n"
         "fn attenuated(light: Light, distance: f32) -> vec3f {\n"
         "  // never divide by zero\n"
         "  let square = max(distance * distance, 0.01);\n"
@@ -80,7 +80,7 @@ def test_the_source_can_be_read_in_it(folder):
     assert "} else if (" in text
 
 
-def test_only_what_is_used_is_there(folder):
+def test_dead_code_is_removed(folder):
     flat = text_of(folder, SOURCE)
     for name in ("fn read", "corners", "texture", "edge_wrap", "level_size", "floor_divide"):
         assert name not in flat
@@ -95,7 +95,7 @@ WORDS = """
     sampler array vec3f f32 i32 select bitcast ptr main run planes result place atomic this
     enum move match mod new null of set use virtual volatile where abs max round
 """.split()  # noqa: SIM905
-"""Names that mean something to WGSL, or to what is printed around the functions."""
+"""Names that WGSL or the text around the functions uses."""
 
 
 @pytest.mark.gpu
@@ -133,18 +133,18 @@ def {word}(x: float) -> float:
     called = " + ".join(f"{word}(x)" for word in own)
     source = f"""
 @struct
-class Given:
+class Input:
 {fields}
 
 @struct
-class Found:
+class Result:
     total: float
     called: float
 {helpers}
 {functions}
 
 @shader
-def summed(item: Given) -> float:
+def summed(item: Input) -> float:
 {assigned}
     return {total}
 
@@ -153,11 +153,11 @@ def all_called(x: float) -> float:
     return {called}
 
 @shader
-def entry(pixel: IVec2, items: Buffer[Given]) -> Found:
-    return Found(summed(items[pixel.x]), all_called(float(pixel.x)))
+def entry(pixel: IVec2, items: Buffer[Input]) -> Result:
+    return Result(summed(items[pixel.x]), all_called(float(pixel.x)))
 """
     module = write_module(folder, source)
-    items = Buffer([module.Given(*(float(n + k) for n in range(len(words)))) for k in range(3)])
+    items = Buffer([module.Input(*(float(n + k) for n in range(len(words)))) for k in range(3)])
     planes = GpuEngine().run(Program(module.entry), {"items": items}, (3, 1))
     for x in range(3):
         expected = module.entry((x, 0), items)

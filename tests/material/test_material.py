@@ -1,6 +1,6 @@
-"""Materials: names and conventions, preferences, channels, directions, and what is refused.
+"""Loading of materials: names, conventions, preferences, channels, directions and errors.
 
-Pictures are small, not square and not symmetrical, so that a mirrored or turned axis shows.
+Pictures are small, not square and not symmetrical, so that mirrored or swapped axes show.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from basrelief.errors import InputError
 from basrelief.images import write_data, write_picture
 from basrelief.material import MAPS, Map, Material, Note, describe, load, report, sample
-from basrelief.material.conventions import Part, read_name, read_names
-from basrelief.material.evidence import agreement
+from basrelief.material.conventions import Part, parse_name, parse_names
+from basrelief.material.evidence import slope_correlation
 
 HEIGHT, WIDTH = 24, 40
 
@@ -32,8 +32,8 @@ def hills(height: int = HEIGHT, width: int = WIDTH) -> np.ndarray:
     return (waves - waves.min()) / (waves.max() - waves.min())
 
 
-def leaning(heights: np.ndarray, green_up: bool = True) -> np.ndarray:
-    """The normals of heights, by a formula of this file's own, stored 0 to 1."""
+def normals_of(heights: np.ndarray, green_up: bool = True) -> np.ndarray:
+    """Normals of heights by an independent formula, stored 0 to 1."""
     down, right = np.gradient(heights * 8)
     y = down if green_up else -down  # up in the picture is against the rows
     normal = np.stack([-right, y, np.ones_like(right)], 2)
@@ -54,13 +54,13 @@ def flat(*channels: int, height: int = HEIGHT, width: int = WIDTH) -> np.ndarray
     return np.full((height, width, len(channels)), channels, np.uint8)
 
 
-def put(folder: Path, name: str, pixels: np.ndarray | None = None) -> Path:
-    """A picture of that name; a grey slope unless told otherwise."""
+def write_picture_file(folder: Path, name: str, pixels: np.ndarray | None = None) -> Path:
+    """Write a picture file, by default of grey heights."""
     return write_data(folder / name, eight(hills()) if pixels is None else pixels)
 
 
-def says(material: Material, *words: str) -> bool:
-    """Does one note hold all these words?"""
+def has_note(material: Material, *words: str) -> bool:
+    """Whether a single note contains all the words."""
     return any(all(word in str(note) for word in words) for note in material.notes)
 
 
@@ -133,27 +133,27 @@ NAMES = {
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("case", [str, str.lower, str.upper])
-def test_a_name_says_which_map(name: str, case: type) -> None:
-    meaning = read_name(case(name)).meaning
-    told = None
+def test_names_identify_maps(name: str, case: type) -> None:
+    meaning = parse_name(case(name)).meaning
+    result = None
     if meaning is not None:
         parts = (
             "-" * part.inverted + part.map + f":{part.channel}" * bool(part.channel)
             for part in meaning.parts
         )
-        told = " ".join([*parts, *([meaning.green] if meaning.green else [])])
-    assert told == NAMES[name]
+        result = " ".join([*parts, *([meaning.green] if meaning.green else [])])
+    assert result == NAMES[name]
 
 
 @pytest.mark.parametrize("name", ["wood_2048_color", "wood_2K-PNG_color", "wood_512x256_color"])
 def test_sizes_and_formats_are_no_part_of_the_material(name: str) -> None:
-    assert read_name(name).prefix == ("wood",)
+    assert parse_name(name).prefix == ("wood",)
 
 
 def test_shared_words_name_the_material() -> None:
-    names = read_names(["rusty_metal", "rusty_metal_normal", "rusty_metal_metal"])
+    names = parse_names(["rusty_metal", "rusty_metal_normal", "rusty_metal_metal"])
     assert names["rusty_metal"].meaning is None
-    assert names["rusty_metal_metal"].meaning == read_name("metal").meaning
+    assert names["rusty_metal_metal"].meaning == parse_name("metal").meaning
     assert names["rusty_metal_metal"].prefix == ("rusty", "metal")
 
 
@@ -165,15 +165,15 @@ def test_shared_words_name_the_material() -> None:
         ("height", "height_preview"),
     ],
 )
-def test_shared_words_are_kept_where_they_are_the_map(stems: tuple[str, ...]) -> None:
-    meaning = read_names(stems)[stems[0]].meaning
+def test_shared_words_that_identify_the_map_count(stems: tuple[str, ...]) -> None:
+    meaning = parse_names(stems)[stems[0]].meaning
     assert meaning is not None
     assert meaning.parts[0].map in ("normal", "height")
 
 
 @given(st.text(max_size=40))
 def test_any_text_can_be_a_name(text: str) -> None:
-    name = read_name(text)
+    name = parse_name(text)
     assert len(name.prefix) <= len(name.words)
 
 
@@ -182,25 +182,25 @@ def test_any_text_can_be_a_name(text: str) -> None:
     st.sampled_from(["_", "-", " ", "."]),
     st.sampled_from(["", "1K", "2k", "4096", "1024x1024", "16bit"]),
     st.sampled_from(["", "JPG", "png"]),
-    st.text("abcdxyzQW", max_size=8).filter(lambda text: read_name(text).meaning is None),
+    st.text("abcdxyzQW", max_size=8).filter(lambda text: parse_name(text).meaning is None),
 )
 def test_sizes_and_formats_do_not_matter(
-    kind: str, joint: str, size: str, kept_as: str, name: str
+    kind: str, joint: str, size: str, file_format: str, name: str
 ) -> None:
-    whole = joint.join(each for each in (name, size, kept_as, kind) if each)
-    other = joint.join(each for each in (name, kind, kept_as, size) if each)
-    assert read_name(whole).meaning == read_name(other).meaning == read_name(kind).meaning
+    whole = joint.join(each for each in (name, size, file_format, kind) if each)
+    other = joint.join(each for each in (name, kind, file_format, size) if each)
+    assert parse_name(whole).meaning == parse_name(other).meaning == parse_name(kind).meaning
 
 
 # --- loading a folder
 
 
-def test_every_map_is_found_and_shaped(tmp_path: Path) -> None:
-    put(tmp_path, "a_color.png", flat(200, 100, 50))
-    put(tmp_path, "a_normal.png", eight(leaning(hills())))
+def test_every_map_of_a_folder_is_loaded(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_color.png", flat(200, 100, 50))
+    write_picture_file(tmp_path, "a_normal.png", eight(normals_of(hills())))
     for name in ("height", "ao", "roughness", "metallic", "opacity", "detail_mask"):
-        put(tmp_path, f"a_{name}.png")
-    put(tmp_path, "a_emission.png", flat(9, 8, 7))
+        write_picture_file(tmp_path, f"a_{name}.png")
+    write_picture_file(tmp_path, "a_emission.png", flat(9, 8, 7))
     material = load(tmp_path, depth=0.1, tile=2.0)
     assert {kind: each.channels for kind, each in material.maps()} == MAPS
     assert [kind for kind, each in material.maps() if each.srgb] == ["base_color", "emission"]
@@ -209,9 +209,9 @@ def test_every_map_is_found_and_shaped(tmp_path: Path) -> None:
     assert (material.depth, material.tile) == (0.1, 2.0)
 
 
-def test_values_arrive_where_they_belong(tmp_path: Path) -> None:
-    put(tmp_path, "a_height.png", sixteen(hills()))
-    put(tmp_path, "a_color.png", flat(188, 255, 0))
+def test_values_and_orientation_are_preserved(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_height.png", sixteen(hills()))
+    write_picture_file(tmp_path, "a_color.png", flat(188, 255, 0))
     material = load(tmp_path)
     assert material.height is not None
     assert material.base_color is not None
@@ -221,7 +221,7 @@ def test_values_arrive_where_they_belong(tmp_path: Path) -> None:
     assert material.base_color.linear()[3, 5] == pytest.approx([0.5029, 1, 0], abs=1e-4)
 
 
-def test_float_colours_are_linear_already(tmp_path: Path) -> None:
+def test_float_colours_are_linear(tmp_path: Path) -> None:
     light = np.full((HEIGHT, WIDTH, 3), 0.25, np.float32)
     write_picture(tmp_path / "a_color.exr", light, bits=32)
     material = load(tmp_path)
@@ -241,30 +241,32 @@ def test_exr_colours_are_divided_by_their_alpha(tmp_path: Path) -> None:
     assert material.opacity.linear()[0, :2, 0].tolist() == [0.25, 0.5]
 
 
-def test_no_height_is_no_error_but_noted(tmp_path: Path) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
+def test_missing_heights_are_noted(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
     material = load(tmp_path)
     assert material.height is None
     assert material.height_range is None
-    assert says(material, "no height map")
+    assert has_note(material, "no height map")
 
 
 def test_grey_colours_and_coloured_heights_work(tmp_path: Path) -> None:
-    put(tmp_path, "a_color.png")
-    put(tmp_path, "a_height.png", np.concatenate([flat(1), eight(hills()), flat(2)], 2))
+    write_picture_file(tmp_path, "a_color.png")
+    write_picture_file(
+        tmp_path, "a_height.png", np.concatenate([flat(1), eight(hills()), flat(2)], 2)
+    )
     material = load(tmp_path)
     assert material.base_color is not None
     assert material.height is not None
     assert (material.base_color.pixels == eight(hills())).all()
     assert (material.height.pixels == eight(hills())).all()
-    assert says(material, "height from a_height.png (G)", "green, by default")
+    assert has_note(material, "height from a_height.png (G)", "green, the default")
 
 
 @pytest.mark.parametrize(
     ("channel", "value"), [("r", 10), ("g", 20), ("b", 30), ("a", 40), ("luminance", 18.596)]
 )
 def test_the_height_channel_is_a_choice(tmp_path: Path, channel: str, value: float) -> None:
-    file = put(tmp_path, "a_height.png", flat(10, 20, 30, 40))
+    file = write_picture_file(tmp_path, "a_height.png", flat(10, 20, 30, 40))
     material = load(height=file, height_channel=channel)  # type: ignore[arg-type]
     assert material.height is not None
     assert material.height.linear() * 255 == pytest.approx(value, abs=1e-3)
@@ -272,70 +274,72 @@ def test_the_height_channel_is_a_choice(tmp_path: Path, channel: str, value: flo
 
 def test_grey_with_alpha_is_read_as_grey(tmp_path: Path) -> None:
     grey = np.concatenate([eight(hills()), flat(7)], 2)
-    material = load(height=put(tmp_path, "a_height.png", grey))
+    material = load(height=write_picture_file(tmp_path, "a_height.png", grey))
     assert material.height is not None
     assert (material.height.pixels == eight(hills())).all()
 
 
-def test_packed_maps_are_taken_apart(tmp_path: Path) -> None:
-    put(tmp_path, "a_diff.png", flat(1, 2, 3))
-    put(tmp_path, "a_arm.png", flat(10, 20, 30))
+def test_packed_maps_are_split(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_diff.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_arm.png", flat(10, 20, 30))
     material = load(tmp_path)
     found = {kind: int(each.pixels[0, 0, 0]) for kind, each in material.maps()}
     assert found == {"base_color": 1, "occlusion": 10, "roughness": 20, "metallic": 30}
-    assert says(material, "roughness from a_arm.png (G)", "packed")
+    assert has_note(material, "roughness from a_arm.png (G)", "packed")
 
 
 def test_smoothness_becomes_roughness(tmp_path: Path) -> None:
-    put(tmp_path, "a_albedo.png", flat(1, 2, 3))
-    put(tmp_path, "a_MetallicSmoothness.png", flat(10, 20, 30, 55))
+    write_picture_file(tmp_path, "a_albedo.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_MetallicSmoothness.png", flat(10, 20, 30, 55))
     material = load(tmp_path)
     assert material.metallic is not None
     assert material.roughness is not None
     assert material.metallic.pixels[0, 0].tolist() == [10]
     assert material.roughness.pixels[0, 0].tolist() == [200]
-    assert says(material, "1 − a_MetallicSmoothness.png (A)", "gloss")
+    assert has_note(material, "1 − a_MetallicSmoothness.png (A)", "gloss")
 
 
 def test_packed_without_its_channel_is_refused(tmp_path: Path) -> None:
-    put(tmp_path, "a_MetallicSmoothness.png", flat(10, 20, 30))
+    write_picture_file(tmp_path, "a_MetallicSmoothness.png", flat(10, 20, 30))
     with pytest.raises(InputError, match=r"a_MetallicSmoothness\.png: has no alpha"):
         load(tmp_path)
 
 
 def test_a_varying_alpha_of_the_colour_is_opacity(tmp_path: Path) -> None:
     color = np.concatenate([flat(1, 2, 3), eight(hills())], 2)
-    put(tmp_path, "a_color.png", color)
+    write_picture_file(tmp_path, "a_color.png", color)
     material = load(tmp_path)
     assert material.opacity is not None
     assert (material.opacity.pixels == eight(hills())).all()
 
 
 @pytest.mark.parametrize("alpha", [255, 0])
-def test_a_constant_alpha_is_nothing(tmp_path: Path, alpha: int) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3, alpha))
+def test_a_constant_alpha_is_ignored(tmp_path: Path, alpha: int) -> None:
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3, alpha))
     assert load(tmp_path).opacity is None
 
 
 def test_heights_in_the_alpha_of_the_normals(tmp_path: Path) -> None:
-    both = np.concatenate([eight(leaning(hills())), eight(hills())], 2)
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
-    put(tmp_path, "a_normal.png", both)
+    both = np.concatenate([eight(normals_of(hills())), eight(hills())], 2)
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_normal.png", both)
     material = load(tmp_path)
     assert material.height is not None
     assert material.normal is not None
     assert (material.height.pixels == eight(hills())).all()
-    assert (material.normal.pixels == eight(leaning(hills()))).all()
-    assert says(material, "height from a_normal.png (A)", "varies")
+    assert (material.normal.pixels == eight(normals_of(hills()))).all()
+    assert has_note(material, "height from a_normal.png (A)", "varies")
     turned = load(tmp_path, height_polarity="depth").height
     assert turned is not None
     assert (turned.pixels == 255 - eight(hills())).all()
-    put(tmp_path, "a_height.png", flat(9))
-    assert says(load(tmp_path), "left out a_normal.png (A)")
+    write_picture_file(tmp_path, "a_height.png", flat(9))
+    assert has_note(load(tmp_path), "ignored a_normal.png (A)")
 
 
 def test_a_name_for_normal_and_height(tmp_path: Path) -> None:
-    put(tmp_path, "a_nh.png", np.concatenate([eight(leaning(hills())), eight(hills())], 2))
+    write_picture_file(
+        tmp_path, "a_nh.png", np.concatenate([eight(normals_of(hills())), eight(hills())], 2)
+    )
     material = load(tmp_path)
     assert material.height is not None
     assert (material.height.pixels == eight(hills())).all()
@@ -344,10 +348,10 @@ def test_a_name_for_normal_and_height(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("packing", "pixels"), [("ag", (0, 60, 0, 200)), ("rg", (200, 60, 9, 9)), ("rg", (200, 60))]
 )
-def test_two_channel_normals_get_their_z(
+def test_two_channel_normals_get_z_reconstructed(
     tmp_path: Path, packing: str, pixels: tuple[int, ...]
 ) -> None:
-    file = put(tmp_path, "a_normal.png", flat(*pixels))
+    file = write_picture_file(tmp_path, "a_normal.png", flat(*pixels))
     material = load(normal=file, normal_packing=packing)  # type: ignore[arg-type]
     assert material.normal is not None
     assert material.normal.pixels[0, 0, :2].tolist() == [200, 60]
@@ -356,77 +360,77 @@ def test_two_channel_normals_get_their_z(
     assert material.height is None
 
 
-def test_signed_float_normals_are_moved(tmp_path: Path) -> None:
-    normal = (leaning(hills()) * 2 - 1).astype(np.float32)
-    material = load(normal=put(tmp_path, "a_normal.exr", normal))
+def test_signed_float_normals_are_mapped_to_unit_range(tmp_path: Path) -> None:
+    normal = (normals_of(hills()) * 2 - 1).astype(np.float32)
+    material = load(normal=write_picture_file(tmp_path, "a_normal.exr", normal))
     assert material.normal is not None
-    assert material.normal.pixels == pytest.approx(leaning(hills()), abs=1e-6)
+    assert material.normal.pixels == pytest.approx(normals_of(hills()), abs=1e-6)
 
 
 # --- directions
 
 
 @pytest.mark.parametrize("size", [(HEIGHT, WIDTH), (2 * HEIGHT, 2 * WIDTH), (600, 1000)])
-def test_slopes_show_every_direction(size: tuple[int, int]) -> None:
-    heights, normal = sixteen(hills(*size)), eight(leaning(hills()))
-    found = agreement(heights, normal)
+def test_slopes_reveal_polarity_and_green(size: tuple[int, int]) -> None:
+    heights, normal = sixteen(hills(*size)), eight(normals_of(hills()))
+    found = slope_correlation(heights, normal)
     assert found is not None
     assert found.x > 0.8
     assert found.y > 0.8
     assert not found.green_is_down
     assert not found.heights_are_depths
-    down = agreement(heights, eight(leaning(hills(), green_up=False)))
+    down = slope_correlation(heights, eight(normals_of(hills(), green_up=False)))
     assert down is not None
     assert down.green_is_down
     assert not down.heights_are_depths
-    deep = agreement(65535 - heights, normal)
+    deep = slope_correlation(65535 - heights, normal)
     assert deep is not None
     assert deep.heights_are_depths
     assert not deep.green_is_down
 
 
-def test_unrelated_or_flat_maps_show_nothing() -> None:
+def test_unrelated_or_constant_maps_show_nothing() -> None:
     noise = np.random.default_rng(0).integers(0, 255, (HEIGHT, WIDTH, 1), np.uint8)
-    found = agreement(noise, eight(leaning(hills())))
+    found = slope_correlation(noise, eight(normals_of(hills())))
     assert found is not None
-    assert not found.clear
-    assert agreement(flat(5), eight(leaning(hills()))) is None
-    assert agreement(noise[:1, :1], eight(leaning(hills()))) is None
+    assert not found.is_significant
+    assert slope_correlation(flat(5), eight(normals_of(hills()))) is None
+    assert slope_correlation(noise[:1, :1], eight(normals_of(hills()))) is None
 
 
 @pytest.mark.parametrize(
     ("name", "stored_up", "convention", "loaded_up", "because"),
     [
-        ("normal", True, "auto", True, "heights agree"),
-        ("normal", False, "auto", True, "heights show DX"),
-        ("normal_gl", True, "auto", True, "name says GL"),
-        ("normal_dx", False, "auto", True, "name says DX"),
-        ("normal_gl", False, "auto", False, "heights speak against"),
-        ("normal", True, "dx", False, "asked for DX"),
-        ("normal_dx", True, "gl", True, "asked for GL"),
+        ("normal", True, "auto", True, "confirmed by the heights"),
+        ("normal", False, "auto", True, "DX by comparison with the heights"),
+        ("normal_gl", True, "auto", True, "GL by its name"),
+        ("normal_dx", False, "auto", True, "DX by its name"),
+        ("normal_gl", False, "auto", False, "heights contradict"),
+        ("normal", True, "dx", False, "requested: DX"),
+        ("normal_dx", True, "gl", True, "requested: GL"),
     ],
 )
-def test_green_is_brought_up(
+def test_green_is_converted_to_up(
     tmp_path: Path, name: str, stored_up: bool, convention: str, loaded_up: bool, because: str
 ) -> None:
-    put(tmp_path, "a_height.png")
-    put(tmp_path, f"a_{name}.png", eight(leaning(hills(), green_up=stored_up)))
+    write_picture_file(tmp_path, "a_height.png")
+    write_picture_file(tmp_path, f"a_{name}.png", eight(normals_of(hills(), green_up=stored_up)))
     material = load(tmp_path, normal_convention=convention)  # type: ignore[arg-type]
     assert material.normal is not None
-    expected = leaning(hills(), green_up=loaded_up)
+    expected = normals_of(hills(), green_up=loaded_up)
     assert material.normal.linear() == pytest.approx(expected, abs=0.003)
-    assert says(material, "normals with green", because)
+    assert has_note(material, "normals with green", because)
 
 
 def test_green_is_up_by_default_without_heights(tmp_path: Path) -> None:
-    put(tmp_path, "a_normal.png", eight(leaning(hills(), green_up=False)))
+    write_picture_file(tmp_path, "a_normal.png", eight(normals_of(hills(), green_up=False)))
     material = load(tmp_path)
     assert material.normal is not None
-    assert (material.normal.pixels == eight(leaning(hills(), green_up=False))).all()
+    assert (material.normal.pixels == eight(normals_of(hills(), green_up=False))).all()
 
 
 @pytest.mark.parametrize(
-    ("name", "polarity", "rotated"),
+    ("name", "polarity", "inverted"),
     [
         ("height", "auto", False),
         ("depth", "auto", True),
@@ -434,60 +438,60 @@ def test_green_is_up_by_default_without_heights(tmp_path: Path) -> None:
         ("depth", "height", False),
     ],
 )
-def test_depths_become_heights(tmp_path: Path, name: str, polarity: str, turned: bool) -> None:
-    put(tmp_path, f"a_{name}.png", sixteen(hills()))
+def test_depths_become_heights(tmp_path: Path, name: str, polarity: str, inverted: bool) -> None:
+    write_picture_file(tmp_path, f"a_{name}.png", sixteen(hills()))
     material = load(tmp_path, height_polarity=polarity)  # type: ignore[arg-type]
     assert material.height is not None
-    expected = 65535 - sixteen(hills()) if turned else sixteen(hills())
+    expected = 65535 - sixteen(hills()) if inverted else sixteen(hills())
     assert (material.height.pixels == expected).all()
 
 
-def test_normals_show_depths_without_a_name(tmp_path: Path) -> None:
-    put(tmp_path, "a_disp.png", 255 - eight(hills()))
-    put(tmp_path, "a_normal.png", eight(leaning(hills())))
+def test_normals_reveal_depths(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_disp.png", 255 - eight(hills()))
+    write_picture_file(tmp_path, "a_normal.png", eight(normals_of(hills())))
     material = load(tmp_path)
     assert material.height is not None
     assert material.normal is not None
     assert (material.height.pixels == eight(hills())).all()
-    assert (material.normal.pixels == eight(leaning(hills()))).all()
-    assert says(material, "white is deep", "normals show it")
+    assert (material.normal.pixels == eight(normals_of(hills()))).all()
+    assert has_note(material, "white is deep", "comparison with the normals")
 
 
 # --- the range of heights
 
 
-def test_an_unused_range_is_told_and_stretched(tmp_path: Path) -> None:
+def test_a_partly_used_range_is_noted_and_stretched(tmp_path: Path) -> None:
     narrow = sixteen(0.3 + 0.3 * hills())
-    put(tmp_path, "a_height.png", narrow)
+    write_picture_file(tmp_path, "a_height.png", narrow)
     material = load(tmp_path)
     assert material.height is not None
     assert (material.height.pixels == narrow).all()
     assert material.height_range == pytest.approx((0.3, 0.6), abs=1e-4)
-    assert says(material, "30 % of the range", "0.3 to 0.6", "stretch_height")
+    assert has_note(material, "30 % of the range", "0.3 to 0.6", "stretch_height")
     full = load(tmp_path, stretch_height=True)
     assert full.height is not None
     assert full.height_range == (0, 1)
     assert full.height.linear()[:, :, 0] == pytest.approx(hills(), abs=1e-4)
 
 
-def test_a_full_range_is_not_told(tmp_path: Path) -> None:
-    put(tmp_path, "a_height.png")
-    assert not says(load(tmp_path), "range")
+def test_a_full_range_is_not_noted(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_height.png")
+    assert not has_note(load(tmp_path), "range")
 
 
 def test_float_heights_beyond_the_range_are_stretched(tmp_path: Path) -> None:
-    put(tmp_path, "a_height.exr", (hills() * 5 - 2).astype(np.float32)[:, :, None])
+    write_picture_file(tmp_path, "a_height.exr", (hills() * 5 - 2).astype(np.float32)[:, :, None])
     material = load(tmp_path)
     assert material.height is not None
     assert material.height_range == (0, 1)
     assert material.height.linear()[:, :, 0] == pytest.approx(hills(), abs=1e-5)
-    assert says(material, "heights stretched", "-2 to 3")
+    assert has_note(material, "heights stretched", "-2 to 3")
 
 
 @pytest.mark.parametrize("value", [0, 77, 255])
 def test_a_flat_height_map_works(tmp_path: Path, value: int) -> None:
-    put(tmp_path, "a_height.png", flat(value))
-    assert says(load(tmp_path, stretch_height=True), "relief is flat")
+    write_picture_file(tmp_path, "a_height.png", flat(value))
+    assert has_note(load(tmp_path, stretch_height=True), "heights are constant")
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -495,7 +499,7 @@ def test_a_flat_height_map_works(tmp_path: Path, value: int) -> None:
 def test_heights_that_are_no_numbers_are_refused(tmp_path: Path, bad: float, stretch: bool) -> None:
     heights = hills().astype(np.float32)[:, :, None]
     heights[3, 4] = bad
-    put(tmp_path, "a_height.exr", heights)
+    write_picture_file(tmp_path, "a_height.exr", heights)
     with pytest.raises(InputError, match=r"a_height\.exr: 1 of its texels are NaN or infinite"):
         load(tmp_path, stretch_height=stretch)
 
@@ -514,44 +518,44 @@ def test_heights_that_are_no_numbers_are_refused(tmp_path: Path, bad: float, str
         (("a_height_2k.png", eight(hills(48, 80))), ("a_height_1k.png", eight(hills()))),
         (("a_height.png", eight(hills())), ("a_bump.png", sixteen(hills()))),
         (("a_height.png", eight(hills())), ("a_depth.png", sixteen(hills()))),
-        (("a_normal_gl.png", eight(leaning(hills()))), ("a_normal_dx.png", flat(1, 2, 3))),
-        (("a_normal_gl.png", eight(leaning(hills()))), ("a_normal.png", flat(1, 2, 3))),
-        (("a_normal.png", eight(leaning(hills()))), ("a_normal_dx.png", flat(1, 2, 3))),
+        (("a_normal_gl.png", eight(normals_of(hills()))), ("a_normal_dx.png", flat(1, 2, 3))),
+        (("a_normal_gl.png", eight(normals_of(hills()))), ("a_normal.png", flat(1, 2, 3))),
+        (("a_normal.png", eight(normals_of(hills()))), ("a_normal_dx.png", flat(1, 2, 3))),
         (("a_albedo.png", flat(1, 2, 3)), ("a_diffuse.png", flat(3, 2, 1))),
         (("a_roughness.png", flat(1)), ("a_gloss.png", flat(3))),
         (("a_roughness.png", flat(1)), ("a_ORM.png", flat(3, 3, 3))),
     ],
 )
-def test_the_better_file_is_taken(
+def test_the_preferred_file_is_chosen(
     tmp_path: Path, better: tuple[str, np.ndarray], worse: tuple[str, np.ndarray]
 ) -> None:
-    put(tmp_path, *worse)
-    put(tmp_path, *better)
+    write_picture_file(tmp_path, *worse)
+    write_picture_file(tmp_path, *better)
     material = load(tmp_path)
     assert better[0] in {each.source for _, each in material.maps()}
-    assert says(material, f"{better[0]} before {worse[0]}")
+    assert has_note(material, f"{better[0]} before {worse[0]}")
 
 
 def test_lossless_comes_before_lossy(tmp_path: Path) -> None:
     write_picture(tmp_path / "a_height.jpg", np.zeros((HEIGHT, WIDTH, 3), np.float32))
-    put(tmp_path, "a_height.png")
+    write_picture_file(tmp_path, "a_height.png")
     material = load(tmp_path)
     assert material.height is not None
     assert material.height.source == "a_height.png"
-    assert says(material, "a_height.png before a_height.jpg", "loses nothing")
+    assert has_note(material, "a_height.png before a_height.jpg", "lossless")
 
 
-def test_dx_is_taken_when_asked_for(tmp_path: Path) -> None:
-    put(tmp_path, "a_normal_gl.png", flat(1, 2, 3))
-    put(tmp_path, "a_normal_dx.png", flat(1, 200, 3))
+def test_dx_is_chosen_on_request(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_normal_gl.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_normal_dx.png", flat(1, 200, 3))
     material = load(tmp_path, normal_convention="dx")
     assert material.normal is not None
     assert material.normal.pixels[0, 0].tolist() == [1, 55, 3]
 
 
-def test_a_true_tie_is_the_users_to_decide(tmp_path: Path) -> None:
-    put(tmp_path, "a_height.png", flat(1))
-    put(tmp_path, "a_displacement.png", flat(2))
+def test_a_tie_is_an_error(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_height.png", flat(1))
+    write_picture_file(tmp_path, "a_displacement.png", flat(2))
     with pytest.raises(
         InputError, match=r"a_displacement\.png and a_height\.png both fit .*--height FILE"
     ):
@@ -561,10 +565,10 @@ def test_a_true_tie_is_the_users_to_decide(tmp_path: Path) -> None:
     assert material.height.pixels[0, 0, 0] == 1
 
 
-def test_two_sets_in_a_folder_are_told_apart_by_a_picture(tmp_path: Path) -> None:
+def test_a_picture_selects_one_of_two_sets(tmp_path: Path) -> None:
     for name, value in (("stone", 10), ("wood", 20)):
-        put(tmp_path, f"{name}_color.png", flat(value, 0, 0))
-        put(tmp_path, f"{name}_height.png", flat(value))
+        write_picture_file(tmp_path, f"{name}_color.png", flat(value, 0, 0))
+        write_picture_file(tmp_path, f"{name}_height.png", flat(value))
     with pytest.raises(InputError, match="one picture of the set"):
         load(tmp_path)
     material = load(tmp_path / "wood_color.png")
@@ -578,42 +582,42 @@ def test_two_sets_in_a_folder_are_told_apart_by_a_picture(tmp_path: Path) -> Non
 
 
 def test_one_picture_is_a_base_colour(tmp_path: Path) -> None:
-    put(tmp_path, "holiday.png", flat(1, 2, 3))
-    put(tmp_path, "other_height.png")
+    write_picture_file(tmp_path, "holiday.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "other_height.png")
     material = load(tmp_path / "holiday.png")
     assert [kind for kind, _ in material.maps()] == ["base_color"]
-    assert says(material, "holiday.png taken for base_color")
+    assert has_note(material, "holiday.png used as base_color")
 
 
-def test_one_picture_brings_those_of_its_name(tmp_path: Path) -> None:
-    put(tmp_path, "bricks2.png", flat(1, 2, 3))
-    put(tmp_path, "bricks2_disp.png")
-    put(tmp_path, "bricks3_normal.png", flat(1, 2, 3))
+def test_one_picture_loads_its_set(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "bricks2.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "bricks2_disp.png")
+    write_picture_file(tmp_path, "bricks3_normal.png", flat(1, 2, 3))
     material = load(tmp_path / "bricks2.png")
     assert [kind for kind, _ in material.maps()] == ["base_color", "height"]
-    assert says(material, "bricks2_disp.png taken along")
+    assert has_note(material, "bricks2_disp.png loaded too")
 
 
 def test_a_picture_without_a_map_in_its_name_is_the_colour_of_its_folder(tmp_path: Path) -> None:
-    put(tmp_path, "bricks2.png", flat(1, 2, 3))
-    put(tmp_path, "bricks2_disp.png")
+    write_picture_file(tmp_path, "bricks2.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "bricks2_disp.png")
     material = load(tmp_path)
     assert material.base_color is not None
     assert material.base_color.source == "bricks2.png"
 
 
-def test_the_user_comes_before_the_names(tmp_path: Path) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
-    put(tmp_path, "a_height.png", flat(50))
-    mine = put(tmp_path, "my_own.png", flat(60))
+def test_explicit_files_override_names(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_height.png", flat(50))
+    mine = write_picture_file(tmp_path, "my_own.png", flat(60))
     material = load(tmp_path, height=mine)
     assert material.height is not None
     assert material.height.pixels[0, 0, 0] == 60
 
 
-def test_files_can_be_named_alone(tmp_path: Path) -> None:
-    packed = put(tmp_path, "a_arm.png", flat(10, 20, 30))
-    gloss = put(tmp_path, "a_gloss.png", flat(55))
+def test_maps_load_without_a_folder(tmp_path: Path) -> None:
+    packed = write_picture_file(tmp_path, "a_arm.png", flat(10, 20, 30))
+    gloss = write_picture_file(tmp_path, "a_gloss.png", flat(55))
     material = load(roughness=gloss, metallic=packed)
     assert material.roughness is not None
     assert material.metallic is not None
@@ -621,35 +625,37 @@ def test_files_can_be_named_alone(tmp_path: Path) -> None:
     assert material.metallic.pixels[0, 0, 0] == 30
 
 
-def test_other_files_are_left_alone(tmp_path: Path) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
-    put(tmp_path, "a_color_preview.png", flat(9, 9, 9))
-    put(tmp_path, ".a_height.png")
+def test_other_files_are_ignored(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_color_preview.png", flat(9, 9, 9))
+    write_picture_file(tmp_path, ".a_height.png")
     for name in ("readme.txt", "a.blend", "a.mtlx", "a_height.txt"):
         (tmp_path / name).write_text("no picture")
     material = load(tmp_path)
     assert [kind for kind, _ in material.maps()] == ["base_color"]
-    assert says(material, "left out a_color_preview.png")
+    assert has_note(material, "ignored a_color_preview.png")
 
 
-def test_the_only_folder_within_is_searched(tmp_path: Path) -> None:
+def test_the_only_subfolder_is_searched(tmp_path: Path) -> None:
     (tmp_path / "textures").mkdir()
     (tmp_path / "a.blend").write_text("")
-    put(tmp_path / "textures", "a_height.png")
+    write_picture_file(tmp_path / "textures", "a_height.png")
     material = load(tmp_path)
     assert material.height is not None
-    assert says(material, "looked into textures")
+    assert has_note(material, "searched textures")
 
 
 @pytest.mark.parametrize("grey", [True, False])
-def test_a_bump_map_is_what_it_looks_like(tmp_path: Path, grey: bool) -> None:
+def test_bump_maps_are_classified_by_their_colours(tmp_path: Path, grey: bool) -> None:
     grey_heights = eight(hills()).repeat(3, 2)
-    put(tmp_path, "Brick_BumpMap.png", grey_heights if grey else eight(leaning(hills())))
+    write_picture_file(
+        tmp_path, "Brick_BumpMap.png", grey_heights if grey else eight(normals_of(hills()))
+    )
     assert [kind for kind, _ in load(tmp_path).maps()] == ["height" if grey else "normal"]
 
 
 def test_samples_load_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    # of their own size, which other tests have smaller
+    # at the default size, which other tests reduce
     monkeypatch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
     material = load("sample:bricks", tile=3.0)
     assert (material.name, material.tile) == ("bricks", 3.0)
@@ -657,18 +663,18 @@ def test_samples_load_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (material.height.pixels == sample("bricks").height.pixels).all()  # type: ignore[union-attr]
 
 
-def test_the_scanned_rock_is_understood(rock058: Path) -> None:
+def test_the_scanned_rock_is_recognised(rock058: Path) -> None:
     material = load(rock058)
     kinds = ["base_color", "normal", "height", "occlusion", "roughness"]
     assert [kind for kind, _ in material.maps()] == kinds
     assert material.height is not None
     assert material.normal is not None
-    found = agreement(material.height.pixels, material.normal.pixels)
+    found = slope_correlation(material.height.pixels, material.normal.pixels)
     assert found is not None
     assert min(found.x, found.y) > 0.8
 
 
-# --- what is refused
+# --- errors
 
 
 def test_nothing_to_load_is_refused(tmp_path: Path) -> None:
@@ -687,15 +693,15 @@ def test_nothing_to_load_is_refused(tmp_path: Path) -> None:
         load("x" * 5000)
 
 
-def test_pictures_that_say_nothing_are_refused(tmp_path: Path) -> None:
-    put(tmp_path, "one.png")
-    put(tmp_path, "two.png")
-    with pytest.raises(InputError, match=r"says which map it is \(one\.png, two\.png\)"):
+def test_names_without_maps_are_refused(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "one.png")
+    write_picture_file(tmp_path, "two.png")
+    with pytest.raises(InputError, match=r"identifies a map \(one\.png, two\.png\)"):
         load(tmp_path)
 
 
 def test_damaged_maps_are_named(tmp_path: Path) -> None:
-    file = put(tmp_path, "a_height.png")
+    file = write_picture_file(tmp_path, "a_height.png")
     file.write_bytes(file.read_bytes()[:-30])
     with pytest.raises(InputError, match=r"a_height\.png: the picture is damaged"):
         load(tmp_path)
@@ -705,7 +711,7 @@ def test_damaged_maps_are_named(tmp_path: Path) -> None:
     "option", ["normal_convention", "height_polarity", "height_channel", "normal_packing"]
 )
 def test_unknown_options_are_refused(tmp_path: Path, option: str) -> None:
-    put(tmp_path, "a_height.png")
+    write_picture_file(tmp_path, "a_height.png")
     with pytest.raises(InputError, match=f"{option} is one of .*'up'"):
         load(tmp_path, **{option: "up"})  # type: ignore[arg-type]
 
@@ -718,23 +724,23 @@ def test_lengths_are_above_zero(metres: float, which: str) -> None:
 
 
 def test_one_channel_makes_no_normal_map(tmp_path: Path) -> None:
-    put(tmp_path, "a_normal.png")
+    write_picture_file(tmp_path, "a_normal.png")
     with pytest.raises(InputError, match=r"1 channels make no normal map.*--height FILE"):
         load(tmp_path)
 
 
 @pytest.mark.parametrize("size", [(24, 24), (40, 24), (24, 42), (240, 240)])
 def test_other_proportions_are_refused(tmp_path: Path, size: tuple[int, int]) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
-    put(tmp_path, "a_height.png", eight(hills(*size)))
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_height.png", eight(hills(*size)))
     with pytest.raises(InputError, match=rf"a_height\.png: .*{size[1]}×{size[0]}.*40×24"):
         load(tmp_path)
 
 
 @pytest.mark.parametrize("size", [(12, 20), (48, 80), (3, 5), (11, 19), (120, 201), (1, 1)])
 def test_other_sizes_work(tmp_path: Path, size: tuple[int, int]) -> None:
-    put(tmp_path, "a_color.png", flat(1, 2, 3))
-    put(tmp_path, "a_height.png", flat(7, height=size[0], width=size[1]))
+    write_picture_file(tmp_path, "a_color.png", flat(1, 2, 3))
+    write_picture_file(tmp_path, "a_height.png", flat(7, height=size[0], width=size[1]))
     assert load(tmp_path).height is not None
 
 
@@ -785,12 +791,12 @@ def test_scale_needs_both_lengths() -> None:
     assert Material("m", depth=0.1, tile=0.4).scale == pytest.approx(0.25)
 
 
-def test_a_material_is_told(tmp_path: Path) -> None:
-    put(tmp_path, "a_height.png", sixteen(hills()))
+def test_describe_and_report(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "a_height.png", sixteen(hills()))
     material = load(tmp_path, depth=0.01, tile=0.5)
-    told = json.loads(json.dumps(describe(material)))
-    assert set(told["maps"]) == set(MAPS)
-    assert told["maps"]["height"] == {
+    result = json.loads(json.dumps(describe(material)))
+    assert set(result["maps"]) == set(MAPS)
+    assert result["maps"]["height"] == {
         "source": "a_height.png",
         "width": WIDTH,
         "height": HEIGHT,
@@ -799,20 +805,20 @@ def test_a_material_is_told(tmp_path: Path) -> None:
         "srgb": False,
         "range": [0.0, 1.0],
     }
-    assert told["maps"]["normal"] is None
-    assert told["scale"] == pytest.approx(0.02)
-    assert {"what": "white is high", "why": "the default"} in told["decisions"]
+    assert result["maps"]["normal"] is None
+    assert result["scale"] == pytest.approx(0.02)
+    assert {"what": "white is high", "why": "the default"} in result["decisions"]
     text = report(material)
     assert "a_height.png  40×24  16 bit  linear  0 to 1" in text
     assert "scale 0.02" in text
     assert str(Note("white is high", "the default")) in text
 
 
-def test_a_material_without_maps_is_told() -> None:
+def test_report_of_a_material_without_maps() -> None:
     assert "without base color" in report(Material("empty"))
 
 
-def test_parts_are_values() -> None:
+def test_parts_compare_by_value() -> None:
     assert Part("height") == Part("height", "", False)
 
 
@@ -865,8 +871,8 @@ def test_any_folder_gives_a_material_or_one_clear_line(
 
 
 @pytest.mark.parametrize("technique", ["relief", "parallax_occlusion"])
-def test_a_picture_that_was_drawn_here_is_no_map(tmp_path: Path, technique: str) -> None:
-    """`render` names its pictures so that the next run does not take one for heights."""
-    put(tmp_path, "wall_color.png", flat(90, 80, 70))
-    put(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
+def test_rendered_pictures_are_no_maps(tmp_path: Path, technique: str) -> None:
+    """`render` names its pictures so that `load` does not read one as heights."""
+    write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
+    write_picture_file(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
     assert load(tmp_path).height is None

@@ -1,4 +1,4 @@
-"""Procedural samples: seamless, seeded, the same at every size, and true to their own heights."""
+"""Procedural samples: seamless, reproducible, the same at every size, with matching normals."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from basrelief.errors import InputError
 from basrelief.material import SAMPLES, Map, Material, hole, sample
-from basrelief.material.evidence import agreement
+from basrelief.material.evidence import slope_correlation
 from basrelief.material.patterns import cells as cells_module
 from basrelief.material.patterns.bricks import _Wall as Wall
 from basrelief.material.patterns.canvas import Canvas, mix, smoothstep
@@ -58,7 +58,7 @@ def test_all_maps_are_there(name: str, drawn: dict[str, Material]) -> None:
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
-    """Colours vary, nothing is clipped away, and roughness keeps off a perfect mirror."""
+    """Colours vary, little is clipped, and roughness stays above a perfect mirror's."""
     material = drawn[name]
     assert material.base_color is not None
     color = material.base_color.pixels
@@ -73,7 +73,7 @@ def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
 @pytest.mark.parametrize("name", SAMPLES)
 @pytest.mark.parametrize("axis", [0, 1])
 def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> None:
-    """The step across the edge is of the size of the steps within."""
+    """Steps across the edge are no larger than those inside."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
         steps = np.abs(values - np.roll(values, 1, axis)).mean(axis=(1 - axis, 2))
@@ -83,7 +83,7 @@ def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> N
 @pytest.mark.parametrize("name", ["cobbles", "gravel", "terrain"])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_nothing_is_cut_at_the_edge(name: str, axis: int, drawn: dict[str, Material]) -> None:
-    """Of the steps across the edge, not many are among the greatest 3 % of all: stones go on."""
+    """Few steps across the edge are among the largest 3 %, so stones continue there."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
         steps = np.moveaxis(np.abs(values - np.roll(values, 1, axis)).max(axis=2), axis, 0)
@@ -98,7 +98,7 @@ def test_a_brick_goes_on_beyond_the_edge() -> None:
 
 
 @pytest.mark.parametrize("name", SAMPLES)
-def test_the_seed_decides(name: str, drawn: dict[str, Material]) -> None:
+def test_the_seed_determines_the_maps(name: str, drawn: dict[str, Material]) -> None:
     for (_, one), (_, same), (_, other) in zip(
         drawn[name].maps(),
         sample(name, SIZE).maps(),
@@ -126,7 +126,7 @@ def test_a_larger_picture_shows_the_same(name: str, drawn: dict[str, Material]) 
 
 @pytest.mark.parametrize("name", RELIEFS)
 def test_a_strip_keeps_the_proportions(name: str) -> None:
-    """Twice as wide as high: maps of that size, still without a seam, stones as wide as high."""
+    """A picture twice as wide as high is still seamless, with undistorted stones."""
     material = sample(name, (64, 128))
     assert {(each.height, each.width) for _, each in material.maps()} == {(64, 128)}
     steps = np.abs(heights(material) - np.roll(heights(material), 1, 0)).mean(axis=1)
@@ -143,7 +143,7 @@ def test_no_mirror_leaves_it_the_same(name: str, mirror, drawn: dict[str, Materi
 
 @pytest.mark.parametrize("name", RELIEFS)
 def test_normals_fit_the_heights_and_the_scale(name: str, drawn: dict[str, Material]) -> None:
-    """Slopes taken from the stored heights, here, give the stored normals."""
+    """Slopes of the stored heights give the stored normals."""
     material = drawn[name]
     assert material.normal is not None
     assert material.height is not None
@@ -155,7 +155,7 @@ def test_normals_fit_the_heights_and_the_scale(name: str, drawn: dict[str, Mater
     expected = np.stack([-right, down, np.ones_like(right)], 2)
     expected /= np.linalg.norm(expected, axis=2, keepdims=True)
     assert np.abs(material.normal.linear() * 2 - 1 - expected).max() < 2e-3
-    found = agreement(material.height.pixels, material.normal.pixels)
+    found = slope_correlation(material.height.pixels, material.normal.pixels)
     assert found is not None
     assert min(found.x, found.y) > 0.5
 
@@ -168,7 +168,7 @@ def test_every_size_works(name: str, size: int | tuple[int, int]) -> None:
     assert {(each.height, each.width) for _, each in material.maps()} == {shape}
 
 
-def test_impossible_requests_are_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     with pytest.raises(InputError, match="no sample 'brick'; choose one of bricks, cobbles"):
         sample("brick")
     for size in (0, -3, (4, 0), 100_000):
@@ -178,11 +178,11 @@ def test_impossible_requests_are_refused() -> None:
         sample("bricks", 8, seed=-1)
 
 
-# --- samples for special ends
+# --- special samples
 
 
 def test_a_detail_grid_keeps_the_brightness_of_what_lies_below() -> None:
-    """Colour and normals alone; the mean is middle grey; lines are dark, and a corner is marked."""
+    """Colour and normals only: middle grey on average, dark lines, a marked corner."""
     for size in (64, 128, (96, 48)):
         grid = sample("grid", size)
         assert {kind for kind, _ in grid.maps()} == {"base_color", "normal"}
@@ -247,7 +247,7 @@ def test_a_closed_hole_is_a_whole_surface(ground: tuple[Material, Material]) -> 
 
 
 @given(one=st.floats(0, 1), other=st.floats(0, 1))
-def test_as_a_hole_opens_nothing_rises(
+def test_heights_never_rise_as_a_hole_opens(
     ground: tuple[Material, Material], one: float, other: float
 ) -> None:
     less, more = (hole(*ground, opening) for opening in sorted((one, other)))
@@ -259,12 +259,12 @@ def test_as_a_hole_opens_nothing_rises(
     assert (more.base_color.pixels <= less.base_color.pixels).all()
 
 
-def test_a_hole_is_what_its_formula_says() -> None:
-    """Cracks of the heights 0, ½ and 1 under dust of 1, half open: 1.4 − h beyond the limit."""
-    cracks = plain([[0, 0.5, 1]], "ground")
-    sunk = heights(hole(cracks, plain([[1, 1, 1]], "dust"), 0.5))[0]
+def test_a_hole_follows_its_formula() -> None:
+    """Crack heights of 0, ½ and 1 under dust of 1, half open: the excess is 1.4 − h."""
+    cracks = heights_only([[0, 0.5, 1]], "ground")
+    sunk = heights(hole(cracks, heights_only([[1, 1, 1]], "dust"), 0.5))[0]
     assert sunk == pytest.approx(np.exp(-np.array([1.4, 0.9, 0.4]) / 0.45), abs=1e-5)
-    assert (heights(hole(cracks, plain([[0, 0, 0]], "dust"), 1)) == 1).all()
+    assert (heights(hole(cracks, heights_only([[0, 0, 0]], "dust"), 1)) == 1).all()
 
 
 def test_cracks_open_before_the_ground_between_them_falls(
@@ -279,7 +279,7 @@ def test_cracks_open_before_the_ground_between_them_falls(
     assert (much[dust < 0.2] > 0.5).mean() > 0.9
 
 
-def test_holes_that_cannot_be(ground: tuple[Material, Material]) -> None:
+def test_invalid_holes_are_refused(ground: tuple[Material, Material]) -> None:
     cracks, dust = ground
     for opening in (-0.1, 1.1, float("nan")):
         with pytest.raises(InputError, match=r"opening is 0 \(whole\) to 1 \(open\), not"):
@@ -291,17 +291,21 @@ def test_holes_that_cannot_be(ground: tuple[Material, Material]) -> None:
 
 
 def test_a_hole_in_a_surface_of_floats_without_colour_or_size() -> None:
-    opened = hole(plain([[1.0]], "ground"), plain([[1.0]], "dust"), 1)
+    opened = hole(heights_only([[1.0]], "ground"), heights_only([[1.0]], "dust"), 1)
     assert opened.base_color is None
     assert opened.scale is None
     bright = Map(np.full((1, 1, 3), 4, np.float32), False, "bright")
-    shaded = hole(replace(plain([[1.0]], "ground"), base_color=bright), plain([[1.0]], "dust"), 0.5)
+    shaded = hole(
+        replace(heights_only([[1.0]], "ground"), base_color=bright),
+        heights_only([[1.0]], "dust"),
+        0.5,
+    )
     depth = np.exp(-0.4 / 0.45)
     assert shaded.base_color is not None
     assert shaded.base_color.pixels[0, 0] == pytest.approx(4 * depth ** np.array([1.5, 2, 2.5]))
 
 
-def test_the_sample_of_a_hole_is_settled() -> None:
+def test_the_sample_hole() -> None:
     material = sample("hole", 64)
     assert material.name == "hole"
     assert material.scale == pytest.approx(0.3)
@@ -310,19 +314,19 @@ def test_the_sample_of_a_hole_is_settled() -> None:
     assert "opened by 0.6" in str(material.notes[-1])
 
 
-def plain(values: list[list[float]], name: str) -> Material:
+def heights_only(values: list[list[float]], name: str) -> Material:
     relief = np.array(values, np.float32)[:, :, None]
     return Material(name, height=Map(relief, False, name))
 
 
-# --- what samples are made of
+# --- canvas, noise and cells
 
 
 def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
     canvas = Canvas(20, 30, 0)
     for x, y, reach in ((0.01, 0.6, 0.1), (0.98, 0.02, 0.2), (0.5, 0.3, 0.9)):
         window = canvas.around(x, y, reach)
-        rows, columns = (each.ravel() for each in window.there)
+        rows, columns = (each.ravel() for each in window.texels)
         assert len(set(rows)) == len(rows) <= 20
         assert len(set(columns)) == len(columns) <= 30
         off = canvas.x[0, columns] - window.x.ravel() - x
@@ -344,7 +348,7 @@ def test_distances_in_a_window() -> None:
 
 
 def test_a_ramp_of_heights_has_the_slope_of_its_scale() -> None:
-    """Rising to the right by half the range over the width: slope scale / 2, seen in x alone."""
+    """Heights that rise by half the range over the width have the slope scale ÷ 2, in x only."""
     rise = np.tile(np.linspace(0, 0.5, 8, endpoint=False), (4, 1))
     normal = normals(rise, scale=0.4)[1, 3]
     assert normal == pytest.approx([-0.2 / 1.04**0.5, 0, 1 / 1.04**0.5], abs=1e-6)
@@ -377,14 +381,14 @@ def test_noise_does_not_depend_on_the_size() -> None:
     assert shrunk(fine[:, :, None], 2)[:, :, 0] == pytest.approx(coarse, abs=0.02)
 
 
-def test_names_draw_apart() -> None:
+def test_random_generators_are_independent() -> None:
     canvas = Canvas(8, 8, 0)
     assert canvas.random("a").random() != canvas.random("b").random()
     assert canvas.random("a").random() == Canvas(9, 9, 0).random("a").random()
 
 
 def test_cells_are_those_of_the_nearest_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nearest point and distance to the border, against all points, one by one."""
+    """Nearest point and distance to the border, against a search over all points."""
     monkeypatch.setattr(cells_module, "_RIPPLE", np.float32(0))
     across, down, roundness = 5, 4, 0.01
     cell = cells(Canvas(32, 40, seed=5), "stones", across, jitter=0.3, roundness=roundness)
@@ -424,7 +428,7 @@ def test_blending() -> None:
     assert mix((0, 0, 0), (1, 2, 3), share)[0].tolist() == [[0, 0, 0], [1, 2, 3]]
 
 
-def test_maps_say_where_they_come_from(drawn: dict[str, Material]) -> None:
+def test_maps_have_sources(drawn: dict[str, Material]) -> None:
     material = drawn["tiles"]
     assert isinstance(material.metallic, Map)
     assert material.metallic.source == "sample tiles, metallic"

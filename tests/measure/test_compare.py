@@ -1,4 +1,4 @@
-"""`compare`: its numbers are those computed directly; its page stands alone; its JSON is stable."""
+"""`compare`: numbers as computed directly, a page without network, a stable JSON."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.render import render
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights, write_material
-from helpers.made_up import map_of, noise, plain
 from helpers.repository import blocks, commands
+from helpers.synthetic import map_of, noise, uniform_material
 
 SIZE = (48, 27)
 ANGLES = (0.0, 60.0)
@@ -42,67 +42,68 @@ def waves() -> Material:
 
 
 @pytest.fixture(scope="module")
-def found(waves) -> Comparison:
+def comparison(waves) -> Comparison:
     return compare(
         waves, CHOSEN, angles=ANGLES, size=SIZE, samples=1, device="cpu", runs=1, scale=0.2
     )
 
 
-# --- what is compared ----------------------------------------------------------------------------
+# --- measurements -----------------------------------------------------------------------------
 
 
 def test_every_technique_takes_part(waves) -> None:
-    """B4: those of the library, found by themselves, `exact` among them, without missed hits; but
-    for those that draw another surface, boxes, which are refused when they are asked for."""
-    heard: list[float] = []
+    """B4: all of the library's that draw the bilinear surface; `exact` misses no hit. Techniques
+    of columns are refused."""
+    shares: list[float] = []
     whole = compare(
         waves, angles=[70], size=(16, 9), samples=1, device="cpu", runs=1,
-        progress=lambda what, share: heard.append(share),
+        progress=lambda what, share: shares.append(share),
     )  # fmt: skip
-    boxes = {name for name, each in TECHNIQUES.items() if each.columns}
-    assert set(whole.objects) == set(TECHNIQUES) - boxes
-    for name in boxes:
-        with pytest.raises(InputError, match=f"{name} draws heights as boxes"):
+    columns = {name for name, technique in TECHNIQUES.items() if technique.columns}
+    assert set(whole.objects) == set(TECHNIQUES) - columns
+    for name in columns:
+        with pytest.raises(InputError, match=f"{name} draws columns"):
             compare(waves, [name], angles=[70], size=(16, 9), device="cpu")
-    assert heard == sorted(heard)
-    assert heard[-1] == 1.0
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     (exact,) = whole.of("exact")
     assert exact.errors.missed == 0.0
     assert exact.flip == 0.0
 
 
-def test_numbers_are_those_computed_directly(waves, found) -> None:
-    """B4: each row again, from the library's parts."""
-    assert {each.technique for each in found.results} == {
+def test_numbers_are_those_computed_directly(waves, comparison) -> None:
+    """B4: each result again, from the library's parts."""
+    assert {result.technique for result in comparison.results} == {
         "flat", "steep", "offset", "exact", "steep steps=40",
     }  # fmt: skip
     for angle in ANGLES:
         scenes = {
             name: at_angle(
-                waves, angle, SIZE, {"technique": name.split()[0], "settings": more, "scale": 0.2}
+                waves, angle, SIZE,
+                {"technique": name.split()[0], "settings": settings, "scale": 0.2},
             )
-            for name, more in (
+            for name, settings in (
                 ("exact", {}), ("flat", {}), ("offset", {}), ("steep", {}),
                 ("steep steps=40", {"steps": 40}),
             )
         }  # fmt: skip
         frames = {n: render(s, size=SIZE, samples=1, device="cpu") for n, s in scenes.items()}
         true = truth(scenes["exact"], SIZE, device="cpu")
-        for each in found.at(angle):
-            assert each.errors == errors(frames[each.technique], true)
-            assert each.flip == flip(frames["exact"], frames[each.technique])
-            assert each.seconds > 0.0
-    by_name = {each.technique: each for each in found.at(60.0)}
+        for result in comparison.at(angle):
+            assert result.errors == errors(frames[result.technique], true)
+            assert result.flip == flip(frames["exact"], frames[result.technique])
+            assert result.seconds > 0.0
+    by_name = {result.technique: result for result in comparison.at(60.0)}
     assert by_name["flat"].errors.short > 0.8
     assert by_name["steep steps=40"].errors.uv.median < by_name["steep"].errors.uv.median
-    assert all(each.flip == 0.0 for each in found.at(0.0))
+    assert all(result.flip == 0.0 for result in comparison.at(0.0))
 
 
 def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None:
     tiny = {"angles": [50], "size": (16, 9), "samples": 1, "device": "cpu", "runs": 1}
-    made = compare(waves, ["relief,max_steps=12,search_steps=1", "steep"],
+    comparison = compare(waves, ["relief,max_steps=12,search_steps=1", "steep"],
                    settings={"steps": 5, "search_steps": 3}, **tiny)  # fmt: skip
-    settings = {each["name"]: each["settings"] for each in made.to_dict()["techniques"]}
+    settings = {entry["name"]: entry["settings"] for entry in comparison.to_dict()["techniques"]}
     assert settings["steep"] == {"steps": 5}
     relief = settings["relief max_steps=12 search_steps=1"]
     assert relief == {"min_steps": 8, "max_steps": 12, "search_steps": 1}
@@ -120,19 +121,19 @@ def test_one_technique_with_several_settings_and_settings_for_all(waves) -> None
         compare(waves, ["steep"], shape="box", **tiny)
 
 
-def test_a_material_without_heights_is_one_clear_line(tmp_path) -> None:
+def test_a_material_without_heights_is_refused(tmp_path) -> None:
     with pytest.raises(InputError, match="no height map"):
-        compare(plain())
+        compare(uniform_material())
     folder = write_material(tmp_path / "wall")
     (folder / "wall_Height.png").unlink()
     for command in (["compare"], ["tune", "--missed", "1%"]):
-        told = refused(*command, folder, "-o", tmp_path / "out.toml")
-        assert "has no height map" in told
-        assert "--height FILE" in told
+        message = refused(*command, folder, "-o", tmp_path / "out.toml")
+        assert "has no height map" in message
+        assert "--height FILE" in message
     assert not (tmp_path / "out.toml").exists()
 
 
-# --- what is written -----------------------------------------------------------------------------
+# --- files ----------------------------------------------------------------------------------
 
 KEYS = {
     "format", "version", "basrelief", "material", "texels", "scale", "device", "size", "samples",
@@ -144,73 +145,77 @@ RESULT = {
 }  # fmt: skip
 
 
-def test_the_json_has_its_keys_and_the_numbers(found, tmp_path) -> None:
+def test_the_json_has_its_keys_and_the_numbers(comparison, tmp_path) -> None:
     """B4: version 2 of compare.json."""
-    found.save(tmp_path / "out")
+    comparison.save(tmp_path / "out")
     read = json.loads((tmp_path / "out" / "compare.json").read_text("utf-8"))
     assert set(read) == KEYS
     assert (read["format"], read["version"]) == ("basrelief compare", 2)
     assert read["basrelief"] == basrelief.__version__
     assert (read["texels"], read["size"], read["angles"]) == ([32, 32], [48, 27], [0.0, 60.0])
     assert read["time"] == {"size": [48, 27], "by": "clock", "runs": 1}
-    assert len(read["results"]) == len(found.results) == 10
-    for said, each in zip(read["results"], found.results, strict=True):
-        assert set(said) == RESULT
-        assert set(said["uv_error"]) == set(said["depth_error"])
-        assert set(said["uv_error"]) == {"median", "percentile_99", "worst"}
-        assert (said["angle"], said["technique"]) == (each.angle, each.technique)
-        assert said["missed"] == each.errors.missed
-        assert said["uv_error"]["percentile_99"] == each.errors.uv.percentile_99
-        assert (said["flip"], said["seconds"]) == (each.flip, each.seconds)
-    assert {each["name"] for each in read["techniques"]} == set(found.objects)
+    assert len(read["results"]) == len(comparison.results) == 10
+    for entry, result in zip(read["results"], comparison.results, strict=True):
+        assert set(entry) == RESULT
+        assert set(entry["uv_error"]) == set(entry["depth_error"])
+        assert set(entry["uv_error"]) == {"median", "percentile_99", "worst"}
+        assert (entry["angle"], entry["technique"]) == (result.angle, result.technique)
+        assert entry["missed"] == result.errors.missed
+        assert entry["uv_error"]["percentile_99"] == result.errors.uv.percentile_99
+        assert (entry["flip"], entry["seconds"]) == (result.flip, result.seconds)
+    assert {result["name"] for result in read["techniques"]} == set(comparison.objects)
     assert set(read["techniques"][0]) == {
         "name", "technique", "settings", "reference_height", "projection",
     }  # fmt: skip
-    assert read["advice"]["technique"] in found.objects
+    assert read["advice"]["technique"] in comparison.objects
 
 
-def test_the_page_stands_alone(found, tmp_path) -> None:
-    """B4: it needs no network, every picture is there, and names are not taken for HTML."""
-    page = found.save(tmp_path / "out")
+def test_the_page_stands_alone(comparison, tmp_path) -> None:
+    """B4: it needs no network, every picture exists, and names are escaped."""
+    page = comparison.save(tmp_path / "out")
     text = page.read_text("utf-8")
     assert "http" not in text.replace("http-equiv", "")
     assert "<script" not in text
     assert "waves &amp; &lt;sea&gt;" in text
     pictures = set(re.findall(r'src="([^"]+)"', text))
     pictures |= set(re.findall(r'srcset="([^"]+)"', text))
-    # those of the plot, light and dark, beside those of the results
-    assert len(pictures) == 2 * len(found.results) + 2
-    assert all((page.parent / each).is_file() for each in pictures)
-    for name in found.objects:
-        shown = re.findall(rf"<h3[^>]*>{name}(?:, the true picture)?</h3>", text)
-        assert len(shown) == len(ANGLES)
-    again = found.save(tmp_path / "out")
+    # the plots, light and dark, and the pictures of the results
+    assert len(pictures) == 2 * len(comparison.results) + 2
+    assert all((page.parent / picture).is_file() for picture in pictures)
+    for name in comparison.objects:
+        headings = re.findall(rf"<h3[^>]*>{name}(?:, the true picture)?</h3>", text)
+        assert len(headings) == len(ANGLES)
+    again = comparison.save(tmp_path / "out")
     assert again == page
     page.write_text("my own")
-    with pytest.raises(InputError, match="is there, and not a comparison's page"):
-        found.save(tmp_path / "out")
+    with pytest.raises(InputError, match="exists and is not a comparison's page"):
+        comparison.save(tmp_path / "out")
 
 
 def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
-    made = compare(waves, ["flat"], angles=[60], size=(16, 9), samples=1, device="cpu", runs=1)
-    assert [each.flip for each in made.results] == [None, None]
-    assert "FLIP" not in made.save(tmp_path / "out").read_text("utf-8").split("<footer>")[0]
-    assert advice(made).technique == "exact"
+    comparison = compare(
+        waves, ["flat"], angles=[60], size=(16, 9), samples=1, device="cpu", runs=1
+    )
+    assert [result.flip for result in comparison.results] == [None, None]
+    assert "FLIP" not in comparison.save(tmp_path / "out").read_text("utf-8").split("<footer>")[0]
+    assert advice(comparison).technique == "exact"
 
 
-def test_without_matplotlib_the_page_says_what_draws_the_plot(found, tmp_path, monkeypatch) -> None:
-    assert "needs matplotlib" not in found.save(tmp_path / "with").read_text("utf-8")
+def test_without_matplotlib_the_page_says_what_draws_the_plot(
+    comparison, tmp_path, monkeypatch
+) -> None:
+    assert "needs matplotlib" not in comparison.save(tmp_path / "with").read_text("utf-8")
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    page = found.save(tmp_path / "out")
+    page = comparison.save(tmp_path / "out")
     text = page.read_text("utf-8")
     line = "The plot of error against time needs matplotlib: pip install &#39;basrelief[plots]&#39;"
     assert text.replace("'", "&#39;").count(line) == 1
     assert "time.svg" not in text
-    assert len(list((page.parent / "pictures").iterdir())) == 2 * len(found.results)
+    assert len(list((page.parent / "pictures").iterdir())) == 2 * len(comparison.results)
 
 
-def test_error_pictures_are_dark_where_all_is_right() -> None:
+def test_error_pictures_are_dark_without_errors() -> None:
     low, middle, high, beyond, nothing = error_picture(
         np.array([[0.01, 3.0, 100.0, 1e4, np.nan]], np.float16)
     )[0]
@@ -219,7 +224,7 @@ def test_error_pictures_are_dark_where_all_is_right() -> None:
     np.testing.assert_array_equal(high, beyond)
 
 
-def test_the_front_is_what_nothing_beats() -> None:
+def test_the_pareto_front() -> None:
     points = [
         Point("slow and good", 9.0, 0.1), Point("fast", 1.0, 0.9), Point("beaten", 5.0, 0.6),
         Point("middling", 4.0, 0.5), Point("as slow and worse", 9.0, 0.2),
@@ -230,50 +235,50 @@ def test_the_front_is_what_nothing_beats() -> None:
 # --- the advice ----------------------------------------------------------------------------------
 
 
-def test_the_advice_is_the_cheapest_that_passes_everywhere(found) -> None:
-    """B5: by hand: what is fast fails at 75, what is slower passes; the slowest passes too."""
-    errors_of = found.results[0].errors
+def test_the_advice_is_the_cheapest_that_passes_everywhere(comparison) -> None:
+    """B5: by hand: fast techniques fail at 60 degrees, a slower one passes, the slowest too."""
+    errors_of = comparison.results[0].errors
     cost = {"flat": 1.0, "offset": 2.0, "steep": 3.0, "steep steps=40": 4.0, "exact": 5.0}
     passing = {
         "flat": (0.0, 0.9), "offset": (0.02, 0.5), "steep": (0.01, 0.2),
         "steep steps=40": (0.0, 0.03), "exact": (0.0, 0.0),
     }  # fmt: skip
 
-    def made(passing) -> Comparison:
+    def with_flip(passing) -> Comparison:
         from dataclasses import replace
 
         return replace(
-            found,
+            comparison,
             results=tuple(
                 replace(
-                    each, errors=errors_of, seconds=cost[each.technique],
-                    flip=passing[each.technique][ANGLES.index(each.angle)],
+                    result, errors=errors_of, seconds=cost[result.technique],
+                    flip=passing[result.technique][ANGLES.index(result.angle)],
                 )
-                for each in found.results
+                for result in comparison.results
             ),
         )  # fmt: skip
 
-    assert advice(made(passing)) == Advice("steep steps=40", 4.0, None, None, None)
+    assert advice(with_flip(passing)) == Advice("steep steps=40", 4.0, None, None, None)
     worse = {**passing, "steep steps=40": (0.0, 0.031)}
-    assert advice(made(worse)) == Advice("exact", 5.0, None, None, None)
-    said = made(passing).summary()
-    assert said.startswith("Ship steep steps=40: ")
-    assert "up to 60°" in said
+    assert advice(with_flip(worse)) == Advice("exact", 5.0, None, None, None)
+    summary = with_flip(passing).summary()
+    assert summary.startswith("Ship steep steps=40: ")
+    assert "up to 60°" in summary
 
 
 # --- debug pictures ------------------------------------------------------------------------------
 
 
 def test_debug_pictures_show_what_they_say(waves) -> None:
-    """B9: pixels of missed hits have their colours, reads grow paler, overshoot has a sign."""
+    """B9: missed hits have their colours, more reads are paler, overshoot has a sign."""
     size = (64, 48)
     scene = at_angle(waves, 65.0, size, {"technique": "steep", "scale": 0.3})
     frame, true = render(scene, size=size, samples=1, device="cpu"), truth(scene, size)
-    lost, behind = missed(frame, true), overshoot(frame, true) > 0.0
-    shown = debug_picture("missed", frame, true)
-    orange = shown.image.pixels[:, :, 0] > 2.0 * shown.image.pixels[:, :, 2]
-    np.testing.assert_array_equal(orange, lost & behind)
-    assert f"{errors(frame, true).missed:.2%}" in shown.meaning
+    is_missed, behind = missed(frame, true), overshoot(frame, true) > 0.0
+    picture = debug_picture("missed", frame, true)
+    orange = picture.image.pixels[:, :, 0] > 2.0 * picture.image.pixels[:, :, 2]
+    np.testing.assert_array_equal(orange, is_missed & behind)
+    assert f"{errors(frame, true).missed:.2%}" in picture.meaning
 
     reads = debug_picture("reads", frame)
     body = np.s_[:44]
@@ -284,13 +289,13 @@ def test_debug_pictures_show_what_they_say(waves) -> None:
     assert means == sorted(means)
     assert "from 0 (dark) to" in reads.meaning
 
-    late = debug_picture("overshoot", frame, true).image.pixels[body]
+    signed = debug_picture("overshoot", frame, true).image.pixels[body]
     far = behind[body] & (np.abs(overshoot(frame, true)[body]) > 2.0)
-    assert (late[far][:, 0] > late[far][:, 2]).all()
-    deep = debug_picture("depth-error", frame, true)
-    assert "world units" in deep.meaning
-    # the scale: both ends of it along the lower edge
-    left, right = deep.image.pixels[-1, 0], deep.image.pixels[-1, -1]
+    assert (signed[far][:, 0] > signed[far][:, 2]).all()
+    depth = debug_picture("depth-error", frame, true)
+    assert "world units" in depth.meaning
+    # both ends of the scale along the lower edge
+    left, right = depth.image.pixels[-1, 0], depth.image.pixels[-1, -1]
     assert left[2] > left[0]
     assert right[0] > right[2]
 
@@ -305,16 +310,16 @@ def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
             debug_picture(wrong[0], frame, wrong[1])
 
 
-# --- what the documentation shows ----------------------------------------------------------------
+# --- examples of the documentation ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "page", ["README.md", "docs/compare.md", "docs/command-line.md", "docs/write-a-technique.md"]
 )
 def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
-    """Each comparison and each search runs as it stands, but small and with few techniques."""
+    """Each comparison and each search runs, but small and with few techniques."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
+    monkeypatch.setattr("basrelief.measure.tune.ANGLE_STEP", 90.0)
     write_heights(tmp_path / "FOLDER")
     (tmp_path / "my.py").write_text(
         next(block for block in blocks("docs/write-a-technique.md") if "@technique" in block)
@@ -329,8 +334,8 @@ def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
             words += ["--technique", "exact", "--technique", "flat"]
         if words[0] == "compare":
             words += ["--samples", "1", "--angles", "60"]
-        printed = done(*words)
-        written = re.search(r"^(\S+)  \(cpu", printed, flags=re.MULTILINE)
+        output = done(*words)
+        written = re.search(r"^(\S+)  \(cpu", output, flags=re.MULTILINE)
         assert written is not None
         assert (tmp_path / written[1]).is_file()
         ran += 1
@@ -339,11 +344,11 @@ def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
 
 def test_python_that_the_page_shows(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("basrelief.measure.tune.APART", 40.0)
+    monkeypatch.setattr("basrelief.measure.tune.ANGLE_STEP", 40.0)
     scope: dict[str, object] = {}
     for block in blocks("docs/compare.md"):
         exec(compile(block, "docs/compare.md", "exec"), scope)
-    assert {each.name for each in tmp_path.iterdir()} == {"OUT", "cobbles.toml", "overshoot.png"}
+    assert {file.name for file in tmp_path.iterdir()} == {"OUT", "cobbles.toml", "overshoot.png"}
 
 
 # --- the command line ----------------------------------------------------------------------------
@@ -359,7 +364,7 @@ def test_compare_on_the_command_line(tmp_path) -> None:
     assert out.startswith("Ship ")
     assert str(tmp_path / "out" / "index.html") in out
     read = json.loads((tmp_path / "out" / "compare.json").read_text())
-    assert [each["name"] for each in read["techniques"] if each["settings"] == {"steps": 7}] == [
+    assert [entry["name"] for entry in read["techniques"] if entry["settings"] == {"steps": 7}] == [
         "steep"
     ]
     assert read["angles"] == [30.0, 60.0]
@@ -373,7 +378,7 @@ def test_show_on_the_command_line(tmp_path) -> None:
     folder = write_heights(tmp_path / "hills")
     small = ["--size", "32x24", "--samples", "1", "--device", "cpu"]
     for what, words in (
-        ("reads", "heights read a pixel"), ("missed", "missed hits: "),
+        ("reads", "heights read in a pixel"), ("missed", "missed hits: "),
         ("overshoot", "texels"), ("depth-error", "world units"),
     ):  # fmt: skip
         target = tmp_path / f"{what}.png"

@@ -1,6 +1,6 @@
-"""The explained ray: its reads, its hit, and the true one, against closed forms and the CPU.
+"""The explained ray: its reads, its hit and the true hit, against closed forms and the CPU.
 
-The drawing needs matplotlib, which the extra `plots` brings.
+The drawing needs matplotlib (the extra `plots`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import done, refused, write_heights
-from helpers.made_up import map_of, noise
+from helpers.synthetic import map_of, noise
 
 SIZE = (96, 60)
 CAMERA = Orbit(35.0, 24.0, 1.2)
@@ -43,25 +43,25 @@ def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> 
 @pytest.mark.parametrize(
     "options", [{}, {"reference_height": 0.5, "edge": "clamp", "tiling": (2.0, 1.5)}]
 )
-def test_it_ends_where_the_cpu_does_and_notes_each_read(name: str, options: dict) -> None:
+def test_it_ends_where_the_cpu_does_and_records_each_read(name: str, options: dict) -> None:
     scene = Scene((obj(name, **options),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     for x, y in [(50, 35), (20, 40), (71, 26)]:
-        found = explain(scene, pixel=(x, y), size=SIZE)
+        explanation = explain(scene, pixel=(x, y), size=SIZE)
         assert frame.hit[y, x]
-        assert [*found.hit.uv] == [*frame.uv[y, x]]
-        assert len(found.samples) == found.hit.reads == frame.reads[y, x]
+        assert [*explanation.hit.uv] == [*frame.uv[y, x]]
+        assert len(explanation.samples) == explanation.hit.reads == frame.reads[y, x]
 
 
 @pytest.mark.parametrize("shape", ["sphere", "box", "cylinder"])
 def test_it_ends_where_the_cpu_does_on_other_shapes(shape: str) -> None:
-    one = explained("relief", (48, 30), shape=shape, heights="smooth", projection="biased")
+    explanation = explained("relief", (48, 30), shape=shape, heights="smooth", projection="biased")
     scene = Scene(
         (obj("relief", shape=shape, heights="smooth", projection="biased"),), camera=CAMERA
     )
     frame = render(scene, size=SIZE, samples=1, device="cpu")
-    assert [*one.hit.uv] == [*frame.uv[30, 48]]
-    assert len(one.samples) == one.hit.reads
+    assert [*explanation.hit.uv] == [*frame.uv[30, 48]]
+    assert len(explanation.samples) == explanation.hit.reads
 
 
 def test_the_nearest_object_is_explained() -> None:
@@ -80,8 +80,8 @@ def test_the_nearest_object_is_explained() -> None:
     )
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     for pixel in [(48, 12), (75, 45)]:
-        found = explain(scene, pixel=pixel, size=SIZE)
-        assert [*found.hit.uv] == [*frame.uv[pixel[1], pixel[0]]]
+        explanation = explain(scene, pixel=pixel, size=SIZE)
+        assert [*explanation.hit.uv] == [*frame.uv[pixel[1], pixel[0]]]
     assert explain(scene, pixel=(48, 12), size=SIZE).technique == "offset"
     assert explain(scene, pixel=(75, 45), size=SIZE).technique == "steep"
 
@@ -92,7 +92,7 @@ RAMP = LookAt((0.4, -0.9, 1.1), (0.05, 0.0, 0.0), (0.0, 0.0, 1.0), field_of_view
 
 
 def ramp(technique: str, **settings: float) -> tuple[Explanation, np.ndarray, np.ndarray, float]:
-    """h = 0.2 + 0.5 u on the unit plane; the ray's uv on it, its fall, and t of the true hit."""
+    """h = 0.2 + 0.5 u on the unit plane; the ray's uv on it, its travel, and t of the true hit."""
     columns = 64
     u = (np.arange(columns) + 0.5) / columns
     heights = np.broadcast_to(0.2 + 0.5 * u, (32, columns))
@@ -104,60 +104,59 @@ def ramp(technique: str, **settings: float) -> tuple[Explanation, np.ndarray, np
         edge="clamp",
         transform=np.eye(4),
     )
-    found = explain(Scene((plane,), camera=RAMP), pixel=(48, 30), size=(97, 61))
+    explanation = explain(Scene((plane,), camera=RAMP), pixel=(48, 30), size=(97, 61))
     # the middle of the picture looks from the camera to its target
     direction = np.subtract(RAMP.target, RAMP.position)
     uv = np.array([0.55, 0.5])
-    fall = direction[:2] * [1, -1] / -direction[2] * 0.2
-    t = (1.0 - 0.2 - 0.5 * uv[0]) / (1.0 + 0.5 * fall[0])
-    return found, uv, fall, t
+    travel = direction[:2] * [1, -1] / -direction[2] * 0.2
+    t = (1.0 - 0.2 - 0.5 * uv[0]) / (1.0 + 0.5 * travel[0])
+    return explanation, uv, travel, t
 
 
 def test_reads_and_hits_on_a_ramp_are_where_they_must_be() -> None:
-    found, uv, fall, t = ramp("steep", steps=8)
-    np.testing.assert_allclose(found.uv, uv, atol=1e-6)
-    np.testing.assert_allclose(found.travel, fall, atol=1e-6)
+    explanation, uv, travel, t = ramp("steep", steps=8)
+    np.testing.assert_allclose(explanation.uv, uv, atol=1e-6)
+    np.testing.assert_allclose(explanation.travel, travel, atol=1e-6)
     layers = [1 - k / 8 for k in range(8)]
     last = next(k for k, layer in enumerate(layers) if layer <= 1 - t)
-    assert len(found.samples) == last + 1
-    for one, layer in zip(found.samples, layers, strict=False):
-        place = uv + fall * (1 - layer)
-        np.testing.assert_allclose(one.uv, place, atol=2e-6)
-        assert one.ray == pytest.approx(layer, abs=1e-6)
-        assert one.surface == pytest.approx(0.2 + 0.5 * place[0], abs=1e-5)
-        assert one.above == (layer > 0.2 + 0.5 * place[0])
-    np.testing.assert_allclose(found.true_uv, uv + fall * t, atol=1e-6)
-    assert found.true_height == pytest.approx(1 - t, abs=1e-6)
+    assert len(explanation.samples) == last + 1
+    for read, layer in zip(explanation.samples, layers, strict=False):
+        place = uv + travel * (1 - layer)
+        np.testing.assert_allclose(read.uv, place, atol=2e-6)
+        assert read.ray == pytest.approx(layer, abs=1e-6)
+        assert read.surface == pytest.approx(0.2 + 0.5 * place[0], abs=1e-5)
+        assert read.above == (layer > 0.2 + 0.5 * place[0])
+    np.testing.assert_allclose(explanation.true_uv, uv + travel * t, atol=1e-6)
+    assert explanation.true_height == pytest.approx(1 - t, abs=1e-6)
     late = (1 - t) - layers[last]
-    assert found.error == pytest.approx(late * np.hypot(*(fall * [64, 32])), abs=1e-3)
-    assert found.length == pytest.approx(np.hypot(*(fall * [64, 32])), abs=1e-4)
+    assert explanation.error == pytest.approx(late * np.hypot(*(travel * [64, 32])), abs=1e-3)
+    assert explanation.length == pytest.approx(np.hypot(*(travel * [64, 32])), abs=1e-4)
 
 
 def test_a_chord_on_a_ramp_has_no_error() -> None:
-    found, *_ = ramp("parallax_occlusion", min_steps=10, max_steps=10)
-    assert found.error < 1e-3
+    explanation, *_ = ramp("parallax_occlusion", min_steps=10, max_steps=10)
+    assert explanation.error < 1e-3
 
 
-def test_the_true_hit_of_boxes_is_on_boxes() -> None:
-    """And a technique that interpolates is far from it."""
-    found = explained("texel")
-    assert found.columns
-    assert found.error < 0.03
-    surface = found.surface(np.array([one.uv for one in found.samples]))
-    assert set(surface) <= set(found.heights.ravel())
+def test_the_true_hit_on_columns() -> None:
+    explanation = explained("texel")
+    assert explanation.columns
+    assert explanation.error < 0.03
+    surface = explanation.surface(np.array([read.uv for read in explanation.samples]))
+    assert set(surface) <= set(explanation.heights.ravel())
 
 
 def test_straight_down_every_read_has_its_height() -> None:
-    """Nothing moves: heights cannot be told from places, and are told all the same."""
+    """Without travel, heights do not follow from texture coordinates, and are recorded anyway."""
     camera = LookAt((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     flat_on = Object(GRAVEL, technique="steep", settings={"steps": 5}, transform=np.eye(4))
-    found = explain(Scene((flat_on,), camera=camera), pixel=(48, 30), size=(97, 61))
-    assert found.length < 1e-3
-    wanted = [1 - k / 5 for k in range(len(found.samples))]
-    assert [one.ray for one in found.samples] == pytest.approx(wanted, abs=1e-6)
+    explanation = explain(Scene((flat_on,), camera=camera), pixel=(48, 30), size=(97, 61))
+    assert explanation.length < 1e-3
+    wanted = [1 - k / 5 for k in range(len(explanation.samples))]
+    assert [read.ray for read in explanation.samples] == pytest.approx(wanted, abs=1e-6)
 
 
-# --- one's own technique --------------------------------------------------------------------------
+# --- a user's technique ---------------------------------------------------------------------------
 
 OWN = '''\
 from basrelief.lang import HeightField, setting, struct
@@ -181,27 +180,27 @@ def twice(field: HeightField, ray: Ray, settings: Twice) -> Hit:
 '''
 
 
-def test_one_of_ones_own_is_explained(tmp_path: Path) -> None:
+def test_a_users_technique_is_explained(tmp_path: Path) -> None:
     file = tmp_path / "own.py"
     file.write_text(OWN)
-    found = explained(f"{file}:twice", settings={"first": 0.5})
-    assert [one.ray for one in found.samples] == pytest.approx([0.5, 0.25])
-    assert found.hit.height == pytest.approx(found.samples[0].surface, abs=1e-6)
-    assert "first 0.5" in found.summary
+    explanation = explained(f"{file}:twice", settings={"first": 0.5})
+    assert [read.ray for read in explanation.samples] == pytest.approx([0.5, 0.25])
+    assert explanation.hit.height == pytest.approx(explanation.samples[0].surface, abs=1e-6)
+    assert "first 0.5" in explanation.summary
 
 
 # --- files, tables, refusals ----------------------------------------------------------------------
 
 
 def test_the_table_has_every_read_and_both_ends() -> None:
-    found = explained("contact")
-    lines = found.table().splitlines()
-    assert len(lines) == 1 + len(found.samples) + 2
-    for n, (one, line) in enumerate(zip(found.samples, lines[1:], strict=False), 1):
+    explanation = explained("contact")
+    lines = explanation.table().splitlines()
+    assert len(lines) == 1 + len(explanation.samples) + 2
+    for n, (read, line) in enumerate(zip(explanation.samples, lines[1:], strict=False), 1):
         cells = line.split()
         assert cells[:2] == [str(n), "height"]
         assert [float(c) for c in cells[2:6]] == pytest.approx(
-            [*one.uv, one.ray, one.surface], abs=1e-5
+            [*read.uv, read.ray, read.surface], abs=1e-5
         )
     assert lines[-1].split()[0] == "true"
 
@@ -210,19 +209,19 @@ def test_the_table_has_every_read_and_both_ends() -> None:
 def test_a_cross_section_is_drawn(name: str, tmp_path: Path) -> None:
     """SVG with its words as text, each number once; the same ray makes the same file."""
     pytest.importorskip("matplotlib")
-    found = explained(name)
-    one = found.save(tmp_path / "one.svg").read_text()
-    assert one == found.save(tmp_path / "two.svg").read_text()
-    texts = re.findall(r"<text[^>]*>([^<]*)</text>", one)
-    assert found.verdict in texts
+    explanation = explained(name)
+    first = explanation.save(tmp_path / "one.svg").read_text()
+    assert first == explanation.save(tmp_path / "two.svg").read_text()
+    texts = re.findall(r"<text[^>]*>([^<]*)</text>", first)
+    assert explanation.verdict in texts
     assert "view ray" in texts
-    assert "the polygon" in texts
-    for n in range(1, len(found.samples) + 1):
+    assert "polygon" in texts
+    for n in range(1, len(explanation.samples) + 1):
         assert str(n) in texts
     assert sorted(file.name for file in tmp_path.iterdir()) == ["one.svg", "two.svg"]
 
 
-def test_a_picture_of_it_is_a_picture(tmp_path: Path) -> None:
+def test_a_cross_section_can_be_a_png(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from basrelief.images import read_picture
 
@@ -231,8 +230,8 @@ def test_a_picture_of_it_is_a_picture(tmp_path: Path) -> None:
     assert pixels[:, :, :3].std() > 20
 
 
-def test_what_cannot_be_explained_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="pixel 2,2 meets nothing"):
+def test_what_cannot_be_explained_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="pixel 2,2 shows no object"):
         explained("relief", (2, 2))
     with pytest.raises(InputError, match="pixel 96,0: outside a picture of 96 × 60"):
         explained("relief", (96, 0))
@@ -241,7 +240,7 @@ def test_what_cannot_be_explained_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"written as \.svg, \.png, \.pdf"):
         explained("offset").save(tmp_path / "ray.jpg")
     bare = Material("bare", base_color=map_of(noise(1)))
-    with pytest.raises(InputError, match="meets a plane without relief"):
+    with pytest.raises(InputError, match="shows a plane without relief"):
         explain(Scene((Object(bare),), camera=CAMERA), pixel=(50, 35), size=SIZE)
 
 
@@ -264,9 +263,9 @@ def test_the_command_prints_the_table(tmp_path: Path) -> None:
     assert len(both) > 4
 
 
-def test_the_command_tells_what_to_mend(tmp_path: Path) -> None:
+def test_the_command_refuses_pixels_without_an_object(tmp_path: Path) -> None:
     write_heights(tmp_path / "bumps")
     folder = str(tmp_path / "bumps")
     assert "write x,y" in refused("explain", folder, "--pixel", "middle")
-    assert "meets nothing" in refused("explain", folder, "--pixel", "0,0", "--size", "64x36")
+    assert "shows no object" in refused("explain", folder, "--pixel", "0,0", "--size", "64x36")
     assert "--pixel" in refused("explain", folder)

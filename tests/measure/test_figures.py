@@ -1,4 +1,4 @@
-"""Figures by matplotlib: the same drawing is the same file, and nothing else needs matplotlib."""
+"""Figures by matplotlib: reproducible files, and no import of matplotlib before one is drawn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from basrelief.errors import InputError
 from basrelief.measure.explain import explain
 from basrelief.measure.figures import has_matplotlib, write_figure
-from helpers.made_up import plain
+from helpers.synthetic import uniform_material
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -31,7 +31,7 @@ def write(path: Path) -> bytes:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf", ".SVG"])
 def test_the_same_drawing_is_the_same_file(suffix: str, tmp_path: Path) -> None:
-    """Whatever the user's settings are for other figures, which stay as they are."""
+    """Independently of the user's settings of matplotlib, which do not change."""
     before = write(tmp_path / f"a{suffix}")
     with matplotlib.rc_context({"lines.linewidth": 9.0, "axes.grid": True, "font.size": 30.0}):
         assert write(tmp_path / f"b{suffix}") == before
@@ -39,7 +39,7 @@ def test_the_same_drawing_is_the_same_file(suffix: str, tmp_path: Path) -> None:
     assert b"Date" not in before
 
 
-def test_words_of_an_svg_are_words(tmp_path: Path) -> None:
+def test_text_of_an_svg_is_text(tmp_path: Path) -> None:
     assert b">a &amp; &lt;b&gt;</text>" in write(tmp_path / "a.svg")
 
 
@@ -55,11 +55,13 @@ def test_a_figure_that_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
 def test_without_matplotlib_a_cross_section_says_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = explain(plain(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1)
+    explanation = explain(
+        uniform_material(height=0.3), pixel=(20, 15), size=(40, 30), technique="steep", scale=0.1
+    )
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert not has_matplotlib()
     with pytest.raises(InputError, match=r"pip install 'basrelief\[plots\]', or print it as a"):
-        found.save(tmp_path / "ray.svg")
+        explanation.save(tmp_path / "ray.svg")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,4 +1,4 @@
-"""The oracle against closed forms, and against a brute search along each ray."""
+"""The oracle against closed forms, and against a brute-force search along each ray."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 
 
 def bilinear(heights, uv, edge: str) -> np.ndarray:
-    """The surface's height at places (n, 2)."""
+    """Heights of the bilinear surface at uv, (n, 2)."""
     rows, columns = heights.shape
     x, y = (uv * [columns, rows] - 0.5).T
     i, j = np.floor(x).astype(int), np.floor(y).astype(int)
@@ -27,20 +27,20 @@ def bilinear(heights, uv, edge: str) -> np.ndarray:
     return upper * (1 - v) + lower * v
 
 
-def brute(heights, uv, fall, edge: str, count: int = 40001) -> np.ndarray:
-    """The first of many places along each ray that is not above the surface, then halved."""
-    found = []
-    for start, way in zip(uv, fall, strict=True):
+def brute_force(heights, uv, travel, edge: str, count: int = 40001) -> np.ndarray:
+    """The first of many points along each ray that is not above the surface, then bisection."""
+    hits = []
+    for start, moved in zip(uv, travel, strict=True):
         t = np.linspace(0.0, 1.0, count)
-        clear = (1.0 - t) - bilinear(heights, start + way * t[:, None], edge)
+        clear = (1.0 - t) - bilinear(heights, start + moved * t[:, None], edge)
         k = int(np.argmax(clear <= 0.0)) if (clear <= 0.0).any() else count - 1
         low, high = t[max(k - 1, 0)], t[k]
         for _ in range(60 if k else 0):
             middle = (low + high) / 2
-            above = (1 - middle) > bilinear(heights, (start + way * middle)[None], edge)[0]
+            above = (1 - middle) > bilinear(heights, (start + moved * middle)[None], edge)[0]
             low, high = (middle, high) if above else (low, middle)
-        found.append(high)
-    return np.array(found)
+        hits.append(high)
+    return np.array(hits)
 
 
 def rays(seed: int, count: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
@@ -50,10 +50,10 @@ def rays(seed: int, count: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_a_plane_is_met_at_its_height(edge) -> None:
-    uv, fall = rays(1, 50, 3.0)
-    hits = first_hits(np.full((5, 7), 0.375), uv, fall, edge)
+    uv, travel = rays(1, 50, 3.0)
+    hits = intersect_height_field(np.full((5, 7), 0.375), uv, travel, edge)
     np.testing.assert_allclose(hits.t, 0.625, atol=1e-15)
-    np.testing.assert_allclose(hits.uv, uv + fall * 0.625, atol=1e-14)
+    np.testing.assert_allclose(hits.uv, uv + travel * 0.625, atol=1e-14)
     np.testing.assert_allclose(hits.height, 0.375, atol=1e-15)
 
 
@@ -62,18 +62,18 @@ def test_a_ramp_is_met_where_two_lines_cross() -> None:
     u = (np.arange(columns) + 0.5) / columns
     ramp = np.tile(0.2 + 0.6 * u, (9, 1))
     uv = np.array([[0.1, 0.5], [0.6, 0.2], [0.8, 0.5]])
-    fall = np.array([[0.3, 0.0], [-0.4, 0.3], [0.05, 0.1]])
-    # 1 − t = 0.2 + 0.6 (u + fall t)
-    wanted = (0.8 - 0.6 * uv[:, 0]) / (1 + 0.6 * fall[:, 0])
-    hits = first_hits(ramp, uv, fall, "clamp")
-    np.testing.assert_allclose(hits.t, wanted, atol=1e-14)
+    travel = np.array([[0.3, 0.0], [-0.4, 0.3], [0.05, 0.1]])
+    # 1 − t = 0.2 + 0.6 (u + travel t)
+    expected = (0.8 - 0.6 * uv[:, 0]) / (1 + 0.6 * travel[:, 0])
+    hits = intersect_height_field(ramp, uv, travel, "clamp")
+    np.testing.assert_allclose(hits.t, expected, atol=1e-14)
 
 
 def test_a_step_is_met_on_the_slope_between_two_texels() -> None:
     heights = np.zeros((4, 16))
     heights[:, 8:] = 1.0
     # centres of texels 7 and 8 at 7.5/16 and 8.5/16: between them the height rises by 16 a tile
-    hits = first_hits(heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp")
+    hits = intersect_height_field(heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp")
     t = (1 + 16 * (7.5 / 16 - 0.25)) / (1 + 16 * 0.5)
     np.testing.assert_allclose(hits.t, t, atol=1e-14)
 
@@ -82,21 +82,23 @@ def test_straight_down_the_height_is_read() -> None:
     heights = np.random.default_rng(2).random((7, 11))
     uv = np.random.default_rng(3).random((200, 2)) * 3 - 1
     for edge in ("wrap", "clamp"):
-        hits = first_hits(heights, uv, np.zeros((200, 2)), edge)
+        hits = intersect_height_field(heights, uv, np.zeros((200, 2)), edge)
         np.testing.assert_allclose(hits.height, bilinear(heights, uv, edge), atol=1e-12)
 
 
 def test_a_saddle_hides_what_both_walls_of_a_cell_do_not() -> None:
-    """Along a cell's diagonal a saddle rises and falls again between walls that are both lower."""
+    """Along a cell's diagonal a saddle rises above both walls."""
     heights = np.array([[0.0, 1.0], [1.0, 0.0]])
     # from corner to corner of the one cell: h = 2 s (1 − s), which is ½ in the middle
-    uv, fall = np.array([[0.25, 0.25]]), np.array([[0.5, 0.5]])
-    t = first_hits(heights, uv - fall * 0.8, fall * 1.6, "clamp").t
+    uv, travel = np.array([[0.25, 0.25]]), np.array([[0.5, 0.5]])
+    t = intersect_height_field(heights, uv - travel * 0.8, travel * 1.6, "clamp").t
     # the ray is at s = (t · 1.6 − 0.8); 1 − t = 2 s (1 − s)
     s = t * 1.6 - 0.8
     np.testing.assert_allclose(1 - t, 2 * s * (1 - s), atol=1e-12)
     assert 0.0 < s[0] < 1.0
-    np.testing.assert_allclose(t, brute(heights, uv - fall * 0.8, fall * 1.6, "clamp"), atol=1e-9)
+    np.testing.assert_allclose(
+        t, brute_force(heights, uv - travel * 0.8, travel * 1.6, "clamp"), atol=1e-9
+    )
 
 
 def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
@@ -104,9 +106,9 @@ def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
     cone = np.clip(1 - np.hypot(x - 30, y - 20) / 18, 0, 1)
     wave = 0.5 + 0.5 * np.sin(2 * np.pi * x / 64 * 3) * np.cos(2 * np.pi * y / 48 * 2)
     for heights in (cone, wave):
-        uv, fall = rays(4, 60, 0.8)
-        got = first_hits(heights, uv, fall).t
-        np.testing.assert_allclose(got, brute(heights, uv, fall, "wrap"), atol=2e-5)
+        uv, travel = rays(4, 60, 0.8)
+        t = intersect_height_field(heights, uv, travel).t
+        np.testing.assert_allclose(t, brute_force(heights, uv, travel, "wrap"), atol=2e-5)
 
 
 @settings(max_examples=60)
@@ -115,16 +117,16 @@ def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
     st.sampled_from(["wrap", "clamp"]), st.sampled_from([0.0, 0.1, 2.0]),
 )  # fmt: skip
 def test_on_noise_nothing_is_met_before_or_after_the_brute_search(h, w, seed, edge, reach) -> None:
-    """The search may step over a crest that the oracle meets, never the other way round."""
+    """The search may step over a crest that the oracle hits, never the other way round."""
     random = np.random.default_rng(seed)
     heights = random.random((h, w))
-    uv, fall = rays(seed, 12, reach)
-    hits = first_hits(heights, uv, fall, edge)
-    late = brute(heights, uv, fall, edge, 4001)
+    uv, travel = rays(seed, 12, reach)
+    hits = intersect_height_field(heights, uv, travel, edge)
+    late = brute_force(heights, uv, travel, edge, 4001)
     assert (hits.t <= late + 1e-9).all()
     surface = bilinear(heights, hits.uv, edge)
     np.testing.assert_allclose(np.minimum(hits.height - surface, 0.0), 0.0, atol=1e-6)
-    # it is on the surface, or at the bottom
+    # the hit is on the surface, or at the bottom
     assert ((np.abs(hits.height - surface) < 1e-6) | (hits.t == 1.0)).all()
 
 
@@ -132,21 +134,21 @@ def test_axis_parallel_rays_along_texel_centres_end() -> None:
     heights = np.random.default_rng(5).random((6, 6)) * 0.5
     centres = (np.arange(6) + 0.5) / 6
     uv = np.stack(np.meshgrid(centres, centres), -1).reshape(-1, 2)
-    for way in ([1, 0], [0, -1], [-1, -1]):
-        fall = np.broadcast_to(np.array(way, float), uv.shape)
-        got = first_hits(heights, uv, fall).t
-        np.testing.assert_allclose(got, brute(heights, uv, fall, "wrap"), atol=1e-4)
+    for direction in ([1, 0], [0, -1], [-1, -1]):
+        travel = np.broadcast_to(np.array(direction, float), uv.shape)
+        t = intersect_height_field(heights, uv, travel).t
+        np.testing.assert_allclose(t, brute_force(heights, uv, travel, "wrap"), atol=1e-4)
 
 
-def test_what_is_no_height_map_is_refused() -> None:
+def test_invalid_height_maps_and_rays_are_refused() -> None:
     for heights in ([[0.5, 1.5]], [[np.nan]]):
         with pytest.raises(ValueError):
-            first_hits(heights, [[0, 0]], [[0, 0]])
+            intersect_height_field(heights, [[0, 0]], [[0, 0]])
     with pytest.raises(ValueError):
-        first_hits([[0.5]], [[0, np.inf]], [[0, 0]])
+        intersect_height_field([[0.5]], [[0, np.inf]], [[0, 0]])
 
 
-# --- segments that are not the whole ray: parts of one, rising, bent ------------------------------
+# --- segments: parts of a ray, rising and bent ones --------------------------------------------
 
 
 def bent(t, height: float, drop: float, bend: float):
@@ -154,7 +156,7 @@ def bent(t, height: float, drop: float, bend: float):
 
 
 def first_root(a: float, b: float, c: float) -> float | None:
-    """The least root within 0 to 1 of a t² + b t + c, in closed form."""
+    """The smallest root within 0 to 1 of a t² + b t + c, in closed form."""
     roots = np.roots([a, b, c])
     within = sorted(r.real for r in roots if abs(r.imag) < 1e-12 and 0.0 <= r.real <= 1.0)
     return within[0] if within else None
@@ -174,11 +176,13 @@ PARABOLAS = [
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
 def test_a_parabola_meets_a_plane(height: float, drop: float, bend: float) -> None:
     """height − drop t − bend t (1 − t) = ½."""
-    wanted = first_root(bend, -drop - bend, height - 0.5)
+    expected = first_root(bend, -drop - bend, height - 0.5)
     uv, travel = rays(11, 20, 2.0)
-    hits = first_hits(np.full((6, 5), 0.5), uv, travel, height=height, drop=drop, bend=bend)
-    assert (hits.found == (wanted is not None)).all()
-    np.testing.assert_allclose(hits.t, 1.0 if wanted is None else wanted, atol=1e-9)
+    hits = intersect_height_field(
+        np.full((6, 5), 0.5), uv, travel, height=height, drop=drop, bend=bend
+    )
+    assert (hits.found == (expected is not None)).all()
+    np.testing.assert_allclose(hits.t, 1.0 if expected is None else expected, atol=1e-9)
     np.testing.assert_allclose(hits.height, bent(hits.t, height, drop, bend), atol=1e-15)
 
 
@@ -189,13 +193,13 @@ def test_a_parabola_meets_a_ramp(height: float, drop: float, bend: float, along:
     columns = 64
     ramp = np.tile(0.2 + 0.6 * (np.arange(columns) + 0.5) / columns, (9, 1))
     for u in (0.35, 0.5, 0.65):
-        hits = first_hits(
+        hits = intersect_height_field(
             ramp, [[u, 0.5]], [[along, 0.1]], "clamp", height=height, drop=drop, bend=bend
         )
         over = height - 0.2 - 0.6 * u
-        wanted = 0.0 if over <= 0.0 else first_root(bend, -drop - bend - 0.6 * along, over)
-        assert hits.found[0] == (wanted is not None)
-        np.testing.assert_allclose(hits.t[0], 1.0 if wanted is None else wanted, atol=1e-9)
+        expected = 0.0 if over <= 0.0 else first_root(bend, -drop - bend - 0.6 * along, over)
+        assert hits.found[0] == (expected is not None)
+        np.testing.assert_allclose(hits.t[0], 1.0 if expected is None else expected, atol=1e-9)
 
 
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
@@ -203,7 +207,7 @@ def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> Non
     """Low to the left of u = 7.5 ÷ 16, high to the right of 8.5 ÷ 16, a slope of 16 between."""
     heights = np.full((4, 16), 0.1)
     heights[:, 8:] = 0.8
-    hits = first_hits(
+    hits = intersect_height_field(
         heights, [[0.25, 0.5]], [[0.5, 0.0]], "clamp", height=height, drop=drop, bend=bend
     )
 
@@ -217,14 +221,14 @@ def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> Non
 
 
 def test_the_parts_of_a_ray_meet_what_the_whole_does() -> None:
-    """Cut in three, each part going on where the one before found nothing."""
+    """Cut in three, each part continues where the one before has no hit."""
     heights = np.random.default_rng(6).random((23, 31)) * 0.7
     uv, travel = rays(12, 300, 0.8)
-    whole = first_hits(heights, uv, travel)
+    whole = intersect_height_field(heights, uv, travel)
     t, found = np.ones(len(uv)), np.zeros(len(uv), bool)
     for start in (0.0, 0.25, 0.6):
         length = {0.0: 0.25, 0.25: 0.35, 0.6: 0.4}[start]
-        part = first_hits(
+        part = intersect_height_field(
             heights, uv + travel * start, travel * length, height=1.0 - start, drop=length
         )
         first = part.found & ~found
@@ -239,7 +243,7 @@ def test_bent_rays_meet_noise_where_the_search_does(seed: int, reach: float, ben
     heights = random.random((7, 9)) * 0.8
     uv, travel = rays(seed, 12, reach)
     height, drop = random.uniform(0.5, 1.0, 12), random.uniform(-0.5, 1.0, 12)
-    hits = first_hits(heights, uv, travel, height=height, drop=drop, bend=bend)
+    hits = intersect_height_field(heights, uv, travel, height=height, drop=drop, bend=bend)
     t = np.linspace(0.0, 1.0, 20001)
     for k in range(12):
         clear = bent(t, height[k], drop[k], bend) - bilinear(

@@ -1,4 +1,4 @@
-"""The plot of error against time: its dots, its colours, and names that can be read."""
+"""The plot of error against time: dots, colours, and labels without overlaps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ POINTS = [
     Point("beaten", 0.005, 0.6), Point("middling", 0.004, 0.5),
     Point("as slow and worse", 0.009, 0.2),
 ]  # fmt: skip
-# settings of one technique, a hair apart, beside the others of a real comparison
+# settings of one technique with nearly equal times, and the techniques of a real comparison
 CROWD = [
     *(Point(f"relief max_steps={n}", 0.030 + 2e-4 * n, 0.02 - 1e-3 * n, n == 3) for n in range(9)),
     Point("flat", 0.0201, 0.299), Point("offset_limited", 0.0227, 0.16),
@@ -37,7 +37,7 @@ def svg(folder: Path, points: list[Point], limit: float | None, palette: Palette
     return (folder / "plot.svg").read_text("utf-8")
 
 
-# --- what is drawn --------------------------------------------------------------------------------
+# --- drawing ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
@@ -49,12 +49,12 @@ def test_each_technique_is_a_dot_with_its_name(palette: Palette, tmp_path: Path)
     texts = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)
     for name in ("slow &amp; good", "fast", "beaten", "middling", "as slow and worse"):
         assert texts.count(name) == 1
-    assert {"error", "milliseconds a picture, the faster the further left"} <= {*texts}
+    assert {"error", "milliseconds a picture; faster to the left"} <= {*texts}
     assert drawn == svg(tmp_path, POINTS, 0.2, palette)
 
 
 def test_the_band_ends_at_the_limit(tmp_path: Path) -> None:
-    """Its upper edge stands where the axis has the limit; without a limit there is no band."""
+    """Its upper edge is at the limit on the axis; without a limit there is no band."""
     drawn = svg(tmp_path, POINTS, 0.2)
     (band,) = re.findall(r'<path d="([^"]*)"[^>]*style="fill: #2f9e64; opacity: 0.14"', drawn)
     edges = {float(y) for y in re.findall(r"[ML] \S+ (\S+)", band)}
@@ -102,7 +102,7 @@ def test_a_label_is_right_above_its_point_where_there_is_room() -> None:
     size, point = (50.0, 12.0), (100.0, 100.0)
     (free,) = place_labels([point], [size], [], AREA)
     assert (free.left, free.bottom) == (105.0, 105.0)
-    # something is drawn to its right: left above it; then what fits into a corner of the area
+    # with an obstacle to the right, above to the left; in a corner of the area, where it fits
     (beside,) = place_labels([point], [size], [Box(100.0, 80.0, 160.0, 300.0)], AREA)
     assert (beside.right, beside.bottom) == (95.0, 105.0)
     (corner,) = place_labels([(699.0, 299.0)], [size], [], AREA)
@@ -120,10 +120,10 @@ ON_AN_AXIS = [Point("exact", 0.05, 0.0, chosen=True), Point("flat", 0.02, 0.5)]
 
 
 @pytest.mark.parametrize("points", [POINTS, CROWD, ON_AN_AXIS], ids=["few", "many", "on an axis"])
-def test_nothing_covers_words_in_a_browser(
+def test_text_has_no_overlaps_in_a_browser(
     points: list[Point], browser: Any, tmp_path: Path
 ) -> None:
-    """Names, numbers and titles of axes are clear of one another and of dots, by its own fonts."""
+    """Names, numbers and titles of axes overlap neither one another nor dots, in its fonts."""
     svg(tmp_path, points, 0.03)
     page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
     page.goto(f"file://{tmp_path}/plot.svg")

@@ -1,4 +1,4 @@
-"""Templates: values are escaped, none may be missing, and pages run no scripts."""
+"""Templates escape values, require all of them, and make pages that run no scripts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ INDEX = "gallery/templates/index.html.jinja"
 
 
 def index(title: str) -> str:
-    """A page whose title comes from outside."""
+    """A page with a title from the user."""
     return fill(INDEX, generator=GENERATOR, title=title, sections={title: []})
 
 
@@ -56,7 +56,7 @@ def test_every_package_with_pages_has_templates() -> None:
 
 
 def test_html_is_written_in_templates_alone() -> None:
-    """No module puts tags together as text."""
+    """No module writes HTML tags as text."""
     tag = re.compile(
         r"""["'{}\s]</?(a|b|body|div|figure|h[1-6]|i|img|p|script|span|table|td)[\s>]"""
     )
@@ -88,7 +88,7 @@ class Quiet(SimpleHTTPRequestHandler):
 
 @pytest.fixture
 def served(tmp_path: Path) -> Iterator[list[str]]:
-    """Addresses of two servers of a folder with a picture, so that one is elsewhere."""
+    """Addresses of two servers of a folder with a picture, one of them foreign."""
     write_data(tmp_path / "near.png", np.full((2, 3, 3), 200, np.uint8))
     servers = [
         ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(tmp_path)))
@@ -112,7 +112,7 @@ def browser() -> Iterator[Any]:
 def test_a_static_page_shows_its_pictures_and_runs_nothing(
     scheme: str, browser: Any, served: list[str], tmp_path: Path
 ) -> None:
-    """From a disk and from a server: its own pictures, no script, no other server."""
+    """From disk and from a server: only its own pictures, no scripts, no other server."""
     here, elsewhere = served
     template = _environment().from_string(ATTACK)
     values = {"generator": GENERATOR, "title": "still", "elsewhere": elsewhere}
@@ -127,7 +127,7 @@ def test_a_static_page_shows_its_pictures_and_runs_nothing(
     page.click("#link")
     assert page.evaluate("document.title") == "still · basrelief"
     assert page.evaluate("getComputedStyle(document.body).maxWidth") == "1536px"
-    # not by the mouse: Playwright would wait for the page that is not opened
+    # not by the mouse: Playwright would wait for a page that never opens
     page.evaluate("document.getElementById('send').click()")
     page.wait_for_timeout(50)
     told = "\n".join(refused)

@@ -58,7 +58,7 @@ def _smaller_samples() -> Iterator[None]:
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with FOLDER, a material of all maps, small."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("basrelief.measure.tune.APART", 90.0)
+    monkeypatch.setattr("basrelief.measure.tune.ANGLE_STEP", 90.0)
     write_material(tmp_path / "FOLDER")
     (tmp_path / "FOLDER" / "wall_Height.png").rename(tmp_path / "FOLDER" / "wall_height.png")
     return tmp_path

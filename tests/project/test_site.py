@@ -211,7 +211,7 @@ def test_the_viewer_draws_within_a_page(address: str) -> None:
         state = frame.evaluate("viewer.state")
         assert state["technique"] == "cone"
         assert state["settings"]["cone"]["steps"] == 10
-        assert state["level"] == TECHNIQUES["cone"].level
+        assert state["reference_height"] == TECHNIQUES["cone"].reference_height
         assert state["camera"]["azimuth"] == 25
         assert not page.locator("figure.live img").is_visible()
         assert errors == []

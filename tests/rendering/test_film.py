@@ -1,4 +1,4 @@
-"""Films read back as what was drawn: how many frames, how fast, in which colours, whole or not."""
+"""Films decode to the drawn frames: number, rate, colours, transparency, and atomic writing."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ def frame(color: np.ndarray) -> Frame:
     )
 
 
-def slope(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> np.ndarray:
+def gradient(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> np.ndarray:
     """Red grows to the right, green downwards, blue with time; the top left corner is orange."""
     width, height = size
     codes = np.empty((height, width, 3))
-    # never halfway between two of 255: which of them it is would go by the processor's last bit
+    # never halfway between two codes, where the result would depend on the last bit
     codes[:, :, 0] = np.linspace(25.4, 229.4, width)
     codes[:, :, 1] = np.linspace(51.0, 178.4, height)[:, None]
     codes[:, :, 2] = 38.25 + 153.0 * number / count
@@ -68,59 +68,61 @@ def slope(number: int, count: int = COUNT, size: tuple[int, int] = SIZE) -> np.n
     return np.dstack([srgb_decode(codes / 255.0), np.ones((height, width))])
 
 
-def hole(number: int) -> np.ndarray:
-    """The same with nothing in a corner, and half of something beside it."""
-    color = slope(number)
+def with_hole(number: int) -> np.ndarray:
+    """The gradient with a transparent corner and a half-transparent strip."""
+    color = gradient(number)
     color[16:, :20, 3] = 0.0
     color[16:, 20:26, 3] = 0.5
     return color
 
 
-class Shown(NamedTuple):
-    """A film read back: its pictures in sRGB, (…, 4), and how many seconds each stays."""
+class ReadFilm(NamedTuple):
+    """A decoded film: its pictures in sRGB, (…, 4), and their durations in seconds."""
 
     pictures: list[np.ndarray]
     seconds: list[float]
 
 
-def read_film(path: Path) -> Shown:
+def read_film(path: Path) -> ReadFilm:
     return read_webp(path) if path.suffix == ".webp" else read_video(path)
 
 
-def read_video(path: Path) -> Shown:
-    """With FFmpeg, by what the file itself says of its colours."""
+def read_video(path: Path) -> ReadFilm:
+    """Decode with FFmpeg by the colour tags of the file."""
     import av
 
     with av.open(str(path)) as file:
         coded = list(file.decode(video=0))
-    # swscale's bicubic, with chroma between the pixels and rounded
+    # swscale: bicubic, with interpolated chroma and rounding
     pictures = [each.reformat(format="rgba", interpolation=0x42004).to_ndarray() for each in coded]
-    return Shown(pictures, [float(each.duration * each.time_base) for each in coded])
+    return ReadFilm(pictures, [float(each.duration * each.time_base) for each in coded])
 
 
-def read_webp(path: Path) -> Shown:
-    """From the chunks of the file (RFC 9649, 2024), each of its pictures read as a still one."""
+def read_webp(path: Path) -> ReadFilm:
+    """Decode from the chunks of the file (RFC 9649, 2024), each frame as a still picture."""
     data = path.read_bytes()
     assert (data[:4], data[8:12]) == (b"RIFF", b"WEBP")
     found = dict(chunks(data[12:], but=b"ANMF"))
     width, height = (1 + int.from_bytes(found[b"VP8X"][k : k + 3], "little") for k in (4, 7))
     assert found[b"ANIM"][4:] == b"\0\0"  # for ever
-    canvas, shown = np.zeros((height, width, 4)), Shown([], [])
+    canvas, film = np.zeros((height, width, 4)), ReadFilm([], [])
     for name, body in chunks(data[12:]):
         if name == b"ANMF":
             left, top, w, h, ms = (
                 int.from_bytes(body[k : k + 3], "little") for k in range(0, 15, 3)
             )
             area = np.s_[2 * top : 2 * top + h + 1, 2 * left : 2 * left + w + 1]
-            lay_on(canvas[area], read_still(body[16:], path.with_suffix(".part.webp")), body[15])
-            shown.pictures.append(np.rint(canvas).astype(np.uint8))
-            shown.seconds.append(ms / 1000)
+            composite_onto(
+                canvas[area], read_still(body[16:], path.with_suffix(".part.webp")), body[15]
+            )
+            film.pictures.append(np.rint(canvas).astype(np.uint8))
+            film.seconds.append(ms / 1000)
             if body[15] & 1:
                 canvas[area] = 0.0
-    return shown
+    return film
 
 
-def lay_on(area: np.ndarray, picture: np.ndarray, flags: int) -> None:
+def composite_onto(area: np.ndarray, picture: np.ndarray, flags: int) -> None:
     share = np.ones_like(picture[:, :, 3:]) if flags & 2 else picture[:, :, 3:] / 255.0
     area[:] = picture * share + area * (1.0 - share)
 
@@ -134,7 +136,7 @@ def chunks(data: bytes, but: bytes = b"") -> Iterator[tuple[bytes, bytes]]:
 
 
 def read_still(body: bytes, file: Path) -> np.ndarray:
-    """A picture of its own of what is in an ANMF chunk."""
+    """Decode the contents of an ANMF chunk as a still picture."""
     inside = dict(chunks(body))
     head = b""
     if b"ALPH" in inside:
@@ -151,34 +153,34 @@ def read_still(body: bytes, file: Path) -> np.ndarray:
 # --- colours, sizes, rates ------------------------------------------------------------------------
 
 CLOSE = {".mp4": (5.5, 8), ".gif": (12.0, 25), ".webp": (5.5, 8)}
-"""How far colours may be off in 255ths: on average, and at nine of ten pixels, the others being
-those beside the corner, whose chroma is blurred. Upside down they are off by 59 on average, a frame
-too late by 20. A GIF of so many colours is the worst that there is."""
+"""Tolerances of colours in 255ths, on average and for 90 % of the pixels; the others are near the
+corner, whose chroma is blurred. A flipped picture is off by 59 on average, the next frame by 20. A
+GIF of so many colours is the worst case."""
 
 
 @pytest.mark.parametrize("suffix", CLOSE)
 @pytest.mark.parametrize("fps", [10.0, 30.0, 12.5])
 def test_a_film_reads_back(suffix: str, fps: float, tmp_path: Path) -> None:
     path = tmp_path / f"film{suffix}"
-    made = write_film(path, [frame(slope(k)) for k in range(COUNT)], fps)
+    made = write_film(path, [frame(gradient(k)) for k in range(COUNT)], fps)
     assert (made.files, made.device) == ((path,), "made up")
     assert os.listdir(tmp_path) == [path.name]
-    shown = read_film(path)
-    assert len(shown.pictures) == COUNT
+    film = read_film(path)
+    assert len(film.pictures) == COUNT
     tick = 0.01 if suffix == ".gif" else 0.001
-    assert shown.seconds == pytest.approx([1 / fps] * COUNT, abs=tick)
-    assert sum(shown.seconds) == pytest.approx(COUNT / fps, abs=0.6 * tick)
+    assert film.seconds == pytest.approx([1 / fps] * COUNT, abs=tick)
+    assert sum(film.seconds) == pytest.approx(COUNT / fps, abs=0.6 * tick)
     mean, most = CLOSE[suffix]
-    for number, picture in enumerate(shown.pictures):
+    for number, picture in enumerate(film.pictures):
         assert picture.shape == (SIZE[1], SIZE[0], 4)
-        off = np.abs(picture.astype(int) - encode_light(slope(number)))
+        off = np.abs(picture.astype(int) - encode_light(gradient(number)))
         assert off.mean((0, 1)).max() < mean
         assert np.percentile(off, 90) < most
         assert (picture[:, :, 3] == 255).all()
 
 
-def test_mp4_says_its_colors(tmp_path: Path) -> None:
-    """Where chroma is even, colours are those of the still picture to the rounding of 8 bits."""
+def test_mp4_tags_its_colours(tmp_path: Path) -> None:
+    """In areas of constant chroma, colours match the still picture to 8-bit rounding."""
     import av
 
     even = np.empty((32, 48, 4))
@@ -202,21 +204,21 @@ def test_quality_makes_smaller_films(tmp_path: Path) -> None:
         size = {}
         for quality in (20, 90):
             path = tmp_path / f"{quality}{suffix}"
-            write_film(path, [frame(slope(k)) for k in range(COUNT)], quality=quality)
+            write_film(path, [frame(gradient(k)) for k in range(COUNT)], quality=quality)
             size[quality] = path.stat().st_size
         assert size[20] < size[90]
 
 
 def test_webp_without_loss(tmp_path: Path) -> None:
-    path = write_film(tmp_path / "a.webp", [frame(slope(k)) for k in range(3)], quality=100).files[
-        0
-    ]
+    path = write_film(
+        tmp_path / "a.webp", [frame(gradient(k)) for k in range(3)], quality=100
+    ).files[0]
     for number, picture in enumerate(read_webp(path).pictures):
-        assert (picture == encode_light(slope(number))).all()
+        assert (picture == encode_light(gradient(number))).all()
 
 
 def test_gif_runs_for_ever(tmp_path: Path) -> None:
-    path = write_film(tmp_path / "a.gif", [frame(slope(k)) for k in range(3)]).files[0]
+    path = write_film(tmp_path / "a.gif", [frame(gradient(k)) for k in range(3)]).files[0]
     assert b"NETSCAPE2.0\x03\x01\x00\x00" in path.read_bytes()
 
 
@@ -224,22 +226,22 @@ def test_gif_runs_for_ever(tmp_path: Path) -> None:
 
 
 def test_mp4_is_laid_over_the_usual_background(tmp_path: Path) -> None:
-    path = write_film(tmp_path / "a.mp4", [frame(hole(k)) for k in range(3)]).files[0]
+    path = write_film(tmp_path / "a.mp4", [frame(with_hole(k)) for k in range(3)]).files[0]
     behind = np.array(BACKGROUND)
-    wanted = encode_light(behind[None, None, :])[0, 0]
+    expected = encode_light(behind[None, None, :])[0, 0]
     for number, picture in enumerate(read_video(path).pictures):
-        assert np.abs(picture[20:, 2:16, :3].astype(int) - wanted).max() <= 4
-        half = encode_light((slope(number)[:, :, :3] + behind) / 2.0)
+        assert np.abs(picture[20:, 2:16, :3].astype(int) - expected).max() <= 4
+        half = encode_light((gradient(number)[:, :, :3] + behind) / 2.0)
         assert np.abs(picture[20:, 22:24, :3].astype(int) - half[20:, 22:24]).mean() < 6
 
 
 def test_gif_keeps_holes_and_webp_alpha(tmp_path: Path) -> None:
-    drawn = [frame(hole(k)) for k in range(3)]
+    drawn = [frame(with_hole(k)) for k in range(3)]
     for picture in read_video(write_film(tmp_path / "a.gif", drawn).files[0]).pictures:
         assert (picture[16:, :20, 3] == 0).all()
         assert (picture[:16, :, 3] == 255).all()
     for picture in read_webp(write_film(tmp_path / "a.webp", drawn).files[0]).pictures:
-        assert (picture[:, :, 3] == encode_light(hole(0))[:, :, 3]).all()
+        assert (picture[:, :, 3] == encode_light(with_hole(0))[:, :, 3]).all()
 
 
 # --- pictures with numbers ------------------------------------------------------------------------
@@ -247,12 +249,12 @@ def test_gif_keeps_holes_and_webp_alpha(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".exr"])
 def test_pictures_with_numbers(suffix: str, tmp_path: Path) -> None:
-    drawn = (frame(slope(k)) for k in range(3))
+    drawn = (frame(gradient(k)) for k in range(3))
     made = write_film(tmp_path / f"a.b{suffix}", drawn, count=3, quality=100)
     assert [file.name for file in made.files] == [f"a.b-000{k}{suffix}" for k in (1, 2, 3)]
     assert sorted(os.listdir(tmp_path)) == [file.name for file in made.files]
     for number, file in enumerate(made.files):
-        frame(slope(number)).save(tmp_path / f"still{suffix}", quality=100)
+        frame(gradient(number)).save(tmp_path / f"still{suffix}", quality=100)
         assert file.read_bytes() == (tmp_path / f"still{suffix}").read_bytes()
 
 
@@ -266,14 +268,14 @@ def test_pictures_with_numbers(suffix: str, tmp_path: Path) -> None:
     ],
 )
 def test_numbers_sort(count: int | None, first: str, tmp_path: Path) -> None:
-    drawn = (frame(slope(k)) for k in range(1))
+    drawn = (frame(gradient(k)) for k in range(1))
     made = write_film(tmp_path / "a.png", drawn, count=count)
     assert made.files[0].name == first
 
 
 def test_one_frame_is_a_picture(tmp_path: Path) -> None:
     for name in ("a.png", "a.webp"):
-        made = write_film(tmp_path / name, [frame(slope(0))])
+        made = write_film(tmp_path / name, [frame(gradient(0))])
         assert made.files == (tmp_path / name,)
         assert read_picture(tmp_path / name).pixels.shape == (SIZE[1], SIZE[0], 3)
 
@@ -282,7 +284,7 @@ def test_one_frame_is_a_picture(tmp_path: Path) -> None:
 
 
 def failing(error: BaseException) -> Iterator[Frame]:
-    yield from (frame(slope(k)) for k in range(3))
+    yield from (frame(gradient(k)) for k in range(3))
     raise error
 
 
@@ -300,30 +302,30 @@ def test_a_film_that_fails_leaves_nothing(
     assert old.read_text() == "old"
 
 
-def test_pictures_that_were_done_stay(tmp_path: Path) -> None:
+def test_finished_pictures_stay(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         write_film(tmp_path / "a.png", failing(KeyboardInterrupt()), count=7)
     assert sorted(os.listdir(tmp_path)) == [f"a-000{k}.png" for k in (1, 2, 3)]
 
 
 def test_a_long_gif_takes_no_more_memory(tmp_path: Path) -> None:
-    """Twice over the frames, a quarter of a megabyte each; none is kept but on the disk."""
-    few = [frame(slope(k, 8, (320, 200))) for k in range(8)]
-    taken: list[int] = []
+    """Two passes over frames of a quarter of a megabyte keep none in memory."""
+    few = [frame(gradient(k, 8, (320, 200))) for k in range(8)]
+    memory: list[int] = []
 
     def drawn() -> Iterator[Frame]:
         for number in range(150):
-            taken.append(psutil.Process().memory_info().rss)
+            memory.append(psutil.Process().memory_info().rss)
             yield few[number % 8]
 
     write_film(tmp_path / "a.gif", drawn(), count=150)
-    assert psutil.Process().memory_info().rss - taken[30] < 15e6
+    assert psutil.Process().memory_info().rss - memory[30] < 15e6
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's full disk")
 @pytest.mark.parametrize("suffix", CLOSE)
 def test_a_full_disk(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("basrelief.rendering.film._plain", lambda path: "/dev/full")
+    monkeypatch.setattr("basrelief.rendering.film._ffmpeg_path", lambda path: "/dev/full")
     noise = np.random.default_rng(1).uniform(0.0, 1.0, (9, 64, 64, 4))
     with pytest.raises(InputError, match=r"cannot be written \(.*; choose another place"):
         write_film(tmp_path / f"a{suffix}", [frame(each) for each in noise])
@@ -331,7 +333,7 @@ def test_a_full_disk(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_unequal_frames(tmp_path: Path) -> None:
-    drawn = [frame(slope(0)), frame(slope(0, size=(24, 30)))]
+    drawn = [frame(gradient(0)), frame(gradient(0, size=(24, 30)))]
     with pytest.raises(InputError, match="unequal size"):
         write_film(tmp_path / "a.mp4", drawn)
     with pytest.raises(InputError, match="no frames"):
@@ -341,7 +343,7 @@ def test_unequal_frames(tmp_path: Path) -> None:
 
 def test_a_name_with_a_colon_is_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    write_film("http:a.mp4", [frame(slope(k)) for k in range(3)])
+    write_film("http:a.mp4", [frame(gradient(k)) for k in range(3)])
     assert os.listdir() == ["http:a.mp4"]
 
 
@@ -362,8 +364,8 @@ def test_frames_are_the_pictures_of_their_moments(material: basrelief.Material) 
     assert not (drawn[0].color == drawn[1].color).all()
 
 
-def test_scrolling_is_seen(material: basrelief.Material) -> None:
-    """After a second a quarter of the shape has passed."""
+def test_scrolling_shifts_the_maps(material: basrelief.Material) -> None:
+    """The maps shift by a quarter of the shape per second."""
     obj = Object(material, shape="cylinder", tiling=(3.0, 1.0))
     start, *_, last = frames(Scene((obj,)), [Scrolling()], count=9, fps=8.0, **FAST)
     moved = Object(material, shape="cylinder", tiling=(3.0, 1.0), shift=(0.75, 0.0))
@@ -371,8 +373,8 @@ def test_scrolling_is_seen(material: basrelief.Material) -> None:
     assert np.abs(last.color - start.color).max() > 0.05
 
 
-def test_what_render_takes(material: basrelief.Material) -> None:
-    """A material and options, as `render`; and the share of the whole film that is done."""
+def test_arguments_of_render(material: basrelief.Material) -> None:
+    """`frames` takes a material and options as `render` does, and reports progress of the film."""
     shares: list[float] = []
     drawn = frames(
         material, [Lighting()], count=3, technique="steep", progress=shares.append, **FAST
@@ -387,7 +389,7 @@ def test_what_render_takes(material: basrelief.Material) -> None:
 
 
 def test_only_one_frame_is_kept(material: basrelief.Material) -> None:
-    """Forty frames of 0.4 MB take no more than a few of them."""
+    """Forty frames of 0.4 MB take the memory of a few."""
     size = (160, 100)
     drawn = frames(material, count=40, size=size, samples=1, device="cpu")
     next(drawn)
@@ -400,7 +402,7 @@ def test_only_one_frame_is_kept(material: basrelief.Material) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "message"),
     [
         ({"count": 0}, "0 frames: give 1 to 100000"),
         ({"count": 100_001}, "100001 frames: give 1 to 100000"),
@@ -410,15 +412,15 @@ def test_only_one_frame_is_kept(material: basrelief.Material) -> None:
         ({"count": 9, "camera": Orbit(0.0, 10.0, 0.3), "shape": "box"}, "inside the box"),
     ],
 )
-def test_what_makes_no_film_is_told_at_once(
-    options: dict[str, Any], told: str, material: basrelief.Material
+def test_invalid_films_are_refused_on_the_call(
+    options: dict[str, Any], message: str, material: basrelief.Material
 ) -> None:
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         frames(material, **options)
 
 
-def test_a_camera_that_comes_to_a_wrong_place(material: basrelief.Material) -> None:
-    """Half-way round an upright plane it stands behind it."""
+def test_a_camera_that_moves_behind_a_plane_is_refused(material: basrelief.Material) -> None:
+    """Half a turn around an upright plane ends behind it."""
     from basrelief.scene import rotated
 
     scene = Scene((Object(material, transform=rotated("y", 0.0)),), camera=Orbit(0.0, 10.0))
@@ -445,13 +447,13 @@ def test_a_film_by_command(file: str, bumps: Path, here: Path) -> None:
     printed = done("render", bumps, *DRAW, "--frames", "5", "--fps", "20", "-o", file)
     assert printed == f"{file}  (cpu: {choose_device('cpu').adapter})\n"
     assert os.listdir() == [file]
-    shown = read_film(Path(file))
-    assert (len(shown.pictures), shown.pictures[0].shape) == (5, (20, 32, 4))
-    assert sum(shown.seconds) == pytest.approx(0.25, abs=0.002)
+    film = read_film(Path(file))
+    assert (len(film.pictures), film.pictures[0].shape) == (5, (20, 32, 4))
+    assert sum(film.seconds) == pytest.approx(0.25, abs=0.002)
 
 
 def test_pictures_by_command(bumps: Path, here: Path) -> None:
-    """Under the name by default, which `load` takes for no map of another material."""
+    """The default name is one that `load` does not read as a map."""
     motions = ("--motion", "orbit,turns=-0.5", "--motion", "scroll,u=0,v=0.5")
     printed = done("render", bumps, *DRAW, "--frames", "3", "--fps", "2", *motions)
     names = [f"bumps-relief-basrelief-000{k}.png" for k in (1, 2, 3)]
@@ -463,7 +465,7 @@ def test_pictures_by_command(bumps: Path, here: Path) -> None:
         assert (read_picture(name).pixels == encode_light(each.color[:, :, :3])).all()
 
 
-def test_a_folder_with_pictures_of_ours_still_reads(tmp_path: Path) -> None:
+def test_rendered_pictures_in_a_folder_are_ignored(tmp_path: Path) -> None:
     folder = write_heights(tmp_path / "bumps")
     before = describe(basrelief.load(folder))["maps"]
     done("render", folder, *DRAW, "--frames", "2", "-o", folder / "bumps-relief-basrelief.png")
@@ -502,7 +504,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("arguments", REFUSED)
-def test_films_that_cannot_be(arguments: str, bumps: Path, here: Path) -> None:
+def test_invalid_films_are_refused(arguments: str, bumps: Path, here: Path) -> None:
     line = refused("render", bumps, *DRAW, *arguments.split())
     assert line.startswith(REFUSED[arguments])
     assert os.listdir() == []
@@ -529,7 +531,7 @@ def test_without_the_codec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_ctrl_c(bumps: Path, here: Path) -> None:
-    """A long film, stopped when the first of it is on the disk."""
+    """Interrupt a long film after its first bytes are on disk."""
     arguments = ("render", bumps, *DRAW, "--frames", "100000")
     with subprocess.Popen(
         [*COMMAND, *map(str, arguments), "-o", "a.mp4"],

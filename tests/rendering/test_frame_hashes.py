@@ -1,4 +1,4 @@
-"""The CPU draws the same bytes as when `frame_hashes.json` was stored; see `frame_hashes.py`."""
+"""The CPU's frames match the digests in `frame_hashes.json`; see `frame_hashes.py`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from basrelief import Frame, InputError, Map, Material, Object, Scene
 from basrelief.engine.gpu import GpuEngine
 from basrelief.rendering.programs import depth_program_of, program_of
-from helpers.frame_cases import BESIDE, CASES, DRAWN_WITH, MENUS, SHAPES, drawn, scene_of
+from helpers.frame_cases import ALL_TECHNIQUES, CASES, MENUS, OTHER_OPTIONS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 
 
@@ -36,15 +36,15 @@ def test_the_store_has_the_cases_and_no_others_in_order() -> None:
 
 @pytest.mark.gpu
 def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
-    """Every two choices, then, compile on both engines: the CPU has drawn the cases."""
+    """Every pair of options then compiles on both engines, as the CPU draws all cases."""
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
     programs = [program_of(obj, scene) for scene in scenes for obj in scene.objects]
     casting = [scene for scene in scenes if scene.casts]
     programs += [depth_program_of(obj) for scene in casting for obj in scene.objects]
-    found = {program.key: program for program in programs}
-    assert len(found) > 140
-    for program in found.values():
+    distinct = {program.key: program for program in programs}
+    assert len(distinct) > 140
+    for program in distinct.values():
         engine.compile(program)
 
 
@@ -89,13 +89,13 @@ def test_nan_is_not_stored() -> None:
 
 
 def menus() -> dict[str, tuple[str, ...]]:
-    """What each menu has to choose from, its default as the empty name."""
+    """Options of each menu, with its default as the empty name."""
     options = {name: ("", *menu) for name, menu in MENUS.items()}
-    return {"technique": tuple(DRAWN_WITH), "shape": tuple(SHAPES), **options}
+    return {"technique": tuple(ALL_TECHNIQUES), "shape": tuple(SHAPES), **options}
 
 
-def chosen_in(case: str) -> dict[str, str]:
-    """What a case chooses from each menu."""
+def options_of(case: str) -> dict[str, str]:
+    """Option of a case from each menu."""
     technique, shape, *options = case.split()
     of_menus = {menu: [name for name in options if name in MENUS[menu]] for menu in MENUS}
     assert all(len(names) <= 1 for names in of_menus.values()), f"{case}: two options of one menu"
@@ -103,8 +103,8 @@ def chosen_in(case: str) -> dict[str, str]:
     return {"technique": technique, "shape": shape, **chosen}
 
 
-def can_be_drawn(first: tuple[str, str], second: tuple[str, str]) -> bool:
-    """Whether the library takes two choices at once."""
+def is_valid_pair(first: tuple[str, str], second: tuple[str, str]) -> bool:
+    """Whether the library accepts two options together."""
     case = {"technique": "relief", "shape": "plane", **dict([first, second])}
     try:
         scene_of(" ".join(case.values()))
@@ -113,19 +113,21 @@ def can_be_drawn(first: tuple[str, str], second: tuple[str, str]) -> bool:
     return True
 
 
-def test_every_two_choices_meet_in_a_case() -> None:
-    met = {pair for case in CASES for pair in itertools.combinations(chosen_in(case).items(), 2)}
+def test_every_pair_of_options_is_in_a_case() -> None:
+    covered = {
+        pair for case in CASES for pair in itertools.combinations(options_of(case).items(), 2)
+    }
     missing = [
         (first, second)
         for one, other in itertools.combinations(menus(), 2)
         for first in itertools.product([one], menus()[one])
         for second in itertools.product([other], menus()[other])
-        if (first, second) not in met and can_be_drawn(first, second)
+        if (first, second) not in covered and is_valid_pair(first, second)
     ]
     assert not missing, f"in no case together: {missing}"
 
 
-@pytest.mark.parametrize("option", BESIDE)
+@pytest.mark.parametrize("option", OTHER_OPTIONS)
 def test_options_of_no_menu_are_in_a_case(option: str) -> None:
     assert any(option in case.split() for case in CASES)
 
@@ -136,7 +138,7 @@ def objects() -> list[Object]:
 
 
 def menu_values(record: type) -> dict[str, set[Any]]:
-    """The values that the fields of a dataclass allow, where their types list them."""
+    """Allowed values of the fields of a dataclass that have Literal types."""
     allowed = {}
     for name, hint in get_type_hints(record).items():
         literals = [part for part in (hint, *get_args(hint)) if get_origin(part) is Literal]
@@ -147,7 +149,7 @@ def menu_values(record: type) -> dict[str, set[Any]]:
 
 def test_every_value_of_the_librarys_menus_is_drawn() -> None:
     drawn_records = {Scene: [scene_of(case) for case in CASES], Object: objects()}
-    for record, names in ((Object, {"projection", "edge"}), (Scene, {"fog", "shadows"})):
+    for record, names in ((Object, {"projection", "edge"}), (Scene, {"fog_mode", "shadows"})):
         allowed = menu_values(record)
         assert names <= set(allowed)
         for name, values in allowed.items():

@@ -1,4 +1,4 @@
-"""Rendering from Python: what makes a frame, what is refused, and what must simply work."""
+"""Rendering from Python: frames, errors, samples, edges, objects, user-defined techniques."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from basrelief.images import read_picture, srgb_decode, write_picture
 from basrelief.lang import HeightField, setting, shader, struct
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of, values_of
-from basrelief.rendering.render import render, sample_places
+from basrelief.rendering.render import render, sample_positions
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import (
@@ -79,7 +79,7 @@ def test_a_frame_is_rows_by_columns() -> None:
     assert frame.image.pixels is frame.color
 
 
-def test_where_nothing_is_depth_is_infinite() -> None:
+def test_distance_is_infinite_without_a_hit() -> None:
     frame = drawn(BRICKS)
     assert frame.hit.any()
     assert not frame.hit.all()
@@ -129,8 +129,8 @@ def test_options_of_the_scene_are_taken_too() -> None:
             lambda: drawn(BRICKS, tecnique="relief"),
             "no option 'tecnique'; there are alpha, background, bias",
         ),
-        (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already said by the"),
-        (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already said by the"),
+        (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already set by the"),
+        (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already set by the"),
         (lambda: drawn(42), "cannot draw a int: give a folder, material or scene"),
         (lambda: drawn(None), "cannot draw a NoneType"),
         (lambda: drawn("nowhere/at all"), "nowhere/at all"),
@@ -142,7 +142,7 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(replace(BRICKS, height=None), technique="steep"), "has no height map"),
     ],
 )
-def test_what_makes_no_picture_is_refused_in_a_line(make, message) -> None:
+def test_invalid_arguments_are_refused_in_a_line(make, message) -> None:
     assert message in refused(make)
 
 
@@ -151,23 +151,23 @@ def test_an_unknown_device_is_refused() -> None:
     assert message == "no device is called 'quantum'; use one of auto, cpu, gpu"
 
 
-def test_devices_go_by_their_names() -> None:
+def test_devices_are_chosen_by_name() -> None:
     assert drawn(BRICKS, (3, 2), device="cpu").device.startswith("cpu: ")
     assert drawn(BRICKS, (3, 2), device="auto").device.split(":")[0] in ("cpu", "gpu")
 
 
 @pytest.mark.gpu
-def test_the_gpu_goes_by_its_name() -> None:
+def test_the_gpu_is_chosen_by_name() -> None:
     assert drawn(BRICKS, (3, 2), device="gpu").device.startswith("gpu: ")
 
 
-def test_progress_reaches_the_whole_and_never_turns_back() -> None:
-    told: list[float] = []
+def test_progress_grows_to_1() -> None:
+    fractions: list[float] = []
     scene = Scene((Object(BRICKS), Object(BRICKS, shape="sphere")), camera=Orbit(distance=3.0))
-    drawn(scene, samples=3, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1.0)
-    assert 0.0 < told[0] < 0.3
+    drawn(scene, samples=3, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
+    assert 0.0 < fractions[0] < 0.3
 
 
 def test_a_picture_is_saved_as_it_was_drawn(tmp_path) -> None:
@@ -181,7 +181,7 @@ def test_a_picture_is_saved_as_it_was_drawn(tmp_path) -> None:
 
 @pytest.mark.parametrize("rows", [1, 7, 36])
 def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
-    """Bands of a row, of seven with a rest, and the picture whole."""
+    """Bands of one row, of seven with a remainder, and of the whole picture."""
     scene = Scene((Object(BRICKS), Object(BRICKS, shape="sphere")), camera=Orbit(distance=3.0))
     whole = drawn(scene, samples=3)
     monkeypatch.setattr("basrelief.rendering.render._BAND", rows * SIZE[0])
@@ -194,9 +194,9 @@ def test_the_rows_drawn_at_once_change_nothing(rows, monkeypatch) -> None:
 
 
 def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
-    assert sample_places(1) == [(0.5, 0.5)]
+    assert sample_positions(1) == [(0.5, 0.5)]
     for count in (4, 16, 64):
-        places = np.array(sample_places(count))
+        places = np.array(sample_positions(count))
         assert places[0].tolist() == [0.5, 0.5]
         assert places.min() >= 0.0
         assert places.max() < 1.0
@@ -206,21 +206,21 @@ def test_samples_are_spread_over_the_pixel_from_its_middle() -> None:
 
 
 def test_samples_step_by_the_powers_of_the_plastic_number() -> None:
-    """g³ = g + 1: from place to place by 1 ÷ g and 1 ÷ g², of which only the fraction counts."""
+    """With g³ = g + 1, positions step by 1 ÷ g and 1 ÷ g², modulo 1."""
     plastic = max(np.roots([1.0, 0.0, -1.0, -1.0]).real)
-    places = np.array(sample_places(50))
+    places = np.array(sample_positions(50))
     steps = np.array([1.0 / plastic, 1.0 / plastic**2])
     wanted = (0.5 + np.arange(50)[:, None] * steps) % 1.0
     np.testing.assert_allclose(places, wanted, atol=1e-12)
 
 
 def test_samples_are_averaged() -> None:
-    """As many single pictures, each with its camera moved within the pixel, make the same."""
+    """The mean of single-sample pictures with cameras moved within the pixel is the same."""
     camera = ABOVE
     width, height = SIZE
     scene = Scene((Object(BRICKS),), camera=camera, background=(0.25, 0.5, 0.75))
     total = np.zeros((height, width, 4))
-    for x, y in sample_places(3):
+    for x, y in sample_positions(3):
         step = 1.2 / height
         right, back = (x - 0.5) * step, (y - 0.5) * step
         moved = replace(camera, position=(right, 2.0, back), target=(right, 0.0, back))
@@ -243,7 +243,7 @@ def test_more_samples_smooth_the_outline() -> None:
 
 
 def test_a_transparent_background_leaves_colours_whole() -> None:
-    """Coverage in alpha, and the object's own colour up to its edge."""
+    """Alpha is coverage, and the colour is the object's up to its border."""
     scene = Scene(
         (Object(colored((0.2, 0.4, 0.8))),),
         camera=Orbit(20.0, 30.0),
@@ -279,15 +279,15 @@ BARELY_NOT, BARELY = 32767, 32768
 
 
 def pane(code: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Object:
-    """A green pane of an opacity, four times as wide as it is high, that faces +z."""
+    """A green pane of an opacity, four times as wide as high, facing +z."""
     opacity = map_of([[code]], np.uint16)
     shape = placed((x, y, z), (2.0, 0.5, 1.0))
     return Object(colored((0.1, 0.8, 0.2), opacity=opacity), transform=shape)
 
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True), (65535, True)])
-def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None:
-    """Coverage below a half only tints: depth, uv and hit are those of what lies behind."""
+def test_coverage_of_a_half_has_a_distance(code: int, solid: bool) -> None:
+    """Coverage below a half only tints: distance, uv and hit are those of the object behind."""
     camera = LookAt((0.3, -0.1, 4.0), (0.3, -0.1, 0.0), orthographic_height=0.2)
     scene = {"camera": camera, "lights": (), "shading": WHITE, "background": (0.0, 0.0, 1.0)}
     share = code / 65535
@@ -305,7 +305,7 @@ def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None
     else:
         assert np.isinf(lone.distance).all()
         assert (lone.uv == 0.0).all()
-    # before a whole one, whichever comes first in the scene
+    # in front of an opaque one, in either order
     wall = Object(colored((0.9, 0.3, 0.6)), transform=placed((0.0, 0.1, -1.5), 3.0))
     for objects in ((wall, pane(code, 0.1)), (pane(code, 0.1), wall)):
         frame = drawn(Scene(objects, **scene), (8, 4))
@@ -319,8 +319,8 @@ def test_what_covers_at_least_a_half_has_a_depth(code: int, solid: bool) -> None
 
 
 @pytest.mark.parametrize(("code", "solid"), [(BARELY_NOT, False), (BARELY, True)])
-def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool) -> None:
-    """Light falls through what covers less, as if nothing were there."""
+def test_coverage_of_a_half_casts_a_full_shadow(code: int, solid: bool) -> None:
+    """Smaller coverage casts no shadow."""
     wall = Object(colored(1.0), transform=placed((0.0, 0.0, -1.0), 8.0))
     light = (directional(-60.0, 0.0),)
     matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
@@ -337,12 +337,12 @@ def test_what_covers_at_least_a_half_casts_a_whole_shadow(code: int, solid: bool
     np.testing.assert_allclose(shadowed[shadow], 0.0 if solid else 0.5, atol=1e-3)
 
 
-# --- what must simply work ------------------------------------------------------------------------
+# --- special materials and edges ------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", TECHNIQUES)
 def test_a_height_map_of_one_texel_is_flat(name) -> None:
-    """Wherever it lies: a picture without relief, shifted; at the level itself, not even that."""
+    """A constant height at the reference height shifts nothing."""
     material = replace(colored(0.5), height=map_of([[0.5]]))
     frame = drawn(Object(material, technique=name, reference_height=0.5, scale=0.1))
     still = drawn(Object(material, technique="flat", scale=0.1))
@@ -354,7 +354,7 @@ def test_a_height_map_of_one_texel_is_flat(name) -> None:
 
 
 def test_maps_of_different_sizes_lie_over_each_other() -> None:
-    """Each map stretches over the whole tile, whatever its size."""
+    """Maps of any size are stretched over the whole tile."""
     u, v = np.meshgrid((np.arange(48) + 0.5) / 48, (np.arange(32) + 0.5) / 32)
     height = 0.5 + 0.4 * np.sin(2 * np.pi * u) * np.cos(2 * np.pi * v)
 
@@ -383,13 +383,13 @@ def test_a_material_without_heights_is_drawn_flat() -> None:
     assert frame.hit.any()
 
 
-def test_a_material_of_nothing_is_grey() -> None:
+def test_a_material_without_maps_is_grey() -> None:
     scene = Scene((Object(Material("nothing")),), camera=ABOVE, lights=(), shading=WHITE)
     np.testing.assert_allclose(drawn(scene).color[18, 32], [0.6, 0.6, 0.6, 1.0], atol=1e-6)
 
 
 def test_clip_draws_nothing_beyond_the_tile() -> None:
-    """B8: seen from aside, the relief ends at the map's edge; wrapped, it goes on."""
+    """B8: with `clip` the relief ends at the border of the map; with `wrap` it continues."""
     camera = Orbit(0.0, 25.0, 1.8)
     whole = drawn(Object(BRICKS, scale=0.2), camera=camera)
     cut = drawn(Object(BRICKS, scale=0.2, edge="clip"), camera=camera)
@@ -401,7 +401,7 @@ def test_clip_draws_nothing_beyond_the_tile() -> None:
 
 
 def test_clamp_stretches_the_border() -> None:
-    """Beyond the tile the last texel's centre goes on, where wrap starts anew."""
+    """Beyond the tile `clamp` continues the last texel, where `wrap` repeats the map."""
     color = np.zeros((2, 4, 3))
     color[:, :, 0] = [0.2, 0.4, 0.6, 0.8]
     options = {"tiling": (2.0, 1.0), "camera": ABOVE, "lights": (), "shading": WHITE}
@@ -450,7 +450,7 @@ def test_objects_hide_each_other_by_their_displaced_depth() -> None:
 
 
 def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
-    """A relief that is pushed in shows more of a ball that lies in it; raised, less."""
+    """A pushed-in relief shows more of a ball in it than a raised one."""
     flat_height = replace(colored((1.0, 1.0, 1.0)), height=map_of(np.full((4, 4), 0.5)))
     ball = Object(colored((0.0, 1.0, 0.0)), shape="sphere", transform=placed(scale=0.5))
     shares = []
@@ -463,7 +463,7 @@ def test_a_ball_in_the_relief_is_sunk_by_its_depth() -> None:
 
 
 def test_reads_of_all_objects_are_counted() -> None:
-    """Also of those that are hidden: each object is drawn at every pixel."""
+    """Reads of hidden objects count too: each object is drawn at every pixel."""
     flat = replace(colored((1.0, 1.0, 1.0)), height=map_of(np.full((4, 4), 0.5)))
     near = Object(flat, technique="steep", settings={"steps": 8}, transform=np.eye(4))
     far = Object(
@@ -494,7 +494,7 @@ def test_emission_of_any_brightness_arrives() -> None:
     np.testing.assert_allclose(drawn(scene).color[18, 32], [6.0, 1.5, 0.0, 1.0], atol=1e-3)
 
 
-# --- a technique of one's own ---------------------------------------------------------------------
+# --- a user-defined technique ---------------------------------------------------------------------
 
 
 @struct
@@ -512,8 +512,8 @@ def lifted(ray: Ray, height: float, strength: float) -> float:
 
 
 @technique(reference_height=0.5)
-def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
-    """Go down by the height found where the ray comes in, again and again."""
+def lift_technique(field: HeightField, ray: Ray, settings: Lift) -> Hit:
+    """Go down by the height at the entry of the ray, `times` times."""
     height = ray.reference_height
     for _ in range(settings.times):
         start = t_at(ray, ray.reference_height)
@@ -522,20 +522,22 @@ def lifting(field: HeightField, ray: Ray, settings: Lift) -> Hit:
 
 
 @technique()
-def nothing_at_all(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    """Stay where the ray comes in, and say that it took seven reads."""
+def without_a_hit(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
+    """Stay at the entry of the ray, and report seven reads."""
     return hit_at(ray, t_at(ray, ray.reference_height), False, 7)
 
 
 def own_scene(**settings) -> Scene:
     material = replace(BRICKS, height=map_of(np.full((4, 4), 0.25)))
-    made = Object(material, technique=lifting, settings=settings, scale=0.2, transform=np.eye(4))
+    made = Object(
+        material, technique=lift_technique, settings=settings, scale=0.2, transform=np.eye(4)
+    )
     camera = LookAt((0.9, -1.1, 1.4), up=(0.0, 0.0, 1.0), field_of_view=35.0)
     return Scene((made,), camera=camera, lights=(directional(20.0, 60.0),))
 
 
-def moved_as_expected(frame, scene, strength: float) -> None:
-    """On a plane of height ¼: by scale · strength · ¼ towards where the ray is lower."""
+def assert_shifted(frame, scene, strength: float) -> None:
+    """On a plane of height ¼, the shift is scale · strength · ¼ down along the ray."""
     still = drawn(
         replace(scene, objects=(replace(scene.objects[0], technique="flat", settings={}),))
     )
@@ -550,32 +552,32 @@ def moved_as_expected(frame, scene, strength: float) -> None:
     np.testing.assert_allclose(moved, 0.2 * 0.25 * strength * across, atol=2e-4)
 
 
-def test_a_technique_of_ones_own_runs_on_the_cpu() -> None:
-    """C14: with its own settings, which change the picture and compile nothing anew."""
+def test_a_user_defined_technique_runs_on_the_cpu() -> None:
+    """C14: its settings change the picture without a new compilation."""
     once, twice = own_scene(times=1, strength=1.0), own_scene(times=3, strength=2.0)
-    moved_as_expected(drawn(once), once, 1.0)
-    moved_as_expected(drawn(twice), twice, 2.0)
+    assert_shifted(drawn(once), once, 1.0)
+    assert_shifted(drawn(twice), twice, 2.0)
     assert drawn(twice).reads.max() == 3
     keys = {program_of(scene.objects[0]).key for scene in (once, twice)}
     assert len(keys) == 1
     assert drawn(own_scene(times=0)).reads.max() == 0
-    frame = drawn(Scene((Object(BRICKS, technique=nothing_at_all),)))
+    frame = drawn(Scene((Object(BRICKS, technique=without_a_hit),)))
     assert set(np.unique(frame.reads[frame.hit])) == {7}
 
 
 @pytest.mark.gpu
-def test_a_technique_of_ones_own_runs_on_the_gpu() -> None:
+def test_a_user_defined_technique_runs_on_the_gpu() -> None:
     """C14."""
     from basrelief.engine.gpu import GpuEngine
 
     scene = own_scene(times=2, strength=1.5)
     frame = drawn(scene, device=GpuEngine())
-    moved_as_expected(frame, scene, 1.5)
+    assert_shifted(frame, scene, 1.5)
     np.testing.assert_allclose(frame.color, drawn(scene).color, atol=2e-3)
 
 
-def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
-    """C14: the whole pixel, stepped through, is the CPU's bit for bit."""
+def test_a_user_defined_technique_runs_as_plain_python() -> None:
+    """C14: the pixel in plain Python equals the CPU's bit for bit."""
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
     program, values = program_of(made), values_of(made, scene, SIZE, CpuEngine())
@@ -588,7 +590,7 @@ def test_a_technique_of_ones_own_runs_as_plain_python() -> None:
         assert one.reads == frame.reads[y, x] == 2
 
 
-def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
+def test_a_technique_from_a_file_draws_the_same(tmp_path) -> None:
     """C14: FILE.py:NAME."""
     file = tmp_path / "mine.py"
     file.write_text(
@@ -599,11 +601,12 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
         "class Mine:\n"
         "    '''Settings.'''\n\n"
         "    strength: float = setting(default=1.0, doc='how far', low=0.0, high=10.0)\n\n\n"
-        "@technique(level=0.5)\n"
+        "@technique(reference_height=0.5)\n"
         "def mine(field: HeightField, ray: Ray, settings: Mine) -> Hit:\n"
         "    '''One read.'''\n"
-        "    start = t_at(ray, ray.level)\n"
-        "    height = ray.level - height_under(field, ray, start) * settings.strength\n"
+        "    start = t_at(ray, ray.reference_height)\n"
+        "    below = height_under(field, ray, start) * settings.strength\n"
+        "    height = ray.reference_height - below\n"
         "    return hit_at(ray, t_at(ray, height), True, 1)\n"
     )
     scene = own_scene(times=1, strength=1.5)
@@ -621,7 +624,7 @@ def test_a_technique_from_a_file_is_the_same(tmp_path) -> None:
 
 
 def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
-    """The whole renderer is the same in every direction of the world, lights with it."""
+    """Rendering does not depend on the direction in the world, lights included."""
 
     def at_angle(angle: float):
         turn = rotated("y", angle)
@@ -639,7 +642,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
 
 
 def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
-    """Around it there is no edge: what is displaced beyond u = 1 goes on at 0."""
+    """Round shapes have no border along u: coordinates beyond 1 continue at 0."""
     ground = Material("hills", height=map_of(np.random.default_rng(4).random((32, 32))))
     for shape in ("cylinder", "sphere"):
         seen = {}
@@ -651,7 +654,7 @@ def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
         np.testing.assert_array_equal(seen["wrap"], seen["clip"])
 
 
-def test_lights_that_give_nothing_read_nothing() -> None:
+def test_lights_without_contribution_read_no_heights() -> None:
     obj = Object(BRICKS, technique="steep", scale=0.1, transform=np.eye(4))
     camera = LookAt((0.4, -0.6, 1.4), up=(0.0, 0.0, 1.0))
     reads = []

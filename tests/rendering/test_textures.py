@@ -1,4 +1,4 @@
-"""Pyramids: levels are area averages, codes keep their bits, colours are averaged as light."""
+"""Textures: mip levels are area averages, codes keep their bits, colours are averaged linearly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from basrelief.engine import choose_device
 from basrelief.images import srgb_decode
 from basrelief.material import Map, Material, sample
 from basrelief.rendering import textures
-from basrelief.rendering.programs import mapped, maps_of
+from basrelief.rendering.programs import available_maps, resources_of
 from basrelief.scene import Layer, Object
 from basrelief.techniques import BOUNDS, CONE_MAP
 from basrelief.techniques.cone_bake import cone_of
@@ -33,7 +33,7 @@ def map_of(values, dtype=np.float32, srgb: bool = False) -> Map:
 
 
 def overlap(count: int) -> np.ndarray:
-    """The share of each of `count` texels in each of the half as many, (half, count), float64."""
+    """Weights of `count` texels in the texels of the next level, (half, count), float64."""
     half = max(count // 2, 1)
     wide = count / half
     starts = np.arange(half)[:, None] * wide
@@ -51,7 +51,7 @@ def test_an_even_level_is_the_mean_of_four() -> None:
 
 
 def test_an_odd_level_shares_the_texel_in_the_middle() -> None:
-    """Three texels become one, five become two: 2 and a half each."""
+    """Three texels become one; five become two, of 2½ each."""
     assert halved(np.array([[3, 6, 12]], np.float32)).tolist() == [[7.0]]
     row = halved(np.array([[10, 20, 40, 80, 160]], np.float32))
     np.testing.assert_allclose(row, [[(10 + 20 + 20) / 2.5, (20 + 80 + 160) / 2.5]], rtol=1e-6)
@@ -62,9 +62,9 @@ def test_levels_are_area_averages_and_keep_the_mean(rows, columns, seed, colored
     shape = (rows, columns, 4) if colored else (rows, columns)
     level = np.random.default_rng(seed).random(shape).astype(np.float32)
     made = halved(level)
-    wanted = np.einsum("ir,jc,rc...->ij...", overlap(rows), overlap(columns), level.astype(float))
+    expected = np.einsum("ir,jc,rc...->ij...", overlap(rows), overlap(columns), level.astype(float))
     assert made.dtype == np.float32
-    np.testing.assert_allclose(made, wanted, atol=1e-6)
+    np.testing.assert_allclose(made, expected, atol=1e-6)
     np.testing.assert_allclose(made.mean(axis=(0, 1)), level.mean(axis=(0, 1)), atol=2e-6)
 
 
@@ -109,7 +109,7 @@ def test_heights_are_never_decoded_from_srgb() -> None:
     np.testing.assert_allclose(field.levels[0], [[0.0, 128 / 255, 1.0]], atol=1e-7)
 
 
-def test_what_is_missing_has_no_pyramid() -> None:
+def test_missing_maps_have_no_texture() -> None:
     nothing = Material("nothing")
     assert textures.height_field(nothing, "wrap") is None
     assert textures.base_color(nothing, "wrap") is None
@@ -122,7 +122,7 @@ def test_what_is_missing_has_no_pyramid() -> None:
 
 
 def test_colours_become_light_before_they_are_averaged() -> None:
-    """Black and white squares from afar are half the light, not the code 127."""
+    """Black and white squares average to half the light, not to the code 127."""
     board = np.indices((2, 4)).sum(axis=0) % 2 * 255
     color = map_of(np.repeat(board[:, :, None], 3, 2), np.uint8, srgb=True)
     texture = textures.base_color(Material("x", base_color=color), "wrap")
@@ -136,10 +136,10 @@ def test_colours_are_decoded_from_srgb_only_where_they_are_srgb(dtype) -> None:
     most = np.iinfo(dtype).max
     codes = np.array([[[0.1, 0.5, 0.9]]]) * most
     shares = codes.astype(dtype) / most
-    for srgb, wanted in ((True, srgb_decode(shares)), (False, shares)):
+    for srgb, expected in ((True, srgb_decode(shares)), (False, shares)):
         texture = textures.base_color(Material("x", base_color=map_of(codes, dtype, srgb)), "wrap")
         assert texture is not None
-        np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT, wanted, atol=0.6 / UNIT)
+        np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT, expected, atol=0.6 / UNIT)
 
 
 def test_opacity_is_the_fourth_channel_at_the_colours_size() -> None:
@@ -151,8 +151,8 @@ def test_opacity_is_the_fourth_channel_at_the_colours_size() -> None:
         Material("x", base_color=color, opacity=map_of([[1, 0, 0.5, 1], [0, 0, 1, 1]])), "wrap"
     )
     assert cut is not None
-    wanted = [[1, 0, 0.5, 1], [0, 0, 1, 1]]
-    np.testing.assert_allclose(cut.levels[0][:, :, 3] / UNIT, wanted, atol=1e-4)
+    expected = [[1, 0, 0.5, 1], [0, 0, 1, 1]]
+    np.testing.assert_allclose(cut.levels[0][:, :, 3] / UNIT, expected, atol=1e-4)
 
 
 def test_opacity_finer_than_the_colour_keeps_its_texels() -> None:
@@ -179,9 +179,9 @@ def test_emission_brighter_than_1_is_a_share_of_its_brightest() -> None:
     material = Material("x", emission=map_of(light))
     texture = textures.emission(material, "wrap")
     assert texture is not None
-    assert textures.glow(material) == 5.0
+    assert textures.emission_scale(material) == 5.0
     np.testing.assert_allclose(texture.levels[0][:, :, :3] / UNIT * 5.0, light, atol=1e-4)
-    assert textures.glow(Material("dark")) == 1.0
+    assert textures.emission_scale(Material("dark")) == 1.0
 
 
 # --- data -----------------------------------------------------------------------------------------
@@ -202,13 +202,13 @@ def test_the_response_packs_maps_of_different_sizes() -> None:
     assert first.shape == (2, 4, 4)
     np.testing.assert_allclose(first[:, :, 0], np.linspace(0, 1, 8).reshape(2, 4), atol=1e-4)
     # bilinear between centres and around the edge
-    wanted = [0.75 * 0.2 + 0.25 * 0.6, 0.75 * 0.2 + 0.25 * 0.6, 0.25 * 0.2 + 0.75 * 0.6, 0.5]
-    np.testing.assert_allclose(first[:, :, 1], [wanted, wanted], atol=1e-4)
+    expected = [0.75 * 0.2 + 0.25 * 0.6, 0.75 * 0.2 + 0.25 * 0.6, 0.25 * 0.2 + 0.75 * 0.6, 0.5]
+    np.testing.assert_allclose(first[:, :, 1], [expected, expected], atol=1e-4)
     np.testing.assert_allclose(first[:, :, 2], 1.0, atol=1e-4)
 
 
-def test_missing_parts_of_the_response_are_plain() -> None:
-    """As `response_of` has them: not occluded, fairly rough, no metal."""
+def test_missing_channels_of_the_response_get_defaults() -> None:
+    """Defaults as in `response_of`: not occluded, fairly rough, not metallic."""
     texture = textures.response(Material("x", occlusion=map_of([[0.5]])), "wrap")
     assert texture is not None
     np.testing.assert_allclose(texture.levels[0][0, 0, :3] / UNIT, [0.5, 0.8, 0.0], atol=1e-4)
@@ -229,17 +229,17 @@ def normals_from(heights, scale: float, edge: str = "clamp") -> np.ndarray:
 
 @pytest.mark.parametrize(("rise_u", "rise_v"), [(0.5, 0.0), (-0.3, 0.0), (0.0, 0.4), (0.2, -0.5)])
 def test_normals_lean_away_from_the_rise(rise_u, rise_v) -> None:
-    """x against what rises along u; y with what rises along v, since y is up: green up."""
+    """x opposes the rise along u; y follows the rise along v, since green is up."""
     columns, rows, scale = 12, 12, 0.3
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     made = normals_from(0.5 + rise_u * (u - 0.5) + rise_v * (v - 0.5), scale)[1:-1, 1:-1]
-    wanted = np.array([-rise_u * scale, rise_v * scale, 1.0])
-    wanted /= np.linalg.norm(wanted)
-    np.testing.assert_allclose(made, np.broadcast_to(wanted, made.shape), atol=1e-4)
+    expected = np.array([-rise_u * scale, rise_v * scale, 1.0])
+    expected /= np.linalg.norm(expected)
+    np.testing.assert_allclose(made, np.broadcast_to(expected, made.shape), atol=1e-4)
 
 
 def test_normals_of_a_wide_map_have_square_texels() -> None:
-    """The scale is of the width: a rise of h from row to row is h · scale · columns in a texel."""
+    """A rise of h from row to row is a slope of h · scale · columns."""
     columns, rows, scale = 16, 4, 0.2
     heights = np.repeat(np.linspace(0.2, 0.5, rows)[:, None], columns, 1)
     made = normals_from(heights, scale)[1:-1]
@@ -249,14 +249,14 @@ def test_normals_of_a_wide_map_have_square_texels() -> None:
 
 def test_normals_at_the_edge_follow_the_edge_policy() -> None:
     heights = np.array([[0.0, 0.1, 0.4, 0.9]])
-    wrapped, held = normals_from(heights, 0.5, "wrap"), normals_from(heights, 0.5, "clamp")
+    wrapped, count = normals_from(heights, 0.5, "wrap"), normals_from(heights, 0.5, "clamp")
     slope = lambda n: -n[0, :, 0] / n[0, :, 2] / (0.5 * 4)  # noqa: E731
     np.testing.assert_allclose(slope(wrapped), [-0.4, 0.2, 0.4, -0.2], atol=1e-3)
-    np.testing.assert_allclose(slope(held), [0.05, 0.2, 0.4, 0.25], atol=1e-3)
+    np.testing.assert_allclose(slope(count), [0.05, 0.2, 0.4, 0.25], atol=1e-3)
 
 
 def test_normals_of_a_sample_are_those_of_its_heights() -> None:
-    """The sample's own normal map was made apart from this."""
+    """The sample's normal map comes from independent code."""
     bricks = sample("bricks", (48, 64))
     assert bricks.height is not None
     assert bricks.normal is not None
@@ -277,10 +277,10 @@ def test_without_depth_heights_have_no_normals() -> None:
     assert textures.normal(Material("x", height=map_of([[0, 1]])), "wrap", 0.0, CPU) is None
 
 
-# --- kept -----------------------------------------------------------------------------------------
+# --- caching --------------------------------------------------------------------------------------
 
 
-def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
+def test_textures_are_cached_while_their_map_exists() -> None:
     material = Material("x", height=map_of([[0, 1]]))
     field = textures.height_field(material, "wrap")
     assert textures.height_field(material, "wrap") is field
@@ -288,21 +288,21 @@ def test_a_map_is_turned_into_a_pyramid_once_while_it_lives() -> None:
     normal = textures.normal(material, "wrap", 0.1, CPU)
     assert textures.normal(material, "wrap", 0.1, CPU) is normal
     assert textures.normal(material, "wrap", 0.2, CPU) is not normal
-    assert textures.baked(material, "wrap", BOUNDS, CPU) is textures.baked(
+    assert textures.bake_texture(material, "wrap", BOUNDS, CPU) is textures.bake_texture(
         material, "wrap", BOUNDS, CPU
     )
-    held = len(textures._made)
+    count = len(textures._cache)
     del material, field, normal
     gc.collect()
-    assert len(textures._made) < held
+    assert len(textures._cache) < count
 
 
-def test_what_one_engine_baked_is_not_given_to_another() -> None:
+def test_bakes_are_cached_per_engine() -> None:
     material = Material("x", height=map_of([[0.2, 1.0, 0.4], [0.5, 0.1, 0.9]]))
     other = RecordingEngine()
     for _ in range(2):
         for engine in (CPU, other):
-            textures.baked(material, "wrap", CONE_MAP, engine)
+            textures.bake_texture(material, "wrap", CONE_MAP, engine)
     assert set(other.entries) == {*CONE_MAP.programs} - {next_windows}
     assert other.entries.count(cone_of) == 1
     textures.normal(material, "wrap", 0.1, CPU)
@@ -311,8 +311,8 @@ def test_what_one_engine_baked_is_not_given_to_another() -> None:
     assert normals in other.entries
 
 
-def test_which_maps_there_are_is_known_without_baking() -> None:
-    """As the program of an object asks; and it is what its values then hold."""
+def test_available_maps_are_found_without_baking() -> None:
+    """Available maps are those in the values of the object's program."""
     heights, other = map_of([[0.2, 1.0], [0.5, 0.1]]), map_of([[0.5]])
     bare, high = Material("bare"), Material("high", height=heights)
     full = Material(
@@ -327,7 +327,7 @@ def test_which_maps_there_are_is_known_without_baking() -> None:
         if material is bare and "technique" in options:
             continue
         obj = Object(material, layer=layer and Layer(layer), **options)
-        there = {f"maps_{name}" for name, has in mapped(obj).items() if has}
-        assert there == set(maps_of(obj, CPU)) - {"field", "baked"}
-    assert mapped(Object(high, technique="texel"))["normal"] is False
-    assert mapped(Object(full, technique="texel"))["normal"] is True
+        there = {f"maps_{name}" for name, has in available_maps(obj).items() if has}
+        assert there == set(resources_of(obj, CPU)) - {"field", "baked"}
+    assert available_maps(Object(high, technique="texel"))["normal"] is False
+    assert available_maps(Object(full, technique="texel"))["normal"] is True

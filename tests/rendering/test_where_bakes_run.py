@@ -1,4 +1,4 @@
-"""Bakes run on the engine that draws, in whatever way a picture comes about, and on no other."""
+"""Bakes run on the engine that draws and on no other, for every way of drawing."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from basrelief.measure.tune import tune
 from basrelief.rendering.render import render
 from basrelief.scene import Layer, Object, Orbit, Scene, placed
 from basrelief.techniques import BAKES, RELAXED_CONE_MAP, TECHNIQUES
-from basrelief.techniques.horizon_bake import horizon, openness
+from basrelief.techniques.horizon_bake import horizon, sky_visibility
 from basrelief.techniques.normal_bake import normals
 from basrelief.viewer import write_view
 from helpers.command_line import done, write_heights
 from helpers.engines import RecordingEngine
-from helpers.made_up import map_of, noise
 from helpers.stills import no_stills
+from helpers.synthetic import map_of, noise
 
 BAKED = {name: made for name, made in TECHNIQUES.items() if made.bake is not None}
 PICTURE = {"size": (8, 6), "samples": 1}
@@ -37,13 +37,13 @@ def _runs_elsewhere(*_: object) -> None:
 
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> RecordingEngine:
-    """An engine that lists what it runs; nothing may run on the usual CPU engine."""
+    """A recording engine; runs on the default CPU engine fail."""
     monkeypatch.setattr(choose_device("cpu"), "run", _runs_elsewhere)
     return RecordingEngine()
 
 
 def bumps(seed: int) -> Material:
-    """A material of heights alone, which nothing was baked from yet."""
+    """A new material of heights only, without cached bakes."""
     return Material("bumps", height=map_of(noise(seed, (12, 16), 1)))
 
 
@@ -61,7 +61,7 @@ def test_normals_of_a_layer_are_baked_there_too(engine: RecordingEngine) -> None
     assert engine.entries.count(normals) == 1
 
 
-def test_what_casts_shadows_is_baked_there_too(engine: RecordingEngine) -> None:
+def test_shadow_casters_are_baked_there_too(engine: RecordingEngine) -> None:
     ground = Object(bumps(3), technique="flat")
     ball = Object(bumps(4), "sphere", "cone", transform=placed(position=(0.0, 0.5, 0.0)))
     scene = Scene((ground, ball), camera=Orbit(20.0, 40.0, 3.0), shadows="hard")
@@ -101,7 +101,7 @@ FLAGS = [f"--{name.replace('_', '-')}" for name in OPTIONS]
 
 
 def with_both_maps(folder: Path) -> tuple[str | Path, ...]:
-    """The command that bakes everything, from heights and from normals."""
+    """Arguments of the command that bakes everything from heights and normals."""
     made = write_heights(folder / "bumps", (noise(10, (20, 28), 1) * 65535).astype(np.uint16))
     file = write_data(folder / "leaning_normal.png", np.full((4, 6, 3), 40000, np.uint16))
     return ("bake", made, *FLAGS, "--normal-map", file)
@@ -113,7 +113,7 @@ def test_bake_takes_the_engine_it_is_given(
     monkeypatch.setattr("basrelief.engine.choose_device", {"gpu": engine}.__getitem__)
     done(*with_both_maps(tmp_path), "--device", "gpu")
     wanted = {each for bake in BAKES.values() for each in bake.programs}
-    assert set(engine.entries) == {normals, horizon, openness, *wanted}
+    assert set(engine.entries) == {normals, horizon, sky_visibility, *wanted}
     assert len(list((tmp_path / "bumps" / "baked").iterdir())) == len(OPTIONS) + 1
 
 

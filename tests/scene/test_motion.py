@@ -1,4 +1,4 @@
-"""Motions change what they say, by how much they say, and nothing else."""
+"""Motions change what they describe, by the right amount, and nothing else."""
 
 from __future__ import annotations
 
@@ -15,7 +15,15 @@ from hypothesis import strategies as st
 from basrelief.errors import InputError
 from basrelief.material import Map, Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed, point, rotated, spot
-from basrelief.scene.motion import MOTIONS, Lighting, Moment, Opening, Orbiting, Scrolling, moved
+from basrelief.scene.motion import (
+    MOTIONS,
+    Lighting,
+    Moment,
+    Opening,
+    Orbiting,
+    Scrolling,
+    apply_motions,
+)
 
 SIZE = (64, 36)
 HEIGHTS = np.array([[0.2, 0.9, 0.4], [0.6, 0.1, 0.5]], np.float32)[:, :, None]
@@ -23,16 +31,16 @@ BUMPY = Material("made up", height=Map(HEIGHTS, False, "made up"))
 
 
 def scene(camera: Orbit | LookAt | None = None, lights: Any = None, **options: Any) -> Scene:
-    made = Scene((Object(BUMPY, **options),), camera=camera or Orbit())
-    return made if lights is None else replace(made, lights=lights)
+    base = Scene((Object(BUMPY, **options),), camera=camera or Orbit())
+    return base if lights is None else replace(base, lights=lights)
 
 
 def at(share: float, seconds: float = 0.0, size: tuple[int, int] = SIZE) -> Moment:
     return Moment(share, seconds, size)
 
 
-def close(found: Any, wanted: Any) -> bool:
-    return bool(np.abs(np.subtract([*found], [*wanted])).max() < 1e-6)
+def is_close(actual: Any, expected: Any) -> bool:
+    return bool(np.abs(np.subtract([*actual], [*expected])).max() < 1e-6)
 
 
 # --- orbit ----------------------------------------------------------------------------------------
@@ -76,11 +84,11 @@ def test_the_distance_is_the_largest_on_the_way_round(
     position: tuple[float, float, float],
     orthographic: bool,
 ) -> None:
-    """What `framing` finds a degree at a time never needs more, and comes close."""
+    """The maximum of `framing` over whole degrees is close to it, and never larger."""
     lens = {"orthographic_height": 1.5} if orthographic else {"field_of_view": view}
     camera = Orbit(0.0, elevation, None, (0.1, -0.2, 0.05), **lens)
-    points = scene(shape=shape, transform=placed(position, stretch)).objects[0].outline()
-    all_round = camera.framing_all_round(points, size).distance
+    points = scene(shape=shape, transform=placed(position, stretch)).objects[0].bounding_points()
+    all_round = camera.framing_all_azimuths(points, size).distance
     each = [
         replace(camera, azimuth=float(azimuth)).framing(points, size).distance
         for azimuth in range(360)
@@ -91,8 +99,8 @@ def test_the_distance_is_the_largest_on_the_way_round(
 
 
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
-def test_nothing_leaves_the_frame(shape: str) -> None:
-    """All points of the outline fall within the picture, and some come to its edge."""
+def test_the_object_stays_in_the_frame(shape: str) -> None:
+    """All bounding points lie within the picture, and some near its border."""
     width, height = SIZE
     start = scene(shape=shape)
     furthest = 0.0
@@ -103,7 +111,7 @@ def test_nothing_leaves_the_frame(shape: str) -> None:
             np.array([*v], np.float64)
             for v in (camera.position, camera.right, camera.down, camera.forward)
         )
-        away = start.objects[0].outline() - place
+        away = start.objects[0].bounding_points() - place
         depth = away @ forward
         x = away @ right / (right @ right) / depth / (width / 2)
         y = away @ down / (down @ down) / depth / (height / 2)
@@ -112,61 +120,61 @@ def test_nothing_leaves_the_frame(shape: str) -> None:
     assert furthest == pytest.approx(0.92, abs=0.005)
 
 
-def test_a_camera_that_stands_goes_round_its_target() -> None:
+def test_a_look_at_camera_rotates_around_its_target() -> None:
     start = scene(LookAt((0.5, 1.0, 2.5), (0.5, 0.25, 0.5)))
     camera = Orbiting()(start, at(0.25)).camera
-    assert close(camera.position, (2.5, 1.0, 0.5))
+    assert is_close(camera.position, (2.5, 1.0, 0.5))
     assert camera.target == (0.5, 0.25, 0.5)
-    assert close(camera.up, (0.0, 1.0, 0.0))
+    assert is_close(camera.up, (0.0, 1.0, 0.0))
 
 
-def test_it_goes_round_as_an_orbit_does() -> None:
-    """Both cameras of the shaders are the same after any part of a turn."""
+def test_look_at_and_orbit_rotate_alike() -> None:
+    """Both shader cameras are equal at any fraction of a turn."""
     start = Orbit(0.0, 40.0, 2.0, (0.1, 0.2, 0.3))
     stood = LookAt(tuple(map(float, start.camera(SIZE).position)), start.target)
     for share in (0.0, 0.1, 0.6):
         a = Orbiting()(scene(start), at(share)).shader_camera(SIZE)
         b = Orbiting()(scene(stood), at(share)).shader_camera(SIZE)
         for name in ("position", "corner", "right", "down", "forward"):
-            assert close(getattr(a, name), getattr(b, name))
+            assert is_close(getattr(a, name), getattr(b, name))
 
 
-def test_straight_down_the_picture_turns() -> None:
+def test_a_vertical_view_rotates_the_picture() -> None:
     start = scene(LookAt((0.0, 2.0, 0.0)))
-    assert close(Orbiting()(start, at(0.0)).camera.upright, (0.0, 0.0, -1.0))
-    assert close(Orbiting()(start, at(0.25)).camera.upright, (-1.0, 0.0, 0.0))
+    assert is_close(Orbiting()(start, at(0.0)).camera.up_direction, (0.0, 0.0, -1.0))
+    assert is_close(Orbiting()(start, at(0.25)).camera.up_direction, (-1.0, 0.0, 0.0))
 
 
 # --- light ----------------------------------------------------------------------------------------
 
 
-def test_the_first_light_goes_round() -> None:
+def test_the_first_light_rotates() -> None:
     lights = (directional(-50.0, 35.0, (1.0, 0.5, 0.2), 2.0), directional(80.0, 20.0))
     now = Lighting()(scene(lights=lights), at(0.25))
-    wanted = directional(40.0, 35.0, (1.0, 0.5, 0.2), 2.0)
-    assert close(now.lights[0].direction, wanted.direction)
-    assert close(now.lights[0].color, wanted.color)
+    expected = directional(40.0, 35.0, (1.0, 0.5, 0.2), 2.0)
+    assert is_close(now.lights[0].direction, expected.direction)
+    assert is_close(now.lights[0].color, expected.color)
     assert now.lights[1] is lights[1]
 
 
-def test_a_lamp_goes_round_the_cameras_target() -> None:
+def test_a_point_light_rotates_around_the_cameras_target() -> None:
     start = scene(Orbit(target=(0.5, 0.0, 0.0)), (point((0.5, 2.0, 1.0)),))
-    assert close(Lighting()(start, at(0.25)).lights[0].position, (1.5, 2.0, 0.0))
-    assert close(Lighting(-1.0)(start, at(0.25)).lights[0].position, (-0.5, 2.0, 0.0))
+    assert is_close(Lighting()(start, at(0.25)).lights[0].position, (1.5, 2.0, 0.0))
+    assert is_close(Lighting(-1.0)(start, at(0.25)).lights[0].position, (-0.5, 2.0, 0.0))
 
 
-def test_a_spot_turns_with_its_cone() -> None:
+def test_a_spot_light_rotates_with_its_cone() -> None:
     start = scene(
         Orbit(target=(0.5, 0.0, 0.0)), (spot((0.5, 2.0, 1.0), (0.5, 0.0, 0.0), angle=20),)
     )
     now = Lighting()(start, at(0.25)).lights[0]
-    wanted = spot((1.5, 2.0, 0.0), (0.5, 0.0, 0.0), angle=20)
+    expected = spot((1.5, 2.0, 0.0), (0.5, 0.0, 0.0), angle=20)
     for name in ("position", "direction"):
-        assert close(getattr(now, name), getattr(wanted, name))
-    assert (now.cos_inner, now.cos_outer) == (wanted.cos_inner, wanted.cos_outer)
+        assert is_close(getattr(now, name), getattr(expected, name))
+    assert (now.cos_inner, now.cos_outer) == (expected.cos_inner, expected.cos_outer)
 
 
-def test_without_a_light_none_moves() -> None:
+def test_a_scene_without_lights_is_refused() -> None:
     with pytest.raises(InputError, match="the scene has none"):
         Lighting()(scene(lights=()), at(0.5))
 
@@ -184,7 +192,7 @@ def test_maps_scroll_by_a_quarter_of_the_shape_a_second(edge: Any) -> None:
     assert shift == pytest.approx((0.1 - 0.15 * 3.0, 0.2 + 0.3 * 2.0))
 
 
-def test_where_maps_repeat_whole_tiles_are_left_out() -> None:
+def test_whole_tiles_are_dropped_for_repeating_maps() -> None:
     shift = Scrolling()(scene(tiling=(1.0, 1.0)), at(0.5, seconds=4e4 + 1.0)).objects[0].shift
     assert shift == pytest.approx((0.25, 0.0))
     beyond = Scrolling()(scene(tiling=(1.0, 1.0), edge="clamp"), at(0.5, seconds=9.0)).objects[0]
@@ -195,29 +203,29 @@ def test_where_maps_repeat_whole_tiles_are_left_out() -> None:
 
 
 @pytest.mark.parametrize("name", MOTIONS)
-def test_a_film_begins_where_the_picture_is(name: str) -> None:
+def test_a_film_begins_with_the_initial_scene(name: str) -> None:
     camera = Orbit(25.0, 30.0, 2.5)
     start = scene(camera, shift=(0.3, 0.6))
     now = MOTIONS[name]()(start, at(0.0))
     assert now.camera == camera
     assert now.objects[0].shift == (0.3, 0.6)
-    assert close(now.lights[0].direction, start.lights[0].direction)
+    assert is_close(now.lights[0].direction, start.lights[0].direction)
 
 
 # --- opening --------------------------------------------------------------------------------------
 
 
 def test_a_hole_opens_and_closes_again() -> None:
-    """L7: whole at the ends of the film, widest in the middle, the same on the way back."""
+    """L7: closed at the ends of the film, widest in the middle, symmetrical in time."""
     ground = sample("cracks", 32)
     start = Scene((Object(ground, scale=0.3), Object(BUMPY)))
     shares = [0.0, 0.2, 0.5, 0.8, 1.0]
     heights = [Opening()(start, at(share)).objects[0].material.height.linear() for share in shares]
     assert (heights[0] == 1.0).all()
     assert (heights[4] == 1.0).all()
-    wanted = hole(ground, sample("dust", 32), 1.0).height.linear()
-    np.testing.assert_array_equal(heights[2], wanted)
-    assert wanted.min() < 0.1
+    expected = hole(ground, sample("dust", 32), 1.0).height.linear()
+    np.testing.assert_array_equal(heights[2], expected)
+    assert expected.min() < 0.1
     np.testing.assert_allclose(heights[1], heights[3], atol=2e-5)
     assert (heights[1] <= heights[0]).all()
     assert (heights[2] <= heights[1]).all()
@@ -230,16 +238,16 @@ def test_a_hole_needs_heights_to_open() -> None:
         Opening()(Scene((Object(sample("grid", 8)),)), at(0.5))
 
 
-def test_motions_go_together_and_leave_the_scene() -> None:
+def test_motions_combine_and_keep_the_scene() -> None:
     start = scene(Orbit(10.0), transform=rotated("x", 20.0))
-    now = moved(start, [Orbiting(), Scrolling(), Lighting()], at(0.5, 1.0))
+    now = apply_motions(start, [Orbiting(), Scrolling(), Lighting()], at(0.5, 1.0))
     assert now.camera.azimuth == 190.0
     assert now.objects[0].shift == (0.25, 0.0)
     assert now.lights[0].direction != start.lights[0].direction
     assert start.camera == Orbit(10.0)
     assert start.objects[0].shift == (0.0, 0.0)
     assert now.objects[0].transform is start.objects[0].transform
-    assert moved(start, [], at(0.5)) is start
+    assert apply_motions(start, [], at(0.5)) is start
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, 1e9])

@@ -1,4 +1,4 @@
-"""Presets say what their articles say, give way to what is said explicitly, and can be written."""
+"""Presets follow their articles, yield to explicit options, and can be saved."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAMES = (
 )  # fmt: skip
 
 
-def bumpy(value: float | None = None, **maps: Any) -> Material:
+def material_of_heights(value: float | None = None, **maps: Any) -> Material:
     """A material of heights, random or all of one value."""
     heights = np.random.default_rng(4).random((8, 12, 1), np.float32)
     if value is not None:
@@ -38,28 +38,28 @@ def bumpy(value: float | None = None, **maps: Any) -> Material:
 
 
 def drawn(name: str, **options: Any) -> tuple[Object, Scene]:
-    """The object and the scene that a preset makes."""
-    scene = preset(name).scene(bumpy(), **options)
+    """The object and the scene of a preset."""
+    scene = preset(name).scene(material_of_heights(), **options)
     return scene.objects[0], scene
 
 
-def refusal(make: Any) -> str:
+def error_message(make: Any) -> str:
     with pytest.raises(InputError) as caught:
         make()
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
-# --- each of them ---------------------------------------------------------------------------------
+# --- all presets ----------------------------------------------------------------------------------
 
 
-def test_there_are_these() -> None:
+def test_names_of_the_presets() -> None:
     assert PRESETS == NAMES
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_draws(name: str) -> None:
-    """On its sample, by name, as its tables say; not as without it."""
+def test_each_preset_draws(name: str) -> None:
+    """A preset draws its sample by name and by its tables alike, and changes the picture."""
     made = preset(name)
     assert made.name == name
     assert len(made.about) > 80
@@ -68,14 +68,14 @@ def test_each_draws(name: str) -> None:
     frame = basrelief.render(path, preset=name, **SMALL)
     assert frame.hit.any()
     assert np.isfinite(frame.color).all()
-    plain = basrelief.render(path, **SMALL)
-    assert not np.allclose(frame.color, plain.color)
+    without_preset = basrelief.render(path, **SMALL)
+    assert not np.allclose(frame.color, without_preset.color)
     again = made.scene(basrelief.load(path, **made.maps))
     assert (basrelief.render(again, **SMALL).color == frame.color).all()
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_number_says_where_it_is_from(name: str) -> None:
+def test_each_number_has_a_source(name: str) -> None:
     """Every number in a preset's file has a comment: the article's, the landscape's, or chosen."""
     file = Path(basrelief.__file__).parent / "scene" / "presets" / f"{name}.toml"
     for line in file.read_text().splitlines():
@@ -85,28 +85,28 @@ def test_each_number_says_where_it_is_from(name: str) -> None:
             assert "article's" in comment or "chosen" in comment or "landscape's" in comment, line
 
 
-# --- with that article's defaults -----------------------------------------------------------------
+# --- the numbers of the articles ------------------------------------------------------------------
 
 
-def test_catlike_says_what_catlike_says() -> None:
+def test_catlike_follows_its_article() -> None:
     obj, scene = drawn("catlike")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "biased")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.42, 0.03, 0.5)
     assert scene.shading_model == "ggx"
     assert preset("catlike").maps == {"height_channel": "g"}
     obj, _ = drawn("catlike-limited")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset_limited", "limited")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset_limited", "limited")
     assert (obj.scale, obj.reference_height) == (0.03, 0.5)
     obj, _ = drawn("catlike-march")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("relief", "biased")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("relief", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.0, 0.03, 1.0)
     assert (obj.settings.min_steps, obj.settings.max_steps) == (10, 10)
     assert obj.settings.search_steps == 3
 
 
-def test_wikibooks_says_what_wikibooks_says() -> None:
+def test_wikibooks_follows_its_article() -> None:
     obj, scene = drawn("wikibooks")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("offset", "full")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "full")
     assert (obj.scale, obj.reference_height, obj.settings.max_offset) == (
         0.01,
         0.5,
@@ -117,7 +117,7 @@ def test_wikibooks_says_what_wikibooks_says() -> None:
     assert scene.shading.specular == scene.shading.diffuse * Vec3(1.0)
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff) == (POINT, 1.0)
-    # the mesh's coordinates are shifted: a tile of a quarter of the shape moves four times as far
+    # coordinates of the mesh are shifted: tiles of a quarter of the shape shift four times as far
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0))
     assert obj.scale == pytest.approx(0.04)
     assert obj.settings.max_offset == pytest.approx(0.04)
@@ -127,9 +127,9 @@ def test_wikibooks_says_what_wikibooks_says() -> None:
     assert drawn("catlike", tiling=(4.0, 4.0))[0].scale == 0.03
 
 
-def test_gamedev_says_what_gamedev_says() -> None:
+def test_gamedev_follows_its_article() -> None:
     obj, scene = drawn("gamedev")
-    assert (obj.drawn_with.name, obj.relief_projection) == ("parallax_occlusion", "full")
+    assert (obj.selected_technique.name, obj.relief_projection) == ("parallax_occlusion", "full")
     assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
     assert (obj.scale, obj.reference_height) == (0.1, 1.0)
     assert scene.shading_model == "phong"
@@ -137,21 +137,25 @@ def test_gamedev_says_what_gamedev_says() -> None:
     assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))
 
 
-def test_halliwell_says_what_halliwell_says() -> None:
+def test_halliwell_follows_its_article() -> None:
     stock, _ = drawn("halliwell-stock")
-    assert (stock.drawn_with.name, stock.relief_projection) == ("offset", "biased")
+    assert (stock.selected_technique.name, stock.relief_projection) == ("offset", "biased")
     assert (stock.bias, stock.reference_height) == (0.42, 0.5)
     obj, scene = drawn("halliwell")
-    assert (obj.drawn_with.name, obj.heights, obj.reference_height) == ("relief", "smooth", 1.0)
+    assert (obj.selected_technique.name, obj.heights, obj.reference_height) == (
+        "relief",
+        "smooth",
+        1.0,
+    )
     assert obj.settings.min_steps < obj.settings.max_steps
     assert obj.settings.search_steps > 0
     assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
     assert obj.scale == stock.scale
 
 
-def test_habrador_says_what_habrador_says() -> None:
+def test_habrador_follows_its_article() -> None:
     obj, scene = drawn("habrador")
-    assert (obj.drawn_with.name, obj.surface, obj.reference_height) == (
+    assert (obj.selected_technique.name, obj.surface, obj.reference_height) == (
         "fixed_length",
         "landscape",
         1.0,
@@ -174,30 +178,32 @@ def test_habrador_says_what_habrador_says() -> None:
     assert preset("gamedev").scroll == (0.0, 0.0)
     for name in ("habrador-hole", "habrador-bricks"):
         obj, _ = drawn(name)
-        assert (obj.drawn_with.name, obj.settings.steps) == ("fixed_length", 300)
+        assert (obj.selected_technique.name, obj.settings.steps) == ("fixed_length", 300)
 
 
 # --- closed forms ---------------------------------------------------------------------------------
 
 
-def shift_seen(name: str, value: float, **options: Any) -> tuple[np.ndarray, np.ndarray]:
-    """How far texture coordinates move on a plane whose heights are all of one value, and the unit
-    view vectors of tangent space, (height, width, 2) and (height, width, 3)."""
+def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Shift of texture coordinates on a plane of constant height, (n, 2), and the unit view vectors
+    in tangent space, (n, 3)."""
     camera = basrelief.LookAt((0.6, 0.5, 0.9))
     options = {"camera": camera, "transform": np.eye(4), **options}
     standing = {"lights": [basrelief.directional()], **options}
-    frame = basrelief.render(bumpy(value), preset=name, **SMALL, **standing)
-    flat = basrelief.render(bumpy(value), **SMALL, **{**standing, "technique": "flat"})
+    frame = basrelief.render(material_of_heights(value), preset=name, **SMALL, **standing)
+    flat = basrelief.render(
+        material_of_heights(value), **SMALL, **{**standing, "technique": "flat"}
+    )
     flat_uv = flat.uv.astype(np.float64)
     points = np.stack([flat_uv[..., 0] - 0.5, 0.5 - flat_uv[..., 1], 0.0 * flat_uv[..., 0]], -1)
     view = np.array(camera.position) - points
     view /= np.linalg.norm(view, axis=-1, keepdims=True)
-    seen = frame.hit & flat.hit
-    return (frame.uv - flat_uv)[seen], view[seen]
+    visible = frame.hit & flat.hit
+    return (frame.uv - flat_uv)[visible], view[visible]
 
 
-def of_texture(move: np.ndarray) -> np.ndarray:
-    """v runs down where y runs up."""
+def to_texture(move: np.ndarray) -> np.ndarray:
+    """From tangent space to texture space, where v points down."""
     return move * (1.0, -1.0)
 
 
@@ -205,42 +211,44 @@ def of_texture(move: np.ndarray) -> np.ndarray:
 def test_the_stock_offset(height: float) -> None:
     """C8 and H1: h · height − height ÷ 2, over z + 0.42."""
     for name, depth in (("catlike", 0.03), ("halliwell-stock", 0.08)):
-        moved, view = shift_seen(name, height)
+        shift, view = displayed_shift(name, height)
         h = height * depth - depth / 2.0
-        wanted = of_texture(h * view[:, :2] / (view[:, 2:] + 0.42))
-        assert moved == pytest.approx(wanted, abs=2e-6)
-    moved, view = shift_seen("catlike-limited", height)
-    assert moved == pytest.approx(of_texture((height - 0.5) * 0.03 * view[:, :2]), abs=2e-6)
+        expected = to_texture(h * view[:, :2] / (view[:, 2:] + 0.42))
+        assert shift == pytest.approx(expected, abs=2e-6)
+    shift, view = displayed_shift("catlike-limited", height)
+    assert shift == pytest.approx(to_texture((height - 0.5) * 0.03 * view[:, :2]), abs=2e-6)
 
 
 def test_the_clamped_offset() -> None:
-    """W2 and W3: max height · (h − ½) · xy ÷ z, each component within its greatest."""
-    moved, view = shift_seen("wikibooks", 0.9)
-    wanted = of_texture(0.01 * (0.9 - 0.5) * view[:, :2] / view[:, 2:])
-    assert moved == pytest.approx(wanted, abs=2e-6)
-    moved, view = shift_seen("wikibooks", 1.0, scale=0.2)
-    wanted = np.clip(of_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
-    assert (np.abs(wanted) == 0.01).any()
-    assert moved == pytest.approx(wanted, abs=2e-6)
+    """W2 and W3: max height · (h − ½) · xy ÷ z, each component clamped."""
+    shift, view = displayed_shift("wikibooks", 0.9)
+    expected = to_texture(0.01 * (0.9 - 0.5) * view[:, :2] / view[:, 2:])
+    assert shift == pytest.approx(expected, abs=2e-6)
+    shift, view = displayed_shift("wikibooks", 1.0, scale=0.2)
+    expected = np.clip(to_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
+    assert (np.abs(expected) == 0.01).any()
+    assert shift == pytest.approx(expected, abs=2e-6)
 
 
 @pytest.mark.parametrize("elevation", [90.0, 40.0, -20.0])
 def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
     """G9: (0.1 + 0.5 · n·l) times the colour, on a flat surface in a light of intensity 1."""
-    material = bumpy(1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white"))
-    said = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
-    # within the 16 bits of the normals that are made from the heights
+    material = material_of_heights(
+        1.0, base_color=Map(np.ones((1, 1, 3), np.float32), False, "white")
+    )
+    options = {"lights": [basrelief.directional(30.0, elevation)], "camera": Orbit(elevation=70.0)}
+    # within the 16-bit precision of normals from heights
     tinted = {"surface_parameters": {"base_color": (1.0, 0.5, 0.25)}}
-    frame = basrelief.render(material, preset="gamedev", **said, **tinted, **SMALL)
+    frame = basrelief.render(material, preset="gamedev", **options, **tinted, **SMALL)
     facing = max(0.0, np.sin(np.radians(elevation)))
-    wanted = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
+    expected = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
     assert frame.color[frame.hit][:, :3] == pytest.approx(
-        np.tile(wanted, (frame.hit.sum(), 1)), abs=1e-5
+        np.tile(expected, (frame.hit.sum(), 1)), abs=1e-5
     )
 
 
-def test_gamedev_takes_the_lamp_as_it_is() -> None:
-    """Its own lamp neither fades nor is it brighter than 1."""
+def test_the_lamp_of_gamedev_has_no_attenuation() -> None:
+    """Its light has intensity 1 and no attenuation."""
     _, scene = drawn("gamedev")
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff, lamp.color) == (POINT, 0.0, Vec3(1.0))
@@ -249,8 +257,8 @@ def test_gamedev_takes_the_lamp_as_it_is() -> None:
 # --- reading --------------------------------------------------------------------------------------
 
 
-def test_presets_read_maps_as_they_say(tmp_path: Path) -> None:
-    """Heights in G; in A, or else in R; normals in A and G, or else as they are."""
+def test_presets_choose_the_channels_of_maps(tmp_path: Path) -> None:
+    """Heights in G, or in A or else R; normals in A and G, or else as stored."""
     noise = np.random.default_rng(6).integers(0, 255, (6, 6, 4), np.uint8)
     solid = noise.copy()
     solid[..., 3] = 255
@@ -282,13 +290,13 @@ def test_maps_of_samples(tmp_path: Path) -> None:
     found = basrelief.load(folder, base_color="sample:grass")
     assert found.base_color is not None
     assert found.name == "hill"
-    assert "base_color from sample:grass: asked for" in map(str, found.notes)
+    assert "base_color from sample:grass: requested" in map(str, found.notes)
     assert basrelief.load(height="sample:grass").name == "grass"
-    message = refusal(lambda: basrelief.load(folder, metallic="sample:grass"))
+    message = error_message(lambda: basrelief.load(folder, metallic="sample:grass"))
     assert message == "sample:grass has no metallic map; choose another sample, or a file"
 
 
-# --- what is said explicitly wins -----------------------------------------------------------------
+# --- explicit options override --------------------------------------------------------------------
 
 
 def test_options_win_over_a_preset() -> None:
@@ -300,11 +308,11 @@ def test_options_win_over_a_preset() -> None:
     assert (scene.shading.diffuse, scene.shading.ambient) == (np.float32(0.9), Vec3(0.1))
     assert (scene.shading_model, scene.camera) == ("ggx", Orbit(10.0))
     assert [each.kind for each in scene.lights] == [DIRECTIONAL]
-    # another technique keeps the settings that it has too
+    # another technique keeps the settings it shares
     obj, _ = drawn("gamedev", technique="relief")
     assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
     obj, _ = drawn("gamedev", technique="steep")
-    assert (obj.drawn_with.name, obj.settings.steps) == ("steep", 10)
+    assert (obj.selected_technique.name, obj.settings.steps) == ("steep", 10)
     obj, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
     assert (obj.surface, obj.surface_parameters.normal_strength) == ("standard", 0.0)
     assert {*obj.tilings} == {"base_color", "normal"}
@@ -312,12 +320,14 @@ def test_options_win_over_a_preset() -> None:
     assert drawn("gamedev", scale=None)[0].scale is None
 
 
-def test_an_object_or_a_scene_takes_no_preset() -> None:
-    obj = Object(bumpy())
+def test_presets_of_objects_and_scenes_are_refused() -> None:
+    obj = Object(material_of_heights())
     for what in (obj, Scene((obj,))):
-        message = refusal(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
-        assert "preset: already said by the" in message
-    assert "no option 'colour'; there are alpha, " in refusal(lambda: drawn("gamedev", colour=1))
+        message = error_message(lambda what=what: basrelief.render(what, preset="gamedev", **SMALL))
+        assert "preset: already set by the" in message
+    assert "no option 'colour'; there are alpha, " in error_message(
+        lambda: drawn("gamedev", colour=1)
+    )
 
 
 def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -333,15 +343,15 @@ def test_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     line = refused("render", "sample:bricks", "--preset", "mine", *small)
     assert line.startswith("no preset is called 'mine'; use one of catlike, ")
     assert line.endswith(", wikibooks, or a .toml file")
-    # a depth that is given comes before the preset's scale
+    # an explicit depth overrides the preset's scale
     done("render", "sample:bricks", "--preset", "gamedev", "--depth", "0.2", "--tile", "1", *small,
          "-o", "a.tif", "--bits", "32")  # fmt: skip
-    wanted = basrelief.render("sample:bricks", preset="gamedev", scale=0.2, **SMALL).color
+    expected = basrelief.render("sample:bricks", preset="gamedev", scale=0.2, **SMALL).color
     found = basrelief.images.read_picture("a.tif").pixels
-    assert found == pytest.approx(wanted[..., : found.shape[2]])
+    assert found == pytest.approx(expected[..., : found.shape[2]])
 
 
-def test_a_film_scrolls_as_its_preset_says() -> None:
+def test_a_preset_scrolls_its_film() -> None:
     from basrelief.cli.arguments import motions_from
     from basrelief.scene.motion import Lighting, Orbiting, Scrolling
 
@@ -352,11 +362,11 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
     assert len(list(frames)) == 2
 
 
-# --- files of one's own ---------------------------------------------------------------------------
+# --- user-defined files ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message_part"),
     [
         ("about = 3", "about is 3: give a text"),
         ("nothing = 1", "no key 'nothing'; there are name, about, source, maps, object, scene"),
@@ -401,32 +411,34 @@ def test_a_film_scrolls_as_its_preset_says() -> None:
         ("[object]\nscale = 2024-01-01", "object.scale is datetime.date(2024, 1, 1): give a text"),
     ],
 )
-def test_what_does_not_fit_is_one_line(text: str, told: str, tmp_path: Path) -> None:
+def test_invalid_files_are_refused_in_one_line(
+    text: str, message_part: str, tmp_path: Path
+) -> None:
     """File, key, what to do."""
     path = tmp_path / "mine.toml"
     path.write_text(text)
-    message = refusal(lambda: preset(path))
+    message = error_message(lambda: preset(path))
     assert message.startswith(f"{path}: ")
-    assert told in message
+    assert message_part in message
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    assert refusal(lambda: preset(path)) == f"{path}: there is no such file; check the name"
+    assert error_message(lambda: preset(path)) == f"{path}: there is no such file; check the name"
     path.write_bytes(b"about = '\xff'")
-    assert "is not TOML: not UTF-8" in refusal(lambda: preset(path))
+    assert "is not TOML: not UTF-8" in error_message(lambda: preset(path))
     path.unlink()
     path.mkdir()
-    assert "cannot be read" in refusal(lambda: preset(path))
-    assert "is a folder" in refusal(lambda: Preset("a").save(path))
-    assert "a preset is a .toml file" in refusal(lambda: Preset("a").save(tmp_path / "a.txt"))
-    assert "does not exist" in refusal(lambda: Preset("a").save(tmp_path / "no" / "a.toml"))
+    assert "cannot be read" in error_message(lambda: preset(path))
+    assert "is a folder" in error_message(lambda: Preset("a").save(path))
+    assert "a preset is a .toml file" in error_message(lambda: Preset("a").save(tmp_path / "a.txt"))
+    assert "does not exist" in error_message(lambda: Preset("a").save(tmp_path / "no" / "a.toml"))
 
 
 def test_paths_are_from_the_folder_of_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Wherever it is read from, and wherever one works."""
+    """Paths in a file are relative to its folder, whatever the working directory."""
     home = tmp_path / "home"
     home.mkdir()
     write_data(home / "moss.png", np.full((8, 8, 3), 90, np.uint8))
@@ -441,7 +453,7 @@ def test_paths_are_from_the_folder_of_the_file(
     material = basrelief.load("hill", **made.maps)
     assert material.base_color is not None
     scene = made.scene(material)
-    assert scene.objects[0].drawn_with.name == "half"
+    assert scene.objects[0].selected_technique.name == "half"
     assert scene.objects[0].layer is not None
 
 
@@ -455,28 +467,28 @@ def half(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
 """
 
 
-def test_nobody_can_change_a_preset() -> None:
+def test_presets_are_immutable() -> None:
     made = preset("gamedev")
     with pytest.raises(TypeError):
         made.values["object"]["scale"] = 3.0  # type: ignore[index]
     given: dict[str, Any] = {"object": {"scale": 0.1}}
-    kept = Preset("a", values=given)
+    copied = Preset("a", values=given)
     given["object"]["scale"] = 3.0
-    assert kept.values["object"]["scale"] == 0.1
+    assert copied.values["object"]["scale"] == 0.1
 
 
 # --- written and read back ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_is_written_as_it_is_read(name: str, tmp_path: Path) -> None:
+def test_each_preset_survives_saving(name: str, tmp_path: Path) -> None:
     made = preset(name)
     saved = made.save(tmp_path / "other.toml")
     assert saved == tmp_path / "other.toml"
     assert preset(saved) == made
 
 
-def test_numbers_of_numpy_and_shaders_are_plain(tmp_path: Path) -> None:
+def test_numbers_of_numpy_and_shaders_become_python_numbers(tmp_path: Path) -> None:
     made = Preset(
         "tuned",
         values={
@@ -488,7 +500,7 @@ def test_numbers_of_numpy_and_shaders_are_plain(tmp_path: Path) -> None:
     back = preset(made.save(tmp_path / "tuned.toml"))
     assert back == made
     assert isinstance(back.values["object"]["settings"]["max_steps"], int)
-    assert back.scene(bumpy()).shading.ambient == Vec3(0.1, 0.2, 0.3)
+    assert back.scene(material_of_heights()).shading.ambient == Vec3(0.1, 0.2, 0.3)
 
 
 NUMBERS = st.floats(0.0, 1.0)
@@ -532,7 +544,7 @@ PRESET_VALUES = st.fixed_dictionaries(
 
 @given(TEXTS, TEXTS, PRESET_VALUES)
 @examples(max_examples=60)
-def test_any_preset_is_written_and_read_back(
+def test_any_preset_survives_saving(
     tmp_path_factory: pytest.TempPathFactory, about: str, source: str, values: dict[str, Any]
 ) -> None:
     made = Preset("any", about, source, values)
@@ -564,7 +576,7 @@ position = [
 
 
 def test_a_saved_preset_has_its_tables_in_their_order() -> None:
-    """The texts first, then tables as they were given, each number on a line of its own."""
+    """Texts come first, then tables in their order, with each number on its own line."""
     made = Preset(
         "mine",
         "Bricks in two lines:\nthe second.",
@@ -589,7 +601,7 @@ def test_the_example_of_the_page(tmp_path: Path) -> None:
     page = (REPOSITORY / "docs" / "presets.md").read_text()
     path = tmp_path / "mine.toml"
     path.write_text(page.partition("```toml\n")[2].partition("```")[0])
-    scene = preset(path).scene(bumpy())
+    scene = preset(path).scene(material_of_heights())
     assert scene.objects[0].tilings == {"base_color": Tiling((2, 2))}
     assert scene.camera == Orbit(20, 25)
     for name in NAMES:

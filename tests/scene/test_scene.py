@@ -1,4 +1,4 @@
-"""Scenes: what they hold by default, and one clear line for each thing that makes no picture."""
+"""Scenes: defaults, and one-line messages for invalid values."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def obj(**options) -> Object:
 
 
 def refused(make) -> str:
-    """The message, which is one line."""
+    """The one-line error message."""
     with pytest.raises(InputError) as caught:
         make()
     message = str(caught.value)
@@ -127,7 +127,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("what", REFUSED)
-def test_an_object_refuses(what) -> None:
+def test_invalid_objects_are_refused(what) -> None:
     options, message = REFUSED[what]
     assert message in refused(lambda: obj(**options))
 
@@ -139,7 +139,7 @@ def test_a_technique_without_heights_is_refused(name) -> None:
     assert "flat" in message.split(";")[1]
 
 
-def test_without_heights_and_without_a_wish_it_is_drawn_flat() -> None:
+def test_the_default_technique_without_heights_is_flat() -> None:
     assert Object(FLAT).technique is flat
     assert not Object(FLAT).has_relief
     assert obj().technique is relief
@@ -147,7 +147,7 @@ def test_without_heights_and_without_a_wish_it_is_drawn_flat() -> None:
     assert not obj(technique="flat").has_relief
 
 
-def test_defaults_are_the_materials_and_the_techniques() -> None:
+def test_defaults_come_from_material_and_technique() -> None:
     assert obj().relief_scale == 0.05
     assert Object(replace(BUMPY, depth=0.02, tile=0.4)).relief_scale == pytest.approx(0.05)
     assert Object(replace(BUMPY, depth=0.08, tile=0.4)).relief_scale == pytest.approx(0.2)
@@ -163,7 +163,7 @@ def test_defaults_are_the_materials_and_the_techniques() -> None:
     assert obj(technique="offset_limited", projection="full").relief_projection == "full"
 
 
-def test_settings_change_what_they_name_and_nothing_else() -> None:
+def test_settings_change_only_the_named_fields() -> None:
     one = obj(technique="parallax_occlusion", settings={"max_steps": 20, "min_steps": 4.0})
     assert one.settings == March(4, 20, 0.0)
     assert obj(technique="steep", settings=Steps(3)).settings == Steps(3)
@@ -179,12 +179,12 @@ def test_tiles_are_about_square() -> None:
 
 
 def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
-    """The picture's top is away from a camera at azimuth 0; its sides are its maps'."""
+    """The picture's top is away from a camera at azimuth 0; the sides are those of the maps."""
     wide, high = Object(heights(np.full((2, 4), 0.5))), Object(heights(np.full((4, 2), 0.5)))
     corner = np.array([-0.5, 0.5, 0.0, 1.0])  # top left
     np.testing.assert_allclose((wide.to_world @ corner)[:3], [-0.5, 0, -0.25], atol=1e-12)
     np.testing.assert_allclose((high.to_world @ corner)[:3], [-0.25, 0, -0.5], atol=1e-12)
-    # as deep as wide: the depth is a share of a tile's width, which on the high one is half
+    # z is scaled like x: the scale is a fraction of a tile's width, which for the high one is half
     np.testing.assert_allclose((wide.to_world @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
     np.testing.assert_allclose((high.to_world @ [0, 0, 1, 0])[:3], [0, 0.5, 0], atol=1e-12)
     assert np.array_equal(Object(BUMPY, shape="box").to_world, np.eye(4))
@@ -193,7 +193,7 @@ def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
 # --- transforms -----------------------------------------------------------------------------------
 
 
-def test_turns_are_counterclockwise() -> None:
+def test_rotations_are_counterclockwise() -> None:
     for axis, start, end in (("x", 1, 2), ("y", 2, 0), ("z", 0, 1)):
         quarter = rotated(axis, 90.0)[:3, :3]  # type: ignore[arg-type]
         np.testing.assert_allclose(quarter @ np.eye(3)[start], np.eye(3)[end], atol=1e-12)
@@ -202,12 +202,12 @@ def test_turns_are_counterclockwise() -> None:
     np.testing.assert_allclose((LYING @ [0, 1, 0, 0])[:3], [0, 0, -1], atol=1e-12)
 
 
-def test_a_placement_scales_and_then_moves() -> None:
+def test_placed_scales_before_it_translates() -> None:
     np.testing.assert_allclose(placed((1, 2, 3), 2.0) @ [1, 1, 1, 1], [3, 4, 5, 1])
     np.testing.assert_allclose(placed(scale=(2, 3, 4)) @ [1, 1, 1, 1], [2, 3, 4, 1])
 
 
-def test_the_shaders_are_given_the_inverse() -> None:
+def test_placements_hold_the_inverse_transform() -> None:
     matrix = placed((0.5, -1, 2), (2, 0.5, 3)) @ rotated("y", 25.0)
     place = obj(transform=matrix).placement()
     world = np.array([0.3, -0.7, 1.1])
@@ -218,7 +218,7 @@ def test_the_shaders_are_given_the_inverse() -> None:
 # --- lights ---------------------------------------------------------------------------------------
 
 
-def test_lights_are_what_they_are_called() -> None:
+def test_constructors_of_lights() -> None:
     sun = directional(90.0, 0.0, (1.0, 0.5, 0.25), 2.0)
     assert sun.kind == DIRECTIONAL
     np.testing.assert_allclose([*sun.direction], [-1, 0, 0], atol=1e-6)
@@ -252,7 +252,7 @@ def test_lights_are_what_they_are_called() -> None:
         lambda: spot((0.0, 1.0), (0.0, 0.0)),
     ],
 )
-def test_lights_that_give_none_are_refused(make) -> None:
+def test_invalid_lights_are_refused(make) -> None:
     refused(make)
 
 
@@ -275,11 +275,11 @@ def test_an_unknown_shading_model_is_refused() -> None:
         ({"background": (0.1, 0.2)}, "background (0.1, 0.2): give three"),
     ],
 )
-def test_a_scene_refuses_colours_that_are_none(options, message) -> None:
+def test_invalid_colours_are_refused(options, message) -> None:
     assert message in refused(lambda: Scene((obj(),), **options))
 
 
-def seen_from(eye, *objects, target=(0.3, 0.2, 0.1)) -> Scene:
+def scene_from(eye, *objects, target=(0.3, 0.2, 0.1)) -> Scene:
     return Scene(objects, camera=LookAt(tuple(eye), target))
 
 
@@ -292,42 +292,42 @@ INSIDE = {
 
 @pytest.mark.parametrize("shape", INSIDE)
 def test_a_camera_inside_an_object_is_refused(shape) -> None:
-    """In the object's own space: the same camera beside it is fine."""
+    """Tested in object space: a camera just outside is accepted."""
     inside, beside = (np.array([*place, 1.0]) for place in INSIDE[shape])
     matrix = placed((0.3, 0.2, 0.1), (0.5, 2.0, 1.5)) @ rotated("z", 30.0)
     made = Object(BUMPY, shape=shape, transform=matrix)
-    message = refused(seen_from((matrix @ inside)[:3], made).check_camera)
+    message = refused(scene_from((matrix @ inside)[:3], made).check_camera)
     assert (
         message
         == f"the camera is inside the {shape}; move it away, for example --camera distance=3"
     )
-    seen_from((matrix @ beside)[:3], made).check_camera()
+    scene_from((matrix @ beside)[:3], made).check_camera()
     # among several objects too
-    refused(seen_from((matrix @ inside)[:3], obj(), made).check_camera)
+    refused(scene_from((matrix @ inside)[:3], obj(), made).check_camera)
 
 
 def test_a_camera_inside_a_raised_relief_is_refused() -> None:
     raised = obj(transform=np.eye(4), reference_height=0.25, scale=0.4)
-    assert "inside the plane" in refused(seen_from((0.1, 0.1, 0.29), raised).check_camera)
-    seen_from((0.1, 0.1, 0.31), raised).check_camera()
-    seen_from((0.6, 0.1, 0.29), raised).check_camera()
+    assert "inside the plane" in refused(scene_from((0.1, 0.1, 0.29), raised).check_camera)
+    scene_from((0.1, 0.1, 0.31), raised).check_camera()
+    scene_from((0.6, 0.1, 0.29), raised).check_camera()
     pushed_in = obj(transform=np.eye(4), reference_height=1.0, scale=0.4)
-    seen_from((0.1, 0.1, 0.05), pushed_in).check_camera()
+    scene_from((0.1, 0.1, 0.05), pushed_in).check_camera()
     drawn_flat = obj(transform=np.eye(4), reference_height=0.25, scale=0.4, technique="flat")
-    seen_from((0.1, 0.1, 0.05), drawn_flat).check_camera()
+    scene_from((0.1, 0.1, 0.05), drawn_flat).check_camera()
 
 
 def test_a_relief_of_many_tiles_is_raised_by_the_width_of_one() -> None:
     """The scale is a fraction of a tile's width, so four tiles are raised a quarter as far."""
     raised = obj(transform=np.eye(4), reference_height=0.0, scale=0.4, tiling=(-4.0, 1.0))
-    assert "inside the plane" in refused(seen_from((0.1, 0.1, 0.09), raised).check_camera)
-    seen_from((0.1, 0.1, 0.11), raised).check_camera()
+    assert "inside the plane" in refused(scene_from((0.1, 0.1, 0.09), raised).check_camera)
+    scene_from((0.1, 0.1, 0.11), raised).check_camera()
 
 
 def test_a_camera_behind_a_lone_plane_is_refused() -> None:
-    scene = seen_from((0.0, -0.5, 0.2), obj(), target=(0, 0, 0))
+    scene = scene_from((0.0, -0.5, 0.2), obj(), target=(0, 0, 0))
     assert "the camera is behind the plane, which has no back" in refused(scene.check_camera)
-    seen_from((0.0, -0.5, 0.2), obj(), Object(BUMPY, shape="box", transform=placed((0, 3, 0))),
+    scene_from((0.0, -0.5, 0.2), obj(), Object(BUMPY, shape="box", transform=placed((0, 3, 0))),
               target=(0, 0, 0)).check_camera()  # fmt: skip
 
 
@@ -349,14 +349,14 @@ def test_a_camera_behind_a_lone_plane_is_refused() -> None:
         LookAt((1.0, 2.0)),  # type: ignore[arg-type]
     ],
 )
-def test_cameras_that_see_nothing_are_refused(camera) -> None:
+def test_invalid_cameras_are_refused(camera) -> None:
     refused(lambda: Scene((obj(),), camera=camera).check_camera())
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("size", [1.0, 5.0])
 def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> None:
-    """By default, small or large: nothing of it touches the border of a wide picture."""
+    """The default distance fits objects of any size into a wide picture."""
     plain = obj(shape=shape, technique="flat")
     one = obj(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
     hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, device=CPU).hit
@@ -367,7 +367,7 @@ def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> N
 CPU = CpuEngine()
 
 
-# --- a technique of one's own ---------------------------------------------------------------------
+# --- a user-defined technique ---------------------------------------------------------------------
 
 
 @struct
@@ -381,12 +381,12 @@ class Slide:
 
 @technique(reference_height=0.5)
 def sliding(field: HeightField, ray: Ray, settings: Slide) -> Hit:
-    """Each texel some way further along the ray."""
+    """Go down by a constant height."""
     height = ray.reference_height - settings.along * float(settings.times)
     return hit_at(ray, t_at(ray, height), True, settings.times)
 
 
-def test_settings_of_ones_own_are_checked_too() -> None:
+def test_settings_of_user_defined_techniques_are_checked() -> None:
     assert obj(technique=sliding).settings == Slide()
     assert obj(technique=sliding).relief_reference_height == 0.5
     assert obj(technique=sliding, settings={"times": 3}).settings.times == 3
@@ -416,7 +416,7 @@ def test_settings_without_ranges_stay_what_32_bits_hold() -> None:
     assert "must" in refused(lambda: checked_record(Unbounded, {}, "mine"))
 
 
-def test_techniques_have_names() -> None:
+def test_techniques_are_found_by_name() -> None:
     for name, made in TECHNIQUES.items():
         assert technique_named(name) is made
         assert made.name == name
@@ -483,8 +483,8 @@ def test_any_settings_are_refused_in_a_line_or_make_a_picture(options, camera) -
     assert (frame.reads >= 0).all()
 
 
-def test_straight_down_needs_no_up() -> None:
-    """As an orbit's elevation of 90 does: the picture's top is where −z is."""
+def test_a_vertical_view_needs_no_up() -> None:
+    """As with an orbit at elevation 90, the picture's top is towards −z."""
     down = LookAt((0.0, 2.0, 0.0)).camera((8, 8))
     assert tuple(down.right) == pytest.approx((1.0 * float(down.right.x), 0.0, 0.0), abs=1e-7)
     assert float(down.right.x) > 0.0
@@ -492,9 +492,9 @@ def test_straight_down_needs_no_up() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
-        (lambda: Object("sample:bricks"), "an object's material is one, as load gives"),
+        (lambda: Object("sample:bricks"), "material is 'sample:bricks': give a Material"),
         (lambda: Object(BUMPY, layer="sample:grid"), "layer is 'sample:grid': give a Layer"),
         (lambda: Object(BUMPY, tilings={"normal": (2, 2)}), "tiling of normal is (2, 2): give a"),
         (lambda: Object(BUMPY, scale="x"), "scale is 'x': give a number"),
@@ -507,14 +507,14 @@ def test_straight_down_needs_no_up() -> None:
         ),
         (
             lambda: Object(BUMPY, technique="exact", heights="smooth"),
-            "exact reads its heights sharp or mip; leave heights smooth away",
+            "exact reads its heights sharp or mip; omit heights smooth",
         ),
     ],
 )
-def test_what_is_of_another_kind_is_refused_in_a_line(make, told) -> None:
+def test_values_of_the_wrong_type_are_refused_in_a_line(make, message) -> None:
     with pytest.raises(InputError) as caught:
         make()
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_one_object_is_a_scene_of_one() -> None:

@@ -1,4 +1,4 @@
-"""The facts about shapes against their shaders."""
+"""Properties of shapes against their shaders."""
 
 from __future__ import annotations
 
@@ -21,21 +21,26 @@ PLACES = np.random.default_rng(3).uniform(-0.6, 0.6, (60, 3))
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
     facts = SHAPES[name]
-    found = []
+    inside = []
     for place in PLACES:
-        # a flat shape is met by a ray from straight above
-        way = np.array([0.0, 0.0, -1.0]) if facts.flat else np.array([0.3, -0.9, 0.2])
-        met = shape(ShapeRay(Vec3(*(place - 3.0 * way)), Vec3(*way)), Variant(shape=name))
-        found.append(met.found and (facts.flat or met.distance <= 3.0 <= met.t_exit))
-        assert facts.contains(*place) == found[-1]
-    assert 10 < sum(found) < 50
+        # a flat shape is hit by a ray from straight above
+        direction = np.array([0.0, 0.0, -1.0]) if facts.flat else np.array([0.3, -0.9, 0.2])
+        intersection = shape(
+            ShapeRay(Vec3(*(place - 3.0 * direction)), Vec3(*direction)), Variant(shape=name)
+        )
+        inside.append(
+            intersection.found
+            and (facts.flat or intersection.distance <= 3.0 <= intersection.t_exit)
+        )
+        assert facts.contains(*place) == inside[-1]
+    assert 10 < sum(inside) < 50
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_an_outline_reaches_as_far_as_the_shape(name) -> None:
+def test_bounding_points_lie_on_the_shape(name) -> None:
     facts = SHAPES[name]
-    assert all(facts.contains(*place) for place in facts.outline * 0.999)
-    assert not any(facts.contains(*place) for place in facts.outline * 1.001)
+    assert all(facts.contains(*place) for place in facts.bounding_points * 0.999)
+    assert not any(facts.contains(*place) for place in facts.bounding_points * 1.001)
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -56,15 +61,19 @@ def test_a_round_shape_has_no_rims_along_u(name) -> None:
 @pytest.mark.parametrize("name", SHAPES)
 def test_u_is_as_wide_as_the_facts_say(name) -> None:
     variant = Variant(shape=name)
-    met = shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
-    around = np.hypot(met.position.x, met.position.z) * 2.0 if SHAPES[name].round else 1.0
-    along_u = np.linalg.norm([*chart(met.position, met.normal, variant).along_u])
+    intersection = shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
+    around = (
+        np.hypot(intersection.position.x, intersection.position.z) * 2.0
+        if SHAPES[name].round
+        else 1.0
+    )
+    along_u = np.linalg.norm([*chart(intersection.position, intersection.normal, variant).along_u])
     assert along_u == pytest.approx(SHAPES[name].width * around, rel=1e-5)
 
 
-def test_a_page_is_told_of_flat_shapes_and_of_the_balls_around_the_others() -> None:
+def test_a_page_knows_flat_shapes_and_bounding_spheres() -> None:
     scene = Scene((Object(sample("bricks", 8)),))
-    told = manifest(scene, Sources(), None)["shapes"]
-    assert {name for name, each in told.items() if each["flat"]} == {"plane"}
-    radii = {name: each["radius"] for name, each in told.items()}
+    shapes = manifest(scene, Sources(), None)["shapes"]
+    assert {name for name, each in shapes.items() if each["flat"]} == {"plane"}
+    radii = {name: each["radius"] for name, each in shapes.items()}
     assert radii == {"plane": 0.71, "box": 0.87, "sphere": 0.5, "cylinder": 0.71}

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from basrelief.errors import InputError
 from basrelief.lang import Vec2
 from basrelief.lang.frontend import analyse
-from basrelief.scene.cameras import look, orbit
+from basrelief.scene.cameras import look_at, orbit
 from basrelief.shading.camera import Camera, primary_ray
 
 SIZE = (48, 20)
@@ -41,7 +41,7 @@ def test_the_shader_is_in_the_subset():
 
 
 def test_a_camera_on_z_sees_x_to_the_right_and_y_upwards():
-    camera = look((0, 0, 4), (0, 0, 0), **PERSPECTIVE)
+    camera = look_at((0, 0, 4), (0, 0, 0), **PERSPECTIVE)
     middle = a(ray_at(camera, 24, 10).direction)
     right = a(ray_at(camera, 25, 10).direction)
     below = a(ray_at(camera, 24, 11).direction)
@@ -53,7 +53,7 @@ def test_a_camera_on_z_sees_x_to_the_right_and_y_upwards():
 
 
 def test_the_field_of_view_is_vertical_and_pixels_are_square():
-    camera = look((1, 2, 3), (4, -1, 2), **PERSPECTIVE)
+    camera = look_at((1, 2, 3), (4, -1, 2), **PERSPECTIVE)
     forward = a(ray_at(camera, 24, 10).direction)
     top = a(ray_at(camera, 24, 0).direction)
     side = a(ray_at(camera, 48, 10).direction)
@@ -63,14 +63,14 @@ def test_the_field_of_view_is_vertical_and_pixels_are_square():
 
 
 def test_perspective_rays_leave_one_point():
-    ray = ray_at(look((1, 2, 3), (0, 0, 0), **PERSPECTIVE), 7.5, 3.5)
+    ray = ray_at(look_at((1, 2, 3), (0, 0, 0), **PERSPECTIVE), 7.5, 3.5)
     assert a(ray.origin).tolist() == [1, 2, 3]
     assert a(ray.origin_dx).tolist() == [0, 0, 0]
     assert a(ray.origin_dy).tolist() == [0, 0, 0]
 
 
 def test_orthographic_rays_are_parallel_and_one_pixel_apart():
-    camera = look((0, 0, 4), (0, 0, 0), **ORTHOGRAPHIC)
+    camera = look_at((0, 0, 4), (0, 0, 0), **ORTHOGRAPHIC)
     pixel = 3.0 / 20
     ray = ray_at(camera, 0, 0)
     np.testing.assert_allclose(a(ray.origin), (-24 * pixel, 1.5, 4), atol=1e-6)
@@ -151,23 +151,23 @@ def test_orbit_stands_where_the_angles_say(projection, azimuth, elevation, away,
 
 
 def test_a_picture_of_one_pixel_looks_at_the_target():
-    camera = look((3, 0, 4), (0, 0, 0), size=(1, 1), field_of_view=90)
+    camera = look_at((3, 0, 4), (0, 0, 0), size=(1, 1), field_of_view=90)
     np.testing.assert_allclose(a(ray_at(camera, 0.5, 0.5).direction), (-0.6, 0, -0.8), atol=1e-6)
 
 
 def test_the_fields_are_held_as_float32():
-    camera = look((0.1, 0.2, 0.3), (0, 0, 0), **PERSPECTIVE)
+    camera = look_at((0.1, 0.2, 0.3), (0, 0, 0), **PERSPECTIVE)
     assert isinstance(camera, Camera)
     assert isinstance(camera.position.x, np.float32)
     assert camera.perspective == 1.0
-    assert look((0.1, 0.2, 0.3), (0, 0, 0), **ORTHOGRAPHIC).perspective == 0.0
+    assert look_at((0.1, 0.2, 0.3), (0, 0, 0), **ORTHOGRAPHIC).perspective == 0.0
 
 
 @pytest.mark.parametrize(
     ("changed", "told"),
     [
         ({"position": (0, 0, 0)}, "same point"),
-        ({"up": (0, 0, 2)}, "along the view"),
+        ({"up": (0, 0, 2)}, "parallel to the view"),
         ({"up": (0, 0, 0)}, "no length"),
         ({"position": (0, math.nan, 1)}, "position"),
         ({"target": (0, 1)}, "target"),
@@ -180,9 +180,9 @@ def test_the_fields_are_held_as_float32():
 )
 def test_what_makes_no_camera_is_refused(changed, told):
     right = {"position": (0, 0, 3), "target": (0, 0, 0), "size": (4, 3), "field_of_view": 40.0}
-    look(**right)
+    look_at(**right)
     with pytest.raises(InputError, match=told):
-        look(**{**right, **changed})
+        look_at(**{**right, **changed})
 
 
 def test_an_orbit_at_no_distance_is_refused():

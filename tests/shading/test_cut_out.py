@@ -16,7 +16,7 @@ from basrelief.rendering.programs import depth_program_of, program_of
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, noise, on_plane, plain, rays
+from helpers.synthetic import bilinear, drawn, map_of, noise, on_plane, rays, uniform_material
 
 SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.35)
 UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}
@@ -32,13 +32,13 @@ SUNKEN = {
 
 def holed(**options) -> Object:
     """A plane pushed in by 0.225, with holes in it."""
-    material = plain(FRONT, opacity=map_of(OPACITY), height=0.25)
+    material = uniform_material(FRONT, opacity=map_of(OPACITY), height=0.25)
     return Object(material, transform=np.eye(4), **{**SUNKEN, **options})
 
 
 def behind() -> Object:
     """Another, larger plane below it."""
-    return Object(plain(BACK), transform=placed((0.0, 0.0, -0.5), (4.0, 4.0, 1.0)))
+    return Object(uniform_material(BACK), transform=placed((0.0, 0.0, -0.5), (4.0, 4.0, 1.0)))
 
 
 def opacity_seen() -> np.ndarray:
@@ -94,7 +94,7 @@ def test_as_opaque_as_the_cutoff_is_there(opacity: int, cutoff, there: bool) -> 
     stored = Map(np.full((1, 1, 1), opacity, np.uint16), False, "made up")
     surface_parameters = {} if cutoff is None else {"cutoff": cutoff}
     obj = Object(
-        plain(FRONT, opacity=stored),
+        uniform_material(FRONT, opacity=stored),
         alpha="mask",
         surface_parameters=surface_parameters,
         transform=np.eye(4),
@@ -111,7 +111,7 @@ LIGHT = directional(90.0, 45.0)
 ABOVE = LookAt((0.0, 3.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.8)
 MATTE = {"shading": Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))}
 RAISED = 0.6
-FLOOR = Object(plain(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
+FLOOR = Object(uniform_material(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
 
 
 def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
@@ -167,17 +167,17 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     readings = {
         "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",
         "mask": "opacity_of(opacity: f32, surface_parameters: SurfaceParameters) -> f32 {\n"
-        "  return masked(opacity, surface_parameters);\n}",
+        "  return alpha_mask(opacity, surface_parameters);\n}",
         "opaque": "opacity_of() -> f32 {\n  return 1.0;\n}",
     }
     for alpha in readings:
         obj = Object(material, alpha=alpha)
         text = print_wgsl(program_of(obj).module, "wrap")
         assert [each in text for each in readings.values()] == [each == alpha for each in readings]
-        assert ("masked" in text) == (alpha == "mask")
+        assert ("alpha_mask" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
             program = depth_program_of(replace(obj, casts=casts))
-            assert ("masked" in print_wgsl(program.module, "wrap")) == cut
+            assert ("alpha_mask" in print_wgsl(program.module, "wrap")) == cut
 
 
 @pytest.mark.gpu
@@ -185,6 +185,6 @@ def test_cpu_and_gpu_agree() -> None:
     hole = map_of(noise(11, (64, 64), 1, 0.0, 1.0))
     lattice = replace(sample("bricks", 64), opacity=hole)
     roof = Object(lattice, alpha="mask", technique="relief", transform=placed((0, 0.3, 0)) @ LYING)
-    floor = Object(plain(), transform=LYING @ placed(scale=(2.0, 2.0, 1.0)))
+    floor = Object(uniform_material(), transform=LYING @ placed(scale=(2.0, 2.0, 1.0)))
     scene = Scene((floor, roof), Orbit(25.0, 40.0, 2.0), shadows="hard", shadow_map_size=128)
     assert_engines_agree(scene, 64)

@@ -15,19 +15,19 @@ from basrelief.lang.llvm import print_llvm
 from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import sample
-from basrelief.rendering.programs import depth_program_of, own_values, program_of
+from basrelief.rendering.programs import depth_program_of, object_values, program_of
 from basrelief.scene import LYING, Object, Orbit, Scene, placed, rotated
-from basrelief.shading.intersection import View
-from helpers.made_up import drawn, map_of, noise
+from basrelief.shading.intersection import CameraSample
+from helpers.synthetic import drawn, map_of, noise
 
 SIZE = (64, 48)
 CAMERA = Orbit(25.0, 35.0, 2.4)
 FULL = {"shadows": "hard", "fog_mode": "exponential", "occlusion_kind": "directional"}
 """A scene in which every part of the light has code."""
 LIT = {
-    "lights", "shading", "fog", "views", "distances", "arriving", "reflectance", "ggx",
+    "lights", "shading", "fog", "views", "distances", "incident_light", "reflectance", "ggx",
     "ambient_light", "shading_point", "self_shadow_visibility", "shadow_map_visibility",
-    "seen_from", "receiver", "directional_visibility", "fogged", "exponential",
+    "projected", "shadow_receiver", "directional_visibility", "apply_fog", "exponential_fog",
 }  # fmt: skip
 """What a program with light has: its resources and records, and the functions of the pixel."""
 OBJECTS: dict[str, dict[str, Any]] = {
@@ -52,8 +52,8 @@ def obj(name: str = "a plane", **options: Any) -> Object:
 def depth_map(made: Object) -> Planes:
     """The planes of an object's part of a depth map, as a camera sees it and not a light."""
     engine = choose_device("cpu")
-    view = View(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
-    return engine.run(depth_program_of(made), {**own_values(made, engine), "view": view}, SIZE)
+    view = CameraSample(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
+    return engine.run(depth_program_of(made), {**object_values(made, engine), "sample": view}, SIZE)
 
 
 def words(program: Program) -> set[str]:

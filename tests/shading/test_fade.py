@@ -15,7 +15,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.relief import ReliefParameters, faded_relief
 from basrelief.shading.variant import Variant
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, map_of, on_plane, plain
+from helpers.synthetic import drawn, map_of, on_plane, uniform_material
 
 STEPS = {"min_steps": 8, "max_steps": 8}
 HEIGHT, SCALE = 0.5, 0.3
@@ -37,7 +37,7 @@ def test_the_shader_halves_the_depth_in_the_middle() -> None:
 def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
     """G10: on a plane of one height it is in proportion; from far on nothing is read."""
     obj = Object(
-        plain(height=HEIGHT),
+        uniform_material(height=HEIGHT),
         technique="parallax_occlusion",
         settings=STEPS,
         scale=SCALE,

@@ -11,9 +11,9 @@ from basrelief.material import sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.shading.brdf import Shading
-from basrelief.shading.fog import Fog, linear
+from basrelief.shading.fog import Fog, linear_fog
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, on_plane, plain
+from helpers.synthetic import drawn, on_plane, uniform_material
 
 AIR = {
     "fog_color": (0.2, 0.5, 0.9),
@@ -35,7 +35,7 @@ FORMS = {
 def sunken() -> Object:
     """A plane that lies 0.6 below its polygon, so that its distance is another."""
     settings = {"min_steps": 8, "max_steps": 8}
-    material = plain(OWN, height=0.25)
+    material = uniform_material(OWN, height=0.25)
     return Object(
         material, technique="parallax_occlusion", settings=settings, scale=0.8, transform=np.eye(4)
     )
@@ -79,7 +79,7 @@ def test_linear_fog_that_begins_at_its_end_is_a_wall() -> None:
     fog = Fog(fog_color=Vec3(0.2, 0.5, 0.9), fog_start=2.0, fog_end=2.0)
     own = Vec3(0.7, 0.1, 0.4)
     for distance, wanted in ((1.9, own), (1.999, own), (2.001, fog.fog_color)):
-        np.testing.assert_allclose([*linear(own, distance, fog)], [*wanted], atol=1e-6)
+        np.testing.assert_allclose([*linear_fog(own, distance, fog)], [*wanted], atol=1e-6)
 
 
 def test_without_fog_there_is_no_code_for_it() -> None:
@@ -90,7 +90,7 @@ def test_without_fog_there_is_no_code_for_it() -> None:
         return print_wgsl(program.module, program.edge)
 
     clear, thick = text("none"), text("exponential")
-    for word in ("fn exponential(", "fog_color"):
+    for word in ("fn exponential_fog(", "fog_color"):
         assert word not in clear
         assert word in thick
     assert "fn exponential_squared(" not in thick

@@ -8,7 +8,7 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import Buffer, IVec2, Vec2, Vec3, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import sample
-from basrelief.rendering.programs import program_of, rays_of
+from basrelief.rendering.programs import program_of, view_ray_program_of
 from basrelief.scene import Object
 from basrelief.shading.geometry import Geometry, Vertex
 from basrelief.shading.pixel import pixel
@@ -38,6 +38,6 @@ def test_a_program_that_reads_it_has_it() -> None:
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
 def test_the_entries_take_it_and_no_shape_reads_it(shape: str) -> None:
     obj = Object(sample("cobbles", 8), shape=shape, technique="exact")
-    for entry, program in ((pixel, program_of(obj)), (view_ray, rays_of(obj))):
+    for entry, program in ((pixel, program_of(obj)), (view_ray, view_ray_program_of(obj))):
         assert entry.signature[0]["geometry"] is Geometry
         assert "geometry" not in str(program.module)

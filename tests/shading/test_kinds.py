@@ -16,22 +16,22 @@ from basrelief.images import Picture
 from basrelief.lang import HeightField, Texture
 from basrelief.lang.types import leaf_values
 from basrelief.material import channels, sample
-from basrelief.measure.columns import first_column_hits
+from basrelief.measure.columns import intersect_columns
 from basrelief.measure.debug import SHOWN, debug_picture
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
-from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
+from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.presets import Preset, preset
 from basrelief.shading import kinds
 from basrelief.shading.lights import Light
 from basrelief.techniques.technique import Projection
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.shown import light_of, said_light
-from basrelief.viewer.state import plain_light
+from basrelief.viewer.shown import as_light_dict, light_of
+from basrelief.viewer.state import light_to_dict
 from helpers.command_line import refused as command_refused
 from helpers.command_line import write_heights
 
@@ -129,7 +129,7 @@ def test_the_kinds_of_lights_have_the_numbers_of_the_shaders() -> None:
 
 def test_the_numbers_of_a_light_say_what_it_is() -> None:
     found = {
-        name: {kind for kind in LIGHTS if name in numbers_of(kind)}
+        name: {kind for kind in LIGHTS if name in light_parameters(kind)}
         for name in ("position", "azimuth", "target", "angle", "falloff")
     }
     assert found == {
@@ -139,7 +139,7 @@ def test_the_numbers_of_a_light_say_what_it_is() -> None:
         "angle": {"spot"},
         "falloff": {"point", "spot"},
     }
-    assert numbers_of(spot((1.0, 2.0, 3.0))) == numbers_of("spot")
+    assert light_parameters(spot((1.0, 2.0, 3.0))) == light_parameters("spot")
 
 
 def test_menus_are_the_fields_that_are_one_of_a_few_values() -> None:
@@ -220,19 +220,19 @@ def test_objects_and_lights_may_come_one_by_one() -> None:
     ],
 )
 def test_a_light_comes_back_from_a_page(light: Light) -> None:
-    plain = plain_light(light)
+    plain = light_to_dict(light)
     back = light_of(plain)
     was, now = (list(map(float, leaf_values(each, Light))) for each in (light, back))
     np.testing.assert_allclose(now, was, atol=2e-6)
     # what a kind has no use for changes nothing
-    unread = set(plain) - {*numbers_of(light), "kind", "azimuth", "elevation"}
+    unread = set(plain) - {*light_parameters(light), "kind", "azimuth", "elevation"}
     assert light_of({**plain, **dict.fromkeys(unread)}) == back
 
 
 def test_a_page_takes_lights_of_all_kinds_and_no_others() -> None:
     for kind in LIGHTS:
-        assert light_kind(light_of(said_light({"kind": kind}))) == kind
-    said = {**plain_light(point((1.0, 2.0, 3.0))), "kind": "lamp"}
+        assert light_kind(light_of(as_light_dict({"kind": kind}))) == kind
+    said = {**light_to_dict(point((1.0, 2.0, 3.0))), "kind": "lamp"}
     line = "the kind of a light is one of directional, point, spot, not 'lamp'"
     assert refusal(lambda: light_of(said)) == line
 
@@ -247,8 +247,8 @@ def test_maps_refuse_an_unknown_edge(edge: Any) -> None:
     for make in (
         lambda: HeightField([heights], edge),
         lambda: Texture([np.zeros((2, 3, 4), np.uint16)], edge),
-        lambda: first_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
-        lambda: first_column_hits(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: intersect_height_field(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
+        lambda: intersect_columns(heights, [[0.5, 0.5]], [[0.1, 0.0]], edge),
     ):
         with pytest.raises(ValueError, match=f"edge is '{edge}': use wrap or clamp"):
             make()
@@ -261,7 +261,7 @@ def test_bakes_refuse_an_unknown_edge(name: str) -> None:
     given = np.full((2, 3, 3), 0.5) if name == "height_map" else np.zeros((2, 3), np.float32)
     more = {"scale": 0.1} if name in scaled else {}
     line = refusal(lambda: getattr(baking, name)(given, "clip", **more))
-    assert line == "what lies beyond baked heights is wrap or clamp, not clip"
+    assert line == "the edge of a bake must be wrap or clamp, not clip"
 
 
 def test_an_unknown_channel_is_refused() -> None:

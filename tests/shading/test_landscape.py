@@ -21,7 +21,16 @@ from basrelief.techniques import Hit, fixed_length, march
 from basrelief.techniques.march import FixedLength
 from basrelief.techniques.ray import Ray, at, height_at
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import TRIPOD, bilinear, drawn, map_of, noise, normal_under_tripod, plain, unit
+from helpers.synthetic import (
+    TRIPOD,
+    bilinear,
+    drawn,
+    map_of,
+    noise,
+    normal_under_tripod,
+    uniform_material,
+    unit,
+)
 
 EMPTY = HeightField([np.zeros((1, 1))])
 
@@ -121,11 +130,11 @@ def land(height: float, water_level: float = 0.0, **options) -> Object:
     options = {
         "technique": "fixed_length",
         "settings": {"steps": 300, "step_length": 0.01},
-        "layer": Layer(plain(STONE)),
+        "layer": Layer(uniform_material(STONE)),
         "scale": 0.5,
         **options,
     }
-    return Object(plain(GRASS, height), surface="landscape",
+    return Object(uniform_material(GRASS, height), surface="landscape",
                   surface_parameters=surface_parameters, transform=np.eye(4),
                   **options)  # fmt: skip
 
@@ -170,7 +179,7 @@ def ground(own_color: float, maps=None, **numbers) -> Object:
     """A landscape that is 0.5 high everywhere, its normal map leaning to (0.36, −0.48, 0.8)."""
     leaning = np.array([[[0.36, -0.48, 0.8]]]) * 0.5 + 0.5
     return Object(
-        plain(own_color, 0.5, normal=map_of(leaning), **(maps or {})),
+        uniform_material(own_color, 0.5, normal=map_of(leaning), **(maps or {})),
         surface="landscape",
         surface_parameters={"water_level": 0.0, **numbers},
         technique="parallax_occlusion",
@@ -204,7 +213,7 @@ def test_water_and_sky_are_level_whatever_the_normal_map_has() -> None:
 def test_by_default_water_lies_below_a_height_of_two_fifths() -> None:
     for height, wanted in ((0.395, np.array([0.1, 0.3, 0.8]) * 0.395), (0.405, GRASS)):
         obj = Object(
-            plain(GRASS, height), surface="landscape", technique="parallax_occlusion",
+            uniform_material(GRASS, height), surface="landscape", technique="parallax_occlusion",
             transform=np.eye(4),
         )  # fmt: skip
         np.testing.assert_allclose(color(obj), wanted, atol=1e-4)

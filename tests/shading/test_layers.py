@@ -17,7 +17,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, on_plane, plain, unit
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, uniform_material, unit
 
 HEIGHT, SCALE = 0.25, 0.3
 GREY = 0.214041
@@ -72,7 +72,7 @@ TILINGS = [
 def test_details_stay_glued_to_the_surface(main: Tiling, detail: Tiling) -> None:
     """C10: the offset of the details is that of the heights × detail tiling ÷ main tiling."""
     obj = reliefs(
-        plain(0.5),
+        uniform_material(0.5),
         tiling=main.tiles,
         shift=main.shift,
         layer=Layer(Material("detail", base_color=map_of(COLORS)), detail),
@@ -101,7 +101,7 @@ def test_details_act_as_far_as_the_mask_allows(share: float) -> None:
         normal=map_of((lean * 0.5 + 0.5).reshape(1, 1, 3)),
     )
     mask = map_of(np.full((1, 1), share))
-    obj = reliefs(plain(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
+    obj = reliefs(uniform_material(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
     wanted = base * (1.0 - share + share * 0.1 / GREY)
     np.testing.assert_allclose(seen(obj).color[4, 4, :3], wanted, atol=2e-4)
     own, over = unit([0.1, 0.2, 1.0]), unit([*lean[:2] * share, lean[2]])
@@ -110,7 +110,7 @@ def test_details_act_as_far_as_the_mask_allows(share: float) -> None:
 
 
 def test_middle_grey_changes_nothing() -> None:
-    base = plain(1.0)
+    base = uniform_material(1.0)
     noisy = Material("made up", base_color=map_of(RNG.random((5, 7, 3))))
     for material in (base, noisy):
         over = Layer(Material("grey", base_color=map_of(np.full((2, 2, 3), GREY))))
@@ -165,7 +165,7 @@ def test_normals_of_details_lean_further(tiles, turn) -> None:
 def test_a_stored_normal_of_details_points_out_of_the_surface(z: float) -> None:
     """Its z is at least 0.001: a map of (½, ½, ½) gives the surface's own normal."""
     stored = map_of(np.array([[[0.5, 0.5, 0.5 * z + 0.5]]]))
-    obj = reliefs(plain(), layer=Layer(Material("level", normal=stored)))
+    obj = reliefs(uniform_material(), layer=Layer(Material("level", normal=stored)))
     # ½ is stored as 32768 ÷ 65535, which stands for 1 ÷ 65535
     wanted = unit([1.0 / 65535.0, 1.0 / 65535.0, 1e-3])
     np.testing.assert_allclose(normal_of(obj), wanted, atol=5e-4)
@@ -176,7 +176,7 @@ def test_the_layers_strengths_are_settings() -> None:
         "d", base_color=map_of(np.full((1, 1, 3), 0.1)), normal=leaning(0.3, 0).normal
     )
     with_, without = (
-        reliefs(plain(0.6), layer=layer, surface_parameters=surface_parameters)
+        reliefs(uniform_material(0.6), layer=layer, surface_parameters=surface_parameters)
         for layer, surface_parameters in (
             (Layer(detail), {"layer_color": 0.0, "layer_normal": 0.0}),
             (None, {}),
@@ -201,8 +201,10 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
     """W5: colour, occlusion and emission, each alone, are read where its own tiling says; the
     others stay where the heights are."""
     occlusion = 0.3 + 0.6 * RNG.random((5, 7, 1))
-    whole = plain(base_color=map_of(COLORS), occlusion=map_of(occlusion), emission=map_of(COLORS))
-    dark = plain(0.0, emission=map_of(COLORS))
+    whole = uniform_material(
+        base_color=map_of(COLORS), occlusion=map_of(occlusion), emission=map_of(COLORS)
+    )
+    dark = uniform_material(0.0, emission=map_of(COLORS))
     main = Tiling(MAIN["tiling"], MAIN["shift"])
     for name, material in (("base_color", whole), ("response", whole), ("emission", dark)):
         obj = reliefs(material, **MAIN, tilings={name: own})
@@ -240,9 +242,9 @@ def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
     fine = map_of(np.repeat(checked[:, :, None], 3, 2) * 2.0 * GREY)
     dense = Tiling((64.0, 64.0))
     if what == "layer":
-        obj = reliefs(plain(1.0), layer=Layer(Material("fine", base_color=fine), dense))
+        obj = reliefs(uniform_material(1.0), layer=Layer(Material("fine", base_color=fine), dense))
     else:
-        obj = reliefs(plain(base_color=fine), tilings={"base_color": dense})
+        obj = reliefs(uniform_material(base_color=fine), tilings={"base_color": dense})
     mean = 1.0 if what == "layer" else GREY
     color = seen(obj).color[:, :, 0]
     assert color.std() < 0.02 * mean
@@ -262,12 +264,18 @@ def test_without_a_layer_and_tilings_there_is_no_code_for_them() -> None:
     bare = text(Object(material))
     layered = text(Object(material, layer=Layer(detail)))
     apart = text(Object(material, tilings={"normal": Tiling((2.0, 2.0))}))
-    for word in ("with_details", "layer_color_of(map: ", "MapPlaces", "retiled", "mirrored_with"):
+    for word in (
+        "add_detail_layer",
+        "layer_color_of(map: ",
+        "MapTilings",
+        "retiled",
+        "mirrored_normal",
+    ):
         assert word not in bare
         assert word in layered
-    for word in ("retiled", "mirrored_with", "MapPlaces"):
+    for word in ("retiled", "mirrored_normal", "MapTilings"):
         assert word in apart
-    assert "with_details" not in apart
+    assert "add_detail_layer" not in apart
 
 
 @pytest.mark.gpu
@@ -289,11 +297,13 @@ def test_cpu_and_gpu_agree(what: str) -> None:
 
 def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
     """The clip is at the shape's edge, not at the layer's first tile."""
-    plain = Material("plain", base_color=Map(np.full((8, 8, 3), 0.5, np.float32), False, "plain"))
+    uniform_material = Material(
+        "plain", base_color=Map(np.full((8, 8, 3), 0.5, np.float32), False, "plain")
+    )
     left_dark = np.full((8, 8, 3), 0.214, np.float32)
     left_dark[:, :4] = 0.02
     over = Material("over", base_color=Map(left_dark, False, "over"))
-    obj = Object(plain, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
+    obj = Object(uniform_material, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
     camera = Orbit(0.0, 90.0, orthographic_height=1.0)
     scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0}, background=None)
     row = render(scene, size=(64, 64), samples=1, device="cpu").color[32, :, 0]
@@ -304,6 +314,8 @@ def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
 def test_a_layer_of_heights_alone_has_their_normals() -> None:
     bumps = np.random.default_rng(3).random((8, 8, 1)).astype(np.float32)
     over = Material("over", height=Map(bumps, False, "bumps"))
-    plain = Material("plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain"))
-    text = print_wgsl(program_of(Object(plain, layer=Layer(over))).module, "wrap")
+    uniform_material = Material(
+        "plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain")
+    )
+    text = print_wgsl(program_of(Object(uniform_material, layer=Layer(over))).module, "wrap")
     assert "layer_normal_of(map: texture_2d" in text

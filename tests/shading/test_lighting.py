@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 from basrelief.lang import Vec3
 from basrelief.lang.frontend import analyse
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, ggx, phong, reflectance
-from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Incoming, Light, arriving, cone
+from basrelief.shading.lights import (
+    DIRECTIONAL,
+    POINT,
+    SPOT,
+    IncidentLight,
+    Light,
+    incident_light,
+    spot_attenuation,
+)
 from basrelief.shading.variant import Variant
 
 UP = (0, 0, 1)
@@ -54,7 +62,7 @@ def point_seen(view=UP, **changed):
 
 
 def coming(direction, radiance=(1, 1, 1)):
-    return Incoming(Vec3(*direction), Vec3(*radiance), 1.0)
+    return IncidentLight(Vec3(*direction), Vec3(*radiance), 1.0)
 
 
 def light(kind, **changed):
@@ -80,7 +88,7 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(model):
     names = {function.name for function in module.functions}
     assert model.name in names
     assert not others & names
-    analyse(arriving)
+    analyse(incident_light)
     analyse(ambient_light)
     seen = reflectance(point_seen(), Shading(), coming(UP), variant)
     assert seen == model(point_seen(), Shading(), coming(UP))
@@ -92,7 +100,7 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(model):
 def test_a_directional_light_is_the_same_everywhere():
     sun = light(DIRECTIONAL, direction=(0.6, 0, -0.8))
     for place in ((0, 0, 0), (30, -20, 1000)):
-        found = arriving(sun, Vec3(*place))
+        found = incident_light(sun, Vec3(*place))
         np.testing.assert_allclose(a(found.direction), (-0.6, 0, 0.8), atol=1e-7)
         assert a(found.radiance).tolist() == [1, 2, 4]
         assert found.distance > 1e15
@@ -101,7 +109,7 @@ def test_a_directional_light_is_the_same_everywhere():
 @pytest.mark.parametrize(("falloff", "divisor"), [(1.0, 5.0), (2.0, 25.0)])
 def test_a_point_light_falls_off_with_a_power_of_distance(falloff, divisor):
     lamp = light(POINT, position=(1, 2, 3), falloff=falloff)
-    found = arriving(lamp, Vec3(1, -2, 6))
+    found = incident_light(lamp, Vec3(1, -2, 6))
     assert found.distance == pytest.approx(5)
     np.testing.assert_allclose(a(found.direction), (0, 0.8, -0.6), atol=1e-7)
     np.testing.assert_allclose(a(found.radiance), np.array((1, 2, 4)) / divisor, rtol=2e-6)
@@ -110,7 +118,7 @@ def test_a_point_light_falls_off_with_a_power_of_distance(falloff, divisor):
 @pytest.mark.parametrize("kind", [POINT, SPOT])
 def test_within_a_lamp_the_light_is_finite(kind):
     for offset in (0.0, 1e-20, 1e-7):
-        found = arriving(light(kind, position=(1, 1, 1)), Vec3(1 + offset, 1, 1))
+        found = incident_light(light(kind, position=(1, 1, 1)), Vec3(1 + offset, 1, 1))
         assert np.isfinite(a(found.radiance)).all()
         assert np.linalg.norm(a(found.direction)) == pytest.approx(1, abs=1e-5)
 
@@ -122,7 +130,7 @@ def test_within_a_lamp_the_light_is_finite(kind):
 )
 def test_a_lamp_gives_light_as_from_a_millimetre_to_ten_kilometres(kind, distance, held):
     lamp = light(kind, falloff=1.0)
-    found = arriving(lamp, Vec3(0, 0, -distance))
+    found = incident_light(lamp, Vec3(0, 0, -distance))
     assert found.distance == pytest.approx(distance, rel=1e-6)
     np.testing.assert_allclose(a(found.radiance), np.array((1, 2, 4)) / held, rtol=1e-5)
 
@@ -130,14 +138,14 @@ def test_a_lamp_gives_light_as_from_a_millimetre_to_ten_kilometres(kind, distanc
 def test_within_a_millionth_of_a_lamp_its_light_comes_from_above():
     lamp = light(POINT)
     for distance, direction in ((0.0, (0, 1, 0)), (9e-7, (0, 1, 0)), (1.1e-6, (-1, 0, 0))):
-        found = arriving(lamp, Vec3(distance, 0, 0))
+        found = incident_light(lamp, Vec3(distance, 0, 0))
         np.testing.assert_allclose(a(found.direction), direction, atol=1e-6)
 
 
 def spot_share(degrees, **changed):
     """A spot's light on a sphere of radius 1 around it, at an angle from its axis."""
     down = light(SPOT, color=(1, 1, 1), **changed)
-    return float(arriving(down, Vec3(*tilted(180 - degrees))).radiance.x)
+    return float(incident_light(down, Vec3(*tilted(180 - degrees))).radiance.x)
 
 
 def test_a_spot_is_whole_inside_half_between_and_nothing_outside():
@@ -163,12 +171,14 @@ def test_the_edge_of_equal_cones_is_a_millionth_wide():
     """In cosines; half of the light in its middle."""
     lamp = light(SPOT, cos_inner=0.5, cos_outer=0.5)
     for more, share in ((-1e-7, 0.0), (5e-7, 0.5), (1.1e-6, 1.0)):
-        assert float(cone(lamp, np.float32(0.5 + more))) == pytest.approx(share, abs=0.1)
+        assert float(spot_attenuation(lamp, np.float32(0.5 + more))) == pytest.approx(
+            share, abs=0.1
+        )
 
 
 def test_a_spot_falls_off_as_a_point_light_does():
     lamp = light(SPOT, position=(0, 0, 4), falloff=1.0)
-    np.testing.assert_allclose(a(arriving(lamp, Vec3(0)).radiance), (0.25, 0.5, 1), rtol=2e-6)
+    np.testing.assert_allclose(a(incident_light(lamp, Vec3(0)).radiance), (0.25, 0.5, 1), rtol=2e-6)
 
 
 def test_ambient_light_is_tinted_and_occluded():

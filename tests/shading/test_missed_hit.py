@@ -14,11 +14,11 @@ from basrelief.material import Material
 from basrelief.measure.errors import missed, overshoot, uv_error
 from basrelief.measure.truth import Truth, truth
 from basrelief.rendering.frame import Frame
-from basrelief.rendering.programs import rays_of, values_of
+from basrelief.rendering.programs import values_of, view_ray_program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.shading.missed_hit import DrawnHit, PictureSize, TrueHit, missed_hit
-from helpers.made_up import map_of
+from helpers.synthetic import map_of
 
 SIZE = (40, 26)
 HEIGHTS = np.random.default_rng(4).random((12, 20))
@@ -41,12 +41,12 @@ def by_shader(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Missed and passed, as a page finds them."""
     obj = scene.objects[0]
-    program = replace(rays_of(obj), entry=missed_hit)
+    program = replace(view_ray_program_of(obj), entry=missed_hit)
     values = values_of(obj, scene, SIZE, choose_device(device))
     found = choose_device(device).run(
         program,
         {
-            **{name: values[name] for name in ("view", "placement", "relief")},
+            **{name: values[name] for name in ("sample", "placement", "relief")},
             "picture": PictureSize(SIZE[0], Vec2(*true.texels)),
             "drawn": listed(DrawnHit, frame.uv, frame.hit),
             "truth": listed(TrueHit, true.uv, true.there),

@@ -15,7 +15,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shading.brdf import Shading, ShadingPoint
 from basrelief.shading.pixel import directional_visibility
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, map_of, plain
+from helpers.synthetic import drawn, map_of, uniform_material
 
 UNITS = st.floats(0.0, 1.0, width=32)
 
@@ -61,7 +61,7 @@ STEPS = {"min_steps": 8, "max_steps": 8}
 
 
 def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) -> np.ndarray:
-    material = plain(0.6, height=height, occlusion=map_of(np.full((1, 1), 0.4)))
+    material = uniform_material(0.6, height=height, occlusion=map_of(np.full((1, 1), 0.4)))
     options = {"technique": "parallax_occlusion", "settings": STEPS, **options}
     obj = Object(material, transform=np.eye(4), **options)
     frame = drawn(

@@ -25,7 +25,7 @@ from basrelief.scene import LookAt, Object, Scene, directional, placed, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
-from helpers.made_up import rays, unit
+from helpers.synthetic import rays, unit
 
 SIZE = (60, 44)
 MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))

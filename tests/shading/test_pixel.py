@@ -19,7 +19,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene, directional, placed, point, rotated, spot
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES
-from helpers.made_up import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
+from helpers.synthetic import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
 
 CPU = CpuEngine()
 SIZE = (97, 61)
@@ -741,12 +741,13 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 # --- what is in a program -------------------------------------------------------------------------
 
 PARALLAX = {
-    "corners", "faded_relief", "height_range", "lod_seen", "relief_ray", "span_of", "trace",
-    "shell_depth", "move_of", "sharp", "height_under", "surface_height", "march", "chord", "at",
-    "height_at", "hit_at", "t_at", "steps_by_angle", "step_count_by_angle", "step_count",
-    "shifted", "full", "biased", "limited", "line_over", "share_of_cone",
-    # these two are what other functions are called too
-    *(name for name in TECHNIQUES if name not in ("texel", "cone")),
+    "corners", "faded_relief", "object_height_range", "height_lod", "relief_ray",
+    "relief_interval", "trace", "max_shell_distance", "offset_per_height", "sharp", "height_under",
+    "surface_height", "march", "chord", "at", "height_at", "hit_at", "t_at", "steps_by_angle",
+    "step_count_by_angle", "step_count", "shifted", "full", "biased", "limited", "grid_line",
+    "cone_reach",
+    # an intrinsic has the name `texel` too
+    *(name for name in TECHNIQUES if name != "texel"),
 }  # fmt: skip
 
 
@@ -800,7 +801,7 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
     """Of a map that is not there, neither a read nor the texture is in the program."""
     whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
-    lacking = without(replace(whole, distance=None), *kinds.get(what, (what,)))
+    lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
     for material, there in ((whole, True), (lacking, False)):
         module = program_of(Object(material)).module
         # what both engines print: it is given the map, and the rest that reading takes, or nothing
@@ -814,8 +815,18 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
 def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() -> None:
     material = sample("tiles", 16)
     names = functions(Object(material, shape="sphere"), "phong")
-    assert {"sphere", "phong"} <= names
-    assert not {"plane", "box", "cylinder", "ggx", "smith", "trowbridge_reitz"} & names
+    assert {"intersect_sphere", "phong"} <= names
+    assert (
+        not {
+            "intersect_plane",
+            "intersect_box",
+            "intersect_cylinder",
+            "ggx",
+            "smith",
+            "trowbridge_reitz",
+        }
+        & names
+    )
 
 
 def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:

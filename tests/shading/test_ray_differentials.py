@@ -9,10 +9,10 @@ import pytest
 
 from basrelief.lang import IVec2, Mat3, Vec2, Vec3
 from basrelief.lang.frontend import analyse
-from basrelief.scene.cameras import look
+from basrelief.scene.cameras import look_at
 from basrelief.shading import pixel as pixels
 from basrelief.shading.camera import primary_ray
-from basrelief.shading.intersection import Placement, footprint_at, meet
+from basrelief.shading.intersection import Placement, footprint_at, intersect
 from basrelief.shading.ray_differentials import Footprint, level_of_detail, transferred
 from basrelief.shading.variant import Variant
 from helpers.plain_python import pixel_in_python
@@ -72,13 +72,13 @@ def test_the_shaders_are_in_the_subset(function) -> None:
 def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, placed, tiling) -> None:
     matrix, origin = (np.eye(3), np.zeros(3)) if placed == "as it is" else (TRANSFORM, ORIGIN)
     eye = matrix @ EYE + origin
-    camera = look(list(eye), list(matrix @ TARGET + origin), **CAMERAS[lens])
+    camera = look_at(list(eye), list(matrix @ TARGET + origin), **CAMERAS[lens])
     shift = np.array([0.25, -0.5])
     found = 0
     for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
         placed_at = placement(tiling, shift, matrix, tuple(origin))
         ray = primary_ray(camera, Vec2(x, y))
-        met = meet(ray, placed_at, Variant())
+        met = intersect(ray, placed_at, Variant())
         if not met.found:
             continue
         found += 1
@@ -100,11 +100,11 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
 @pytest.mark.parametrize("name", ["box", "sphere", "cylinder"])
 def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
     """Against the same shader's uv half a pixel to each side: 2 % where the surface is curved."""
-    camera = look((1.2, 1.0, 2.0), (0, 0, 0), size=(400, 300), field_of_view=40.0)
+    camera = look_at((1.2, 1.0, 2.0), (0, 0, 0), size=(400, 300), field_of_view=40.0)
     where = placement((3.0, -2.0), (0.0, 0.0), TRANSFORM)
 
     def met(x, y):
-        return meet(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
+        return intersect(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
 
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
         middle = met(x, y)

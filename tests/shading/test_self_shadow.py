@@ -11,7 +11,13 @@ from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene, directional
-from basrelief.shading.self_shadow import Shadowing, hard, hard_on_columns, soft, soft_on_columns
+from basrelief.shading.self_shadow import (
+    Shadowing,
+    hard_visibility,
+    hard_visibility_on_columns,
+    soft_visibility,
+    soft_visibility_on_columns,
+)
 from basrelief.techniques import Ray
 
 COLUMNS = 128
@@ -39,19 +45,23 @@ def test_the_shadow_of_a_wall_ends_where_the_light_passes_over_it(rise, height):
     texel = 1.0 / COLUMNS
     for u, lit in ((reach - 1.5 * texel, 0.0), (reach + 1.5 * texel, 1.0)):
         ray = to_light(Vec2(u, 0.5), height, Vec2(rise, 0.0))
-        assert hard(wall(), ray, FINE).share == lit
+        assert hard_visibility(wall(), ray, FINE).visibility == lit
 
 
 def test_on_the_far_side_a_wall_casts_nothing():
     ray = to_light(Vec2(0.6, 0.5), 0.0, Vec2(0.25, 0.0))
-    assert hard(wall(), ray, FINE).share == 1.0
-    assert soft(wall(), ray, FINE).share == 1.0
+    assert hard_visibility(wall(), ray, FINE).visibility == 1.0
+    assert soft_visibility(wall(), ray, FINE).visibility == 1.0
 
 
 def test_a_soft_shadow_is_darkest_at_the_wall():
     settings = Shadowing(shadow_steps=64, shadow_softness=2.0, shadow_offset=0.0)
     shares = [
-        float(soft(wall(), to_light(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings).share)
+        float(
+            soft_visibility(
+                wall(), to_light(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings
+            ).visibility
+        )
         for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
     ]
     assert shares == sorted(shares)
@@ -61,9 +71,9 @@ def test_a_soft_shadow_is_darkest_at_the_wall():
 
 def test_reads_are_counted_and_bounded():
     free = to_light(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
-    assert hard(wall(), free, Shadowing(shadow_steps=9)).reads == 9
+    assert hard_visibility(wall(), free, Shadowing(shadow_steps=9)).reads == 9
     blocked = to_light(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
-    assert hard(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
+    assert hard_visibility(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
 
 
 # --- the samples of a ray, one by one -------------------------------------------------------------
@@ -85,7 +95,7 @@ def posts(tops: dict[int, float]) -> HeightField:
     return HeightField([heights], "clamp")
 
 
-def reaching(kind, tops: dict[int, float], field=posts, **settings):
+def visibility_of(kind, tops: dict[int, float], field=posts, **settings):
     """The visibility, and the reads, of a ray past posts: 4 steps, softness 2, offset 0.05."""
     usual = {"shadow_steps": 4, "shadow_softness": 2.0, "shadow_offset": 0.05}
     ray = to_light(LEFT, START, ALONG)
@@ -112,19 +122,21 @@ def reaching(kind, tops: dict[int, float], field=posts, **settings):
 def test_a_soft_shadow_is_weighted_by_proximity(tops, darkest: float) -> None:
     """The visibility is 1 − softness · max of (height above the ray − offset) · (1 − k ÷ steps)."""
     for softness in (0.0, 0.5, 2.0, 4.0):
-        found = reaching(soft, tops, shadow_softness=softness)
-        assert found.share == pytest.approx(1.0 - softness * darkest, abs=1e-6)
+        found = visibility_of(soft_visibility, tops, shadow_softness=softness)
+        assert found.visibility == pytest.approx(1.0 - softness * darkest, abs=1e-6)
         assert found.reads == 4
     # never below 0
-    assert reaching(soft, tops, shadow_softness=64.0).share == (0.0 if darkest else 1.0)
+    assert visibility_of(soft_visibility, tops, shadow_softness=64.0).visibility == (
+        0.0 if darkest else 1.0
+    )
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.05, 0.15, 0.29])
 def test_a_hard_shadow_needs_more_than_the_offset(offset: float) -> None:
     """A post at the second of four samples, where the ray is at 0.6."""
     for top, visible, reads in ((0.599, 1.0, 4), (0.601, 0.0, 2)):
-        found = reaching(hard, {2: top + offset}, shadow_offset=offset)
-        assert (found.share, found.reads) == (visible, reads)
+        found = visibility_of(hard_visibility, {2: top + offset}, shadow_offset=offset)
+        assert (found.visibility, found.reads) == (visible, reads)
 
 
 def test_what_light_only_grazes_is_lit() -> None:
@@ -132,17 +144,17 @@ def test_what_light_only_grazes_is_lit() -> None:
     heights = np.zeros((3, 8), np.float32)
     heights[:, 4:] = 0.5
     ray = to_light(Vec2(0.4375, 0.5), 0.0, Vec2(0.25, 0.0))
-    grazing = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
-    assert grazing.share == 1.0
+    grazing = hard_visibility(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+    assert grazing.visibility == 1.0
     heights[:, 4:] = 0.501
-    higher = hard(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
-    assert higher.share == 0.0
+    higher = hard_visibility(HeightField([heights], "clamp"), ray, Shadowing(2, shadow_offset=0.0))
+    assert higher.visibility == 0.0
 
 
-@pytest.mark.parametrize("kind", [hard, soft])
+@pytest.mark.parametrize("kind", [hard_visibility, soft_visibility])
 def test_steps_are_held_to_what_a_light_may_take(kind) -> None:
     for steps, reads in ((-3, 1), (0, 1), (1, 1), (4096, 4096), (5000, 4096)):
-        assert reaching(kind, {}, shadow_steps=steps).reads == reads
+        assert visibility_of(kind, {}, shadow_steps=steps).reads == reads
 
 
 # --- boxes, one by one ----------------------------------------------------------------------------
@@ -193,20 +205,24 @@ def test_a_soft_shadow_of_boxes_is_weighted_by_proximity(tops, darkest) -> None:
         weighted = (tops[darkest] - START - 0.8 * entered - 0.05) * (1.0 - entered)
         assert weighted > 0.01
     for softness in (0.0, 0.5, 2.0):
-        found = reaching(soft_on_columns, tops, boxes, shadow_softness=softness, shadow_steps=1)
-        assert found.share == pytest.approx(1.0 - softness * weighted, abs=1e-6)
+        found = visibility_of(
+            soft_visibility_on_columns, tops, boxes, shadow_softness=softness, shadow_steps=1
+        )
+        assert found.visibility == pytest.approx(1.0 - softness * weighted, abs=1e-6)
         assert found.reads == 6
     # once it is dark nothing further is read
-    dark = reaching(soft_on_columns, tops, boxes, shadow_softness=64.0)
-    assert (dark.share, dark.reads) == ((1.0, 6) if darkest is None else (0.0, min(tops)))
+    dark = visibility_of(soft_visibility_on_columns, tops, boxes, shadow_softness=64.0)
+    assert (dark.visibility, dark.reads) == ((1.0, 6) if darkest is None else (0.0, min(tops)))
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.05, 0.15])
 def test_a_hard_shadow_of_boxes_needs_more_than_the_offset(offset: float) -> None:
     """By the third box, which the ray enters at a height of 0.2 + 0.8 · 0.46875 = 0.575."""
     for top, visible, reads in ((0.5749, 1.0, 6), (0.5751, 0.0, 3)):
-        found = reaching(hard_on_columns, {3: top + offset}, boxes, shadow_offset=offset)
-        assert (found.share, found.reads) == (visible, reads)
+        found = visibility_of(
+            hard_visibility_on_columns, {3: top + offset}, boxes, shadow_offset=offset
+        )
+        assert (found.visibility, found.reads) == (visible, reads)
 
 
 def test_the_last_box_before_the_top_counts() -> None:
@@ -216,7 +232,10 @@ def test_the_last_box_before_the_top_counts() -> None:
     ray = to_light(Vec2(0.25 - 0.92 * 0.2, 0.5 - 0.96 * 0.3), 0.0, Vec2(0.2, 0.3))
     for offset, visible in ((0.035, 0.0), (0.045, 1.0)):
         settings = Shadowing(shadow_offset=offset)
-        assert hard_on_columns(HeightField([heights], "clamp"), ray, settings).share == visible
+        assert (
+            hard_visibility_on_columns(HeightField([heights], "clamp"), ray, settings).visibility
+            == visible
+        )
 
 
 def picture(shadows: str, azimuth: float, device: str = "cpu"):
@@ -252,7 +271,7 @@ def test_a_program_without_shadows_has_none_in_it():
     obj = Object(sample("bricks", 16))
     without = print_wgsl(program_of(obj).module, "wrap")
     within = print_wgsl(program_of(obj, Scene((obj,), shadows="soft")).module, "wrap")
-    for word in ("self_shadow_visibility", "Reaching", "shadow_steps"):
+    for word in ("self_shadow_visibility", "LightVisibility", "shadow_steps"):
         assert word not in without
         assert word in within
 

@@ -17,19 +17,19 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed, point, spot
-from basrelief.scene.cameras import look
+from basrelief.scene.cameras import look_at
 from basrelief.shading.brdf import Shading
-from basrelief.shading.camera import primary_ray, seen_from
+from basrelief.shading.camera import primary_ray, projected
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
 from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import drawn, map_of, plain, rays
+from helpers.synthetic import drawn, map_of, rays, uniform_material
 
 SIDE = 512
 MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
 LOOK = {"shading": MATTE, "shading_model": "phong", "background": None}
 ABOVE = LookAt((0.0, 6.0, 2.5), orthographic_height=2.4)
-FLOOR = Object(plain(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
+FLOOR = Object(uniform_material(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
 
 MIDDLE, WIDTH = np.array([0.1, 0.45, -0.05]), 0.5
 """Of the ball and the box that stand above the floor."""
@@ -85,7 +85,7 @@ def texel(light: Light) -> float:
 
 
 def standing(shape: str, **options) -> Object:
-    return Object(plain(), shape=shape, transform=placed(MIDDLE, WIDTH), **options)
+    return Object(uniform_material(), shape=shape, transform=placed(MIDDLE, WIDTH), **options)
 
 
 @pytest.mark.parametrize("name", LIGHTS)
@@ -110,7 +110,10 @@ def test_all_other_objects_cast_shadows() -> None:
     """Two balls over a floor, each with a shadow of its own, in whatever order."""
     light = LIGHTS["directional"]
     other = np.array([-0.7, 0.3, 0.25])
-    balls = (standing("sphere"), Object(plain(), "sphere", transform=placed(other, WIDTH)))
+    balls = (
+        standing("sphere"),
+        Object(uniform_material(), "sphere", transform=placed(other, WIDTH)),
+    )
     for objects in ((FLOOR, *balls), (*balls[::-1], FLOOR)):
         reaching, met, bright = share(objects, light)
         floor = bright & (np.abs(met[..., 1]) < 1e-3)
@@ -130,7 +133,7 @@ def test_a_shadow_falls_on_the_displaced_point(shadows_on: str) -> None:
     steps = {"min_steps": 8, "max_steps": 8}
     floor = replace(
         FLOOR,
-        material=plain(height=0.5),
+        material=uniform_material(height=0.5),
         technique="parallax_occlusion",
         settings=steps,
         scale=2.0 * DEEP,
@@ -170,7 +173,7 @@ def test_a_raised_relief_casts_a_shadow() -> None:
         edge="clamp",
         transform=LYING,
     )
-    shelf = Object(plain(), transform=placed((0.0, 0.15, 0.0)) @ LYING)
+    shelf = Object(uniform_material(), transform=placed((0.0, 0.15, 0.0)) @ LYING)
     camera = LookAt((0.0, 3.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=0.6)
     # from the right at 45 degrees: dark from 0.15 left of the ridge to the ridge
     light = directional(90.0, 45.0)
@@ -193,7 +196,7 @@ def test_nothing_shadows_itself(name: str) -> None:
     """No acne: where no object stands before another, all is as bright as without shadows."""
     light = LIGHTS[name]
     ball = standing("sphere")
-    away = Object(plain(), shape="box", transform=placed((1.5, 0.3, -0.8), 0.3))
+    away = Object(uniform_material(), shape="box", transform=placed((1.5, 0.3, -0.8), 0.3))
     reaching, _, bright = share((ball, away), light, camera=ABOVE)
     assert bright.mean() > 0.01
     np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
@@ -202,7 +205,7 @@ def test_nothing_shadows_itself(name: str) -> None:
 def test_what_lies_in_one_plane_casts_nothing_on_itself() -> None:
     """A floor and a sheet in it, lit at 37° to the floor: within a texel of the depth map the floor
     comes 1.33 texels closer to the light."""
-    sheet = Object(plain(), transform=placed((0.3, 0.0, -0.2)) @ LYING)
+    sheet = Object(uniform_material(), transform=placed((0.3, 0.0, -0.2)) @ LYING)
     reaching, _, bright = share((FLOOR, sheet), directional(25.0, 37.0), shadow_map_size=64)
     assert bright.mean() > 0.5
     np.testing.assert_allclose(reaching[bright], 1.0, atol=1e-6)
@@ -215,7 +218,9 @@ def test_a_sheet_casts_a_shadow_on_a_floor_two_texels_below(texels: float, visib
 
     def sheet(height: float) -> Object:
         """Two units wide and 1.6 deep, over the floor."""
-        return Object(plain(), transform=placed((0.2, height, 0.0), (2.0, 1.0, 1.6)) @ LYING)
+        return Object(
+            uniform_material(), transform=placed((0.2, height, 0.0), (2.0, 1.0, 1.6)) @ LYING
+        )
 
     (view,) = light_views(Scene((FLOOR, sheet(0.3)), lights=(light,), shadow_map_size=32))
     texel = float(np.linalg.norm([*view.camera.right]))
@@ -278,7 +283,7 @@ def test_the_views_of_a_light_see_all_that_it_lights(light: Light, side: int) ->
             continue
         seen = []
         for view in views:
-            at = seen_from(view.camera, vector(place))
+            at = projected(view.camera, vector(place))
             inside = min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5
             seen.append(bool(at.z > 0.0 and inside))
         assert any(seen), place
@@ -287,12 +292,12 @@ def test_the_views_of_a_light_see_all_that_it_lights(light: Light, side: int) ->
 @pytest.mark.parametrize("side", [16, 1024])
 def test_what_reaches_furthest_is_seen_too(side: int) -> None:
     """The ends of a long bar along a side of the depth map."""
-    bar = Object(plain(), shape="box", transform=placed(scale=(4.0, 0.1, 0.1)))
-    small = Object(plain(), shape="box", transform=placed(scale=0.1))
+    bar = Object(uniform_material(), shape="box", transform=placed(scale=(4.0, 0.1, 0.1)))
+    small = Object(uniform_material(), shape="box", transform=placed(scale=0.1))
     scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map_size=side)
     (view,) = light_views(scene)
-    for place in bar.outline():
-        at = seen_from(view.camera, vector(place))
+    for place in bar.bounding_points():
+        at = projected(view.camera, vector(place))
         assert min(at.x, at.y) >= 0.5
         assert max(at.x, at.y) < side - 0.5
 
@@ -311,13 +316,13 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
 def test_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
     """A relief that stands 2 · 1.5 above a polygon of 0.5 × 0.4."""
     tower = Object(
-        plain(height=1.0), technique="relief", scale=2.0, reference_height=0.0,
+        uniform_material(height=1.0), technique="relief", scale=2.0, reference_height=0.0,
         transform=LYING @ placed(scale=(0.5, 0.4, 1.5)),
     )  # fmt: skip
-    small = Object(plain(), shape="box", transform=placed(scale=0.1))
+    small = Object(uniform_material(), shape="box", transform=placed(scale=0.1))
     views = light_views(Scene((tower, small), lights=(light,), shadow_map_size=side))
     for x, y, z in itertools.product((-0.25, 0.25), (0.0, 3.0), (-0.2, 0.2)):
-        seen = [seen_from(view.camera, vector((x, y, z))) for view in views]
+        seen = [projected(view.camera, vector((x, y, z))) for view in views]
         assert any(
             at.z > 0.0 and min(at.x, at.y) >= 0.5 and max(at.x, at.y) < side - 0.5 for at in seen
         )
@@ -325,7 +330,9 @@ def test_raised_reliefs_are_seen_too(light: Light, side: int) -> None:
 
 def test_views_are_no_wider_than_they_have_to_be() -> None:
     """All around a floor of 4 × 4 and a box of one: a ball of √8 around the middle."""
-    box = Object(plain(), shape="box", transform=placed((0.0, 0.1, 0.0), (0.2, 0.2, 0.2)))
+    box = Object(
+        uniform_material(), shape="box", transform=placed((0.0, 0.1, 0.0), (0.2, 0.2, 0.2))
+    )
     radius, side = math.hypot(2.0, 2.0, 0.1), 256
 
     def half_angle(light: Light) -> float:
@@ -343,8 +350,8 @@ def test_views_are_no_wider_than_they_have_to_be() -> None:
 
 @pytest.mark.parametrize(("angle", "count"), [(99.0, 1), (101.0, 6)])
 def test_beyond_a_hundred_degrees_a_light_has_six_views(angle: float, count: int) -> None:
-    box = Object(plain(), shape="box")
-    objects = (box, Object(plain(), shape="box", transform=placed(scale=0.5)))
+    box = Object(uniform_material(), shape="box")
+    objects = (box, Object(uniform_material(), shape="box", transform=placed(scale=0.5)))
 
     def views(light: Light) -> int:
         return len(light_views(Scene(objects, lights=(light,), shadow_map_size=4096)))
@@ -372,30 +379,30 @@ PLACES = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
     st.floats(0.1, 20.0),
 )
 def test_what_a_ray_meets_is_seen_where_the_ray_began(eye, target, parallel, at, distance) -> None:
-    """`seen_from` is `primary_ray` the other way round."""
+    """`projected` is `primary_ray` the other way round."""
     away = np.subtract(target, eye)
     across = np.hypot(away[0], away[2])
     if across < 0.3:
         target = (eye[0] + 1.0, eye[1], eye[2])
     lens = {"orthographic_height": 2.0} if parallel else {"field_of_view": 50.0}
-    camera = look(eye, target, size=(64, 40), **lens)
+    camera = look_at(eye, target, size=(64, 40), **lens)
     ray = primary_ray(camera, Vec2(*at))
     place = np.array([*ray.origin], np.float64) + distance * np.array([*ray.direction])
-    seen = seen_from(camera, vector(place))
+    seen = projected(camera, vector(place))
     # a place of about 10 is known to 1e-6, a pixel 0.05 wide, or 0.02 at a distance of 1
     blur = 2e-3 + 1e-3 / min(distance, 1.0)
     np.testing.assert_allclose([seen.x, seen.y], at, atol=blur)
     assert float(seen.z) == pytest.approx(distance, rel=1e-5, abs=1e-5)
     behind = np.array([*ray.origin], np.float64) - distance * np.array([*ray.direction])
-    assert seen_from(camera, vector(behind)).z < 0.0
+    assert projected(camera, vector(behind)).z < 0.0
 
 
 # --- one position against one depth map -----------------------------------------------------------
 
 FIRST, MAP = (3, 2), 8
 """Where in a sheet of depth maps a view's own begins, and its texels a side."""
-PARALLEL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), orthographic_height=1.6)
-CENTRAL = look((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), field_of_view=30.0)
+PARALLEL = look_at((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), orthographic_height=1.6)
+CENTRAL = look_at((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), size=(MAP, MAP), field_of_view=30.0)
 """Views down the z axis: of texels 0.2 wide, and of some that widen with the distance."""
 
 
@@ -482,10 +489,10 @@ def test_without_other_objects_or_shadows_there_is_no_code_for_them() -> None:
         return print_wgsl(program.module, program.edge)
 
     for without in (text(obj, shadows="hard"), text(obj, other)):
-        for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
+        for word in ("shadow_map_visibility", "ShadowMapView", "projected", "distances"):
             assert word not in without
     within = text(obj, other, shadows="hard")
-    for word in ("shadow_map_visibility", "ShadowMapView", "seen_from", "distances"):
+    for word in ("shadow_map_visibility", "ShadowMapView", "projected", "distances"):
         assert word in within
 
 

@@ -16,23 +16,23 @@ from basrelief.lang.types import leaf_values
 from basrelief.shading.shapes import (
     FAR,
     Chart,
+    ShapeIntersection,
     ShapeRay,
-    SurfacePoint,
-    ball,
-    box,
     chart,
-    cylinder,
-    nothing,
-    plane,
-    shape,
-    shell_depth,
-    slab,
-    sphere,
+    intersect_box,
+    intersect_cylinder,
+    intersect_plane,
+    intersect_shape,
+    intersect_sphere,
+    max_shell_distance,
+    no_intersection,
+    slab_interval,
+    sphere_interval,
 )
 from basrelief.shading.variant import Variant
 
-SHAPES = [plane, box, sphere, cylinder]
-SOLIDS = [box, sphere, cylinder]
+SHAPES = [intersect_plane, intersect_box, intersect_sphere, intersect_cylinder]
+SOLIDS = [intersect_box, intersect_sphere, intersect_cylinder]
 
 
 def on_sphere(u, v):
@@ -55,17 +55,17 @@ def on_bottom(u, v):
 
 
 PATCHES = {
-    "plane": (plane, lambda u, v: (u - 0.5, 0.5 - v, 0)),
-    "box front": (box, lambda u, v: (u - 0.5, 0.5 - v, 0.5)),
-    "box back": (box, lambda u, v: (0.5 - u, 0.5 - v, -0.5)),
-    "box right": (box, lambda u, v: (0.5, 0.5 - v, 0.5 - u)),
-    "box left": (box, lambda u, v: (-0.5, 0.5 - v, u - 0.5)),
-    "box top": (box, on_top),
-    "box bottom": (box, on_bottom),
-    "sphere": (sphere, on_sphere),
-    "cylinder side": (cylinder, on_cylinder),
-    "cylinder top": (cylinder, lambda u, v: on_top(0.5 + math.pi * (u - 0.5), v)),
-    "cylinder bottom": (cylinder, lambda u, v: on_bottom(0.5 + math.pi * (u - 0.5), v)),
+    "plane": (intersect_plane, lambda u, v: (u - 0.5, 0.5 - v, 0)),
+    "box front": (intersect_box, lambda u, v: (u - 0.5, 0.5 - v, 0.5)),
+    "box back": (intersect_box, lambda u, v: (0.5 - u, 0.5 - v, -0.5)),
+    "box right": (intersect_box, lambda u, v: (0.5, 0.5 - v, 0.5 - u)),
+    "box left": (intersect_box, lambda u, v: (-0.5, 0.5 - v, u - 0.5)),
+    "box top": (intersect_box, on_top),
+    "box bottom": (intersect_box, on_bottom),
+    "sphere": (intersect_sphere, on_sphere),
+    "cylinder side": (intersect_cylinder, on_cylinder),
+    "cylinder top": (intersect_cylinder, lambda u, v: on_top(0.5 + math.pi * (u - 0.5), v)),
+    "cylinder bottom": (intersect_cylinder, lambda u, v: on_bottom(0.5 + math.pi * (u - 0.5), v)),
 }
 """Each patch of each shape: P(u, v) in float64, written from the conventions."""
 
@@ -91,15 +91,20 @@ def cast(surface, origin, direction):
     return surface(ShapeRay(Vec3(*origin), Vec3(*direction)))
 
 
+def kind_of(surface) -> str:
+    """The shape that a shader intersects."""
+    return surface.name.removeprefix("intersect_")
+
+
 def laid(surface, point):
     """How the texture lies on a shape at a point of it."""
-    return chart(point.position, point.normal, Variant(shape=surface.name))
+    return chart(point.position, point.normal, Variant(shape=kind_of(surface)))
 
 
 def is_sound(surface, point):
     """Every number finite, the normal of unit length, the derivatives of some."""
     lies = laid(surface, point)
-    assert np.isfinite([float(x) for x in leaf_values(point, SurfacePoint)]).all()
+    assert np.isfinite([float(x) for x in leaf_values(point, ShapeIntersection)]).all()
     assert np.isfinite([float(x) for x in leaf_values(lies, Chart)]).all()
     assert np.linalg.norm(a(point.normal)) == pytest.approx(1, abs=1e-6)
     assert np.linalg.norm(a(lies.along_u)) > 1e-5
@@ -121,14 +126,21 @@ def outward(patch, position):
 @pytest.mark.parametrize("surface", SHAPES)
 def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(surface):
     analyse(surface)
-    variant = Variant(shape=surface.name)
+    variant = Variant(shape=kind_of(surface))
     ray = ShapeRay(Vec3(0.1, 0.2, 3), Vec3(0, 0, -1))
-    assert shape(ray, variant).found
-    assert shape(ray, variant) == surface(ray)
-    assert names_in(shape, variant) & {each.name for each in SHAPES} == {surface.name}
-    charts = {"plane": "square", "box": "square", "sphere": "globe", "cylinder": "barrel"}
+    assert intersect_shape(ray, variant).found
+    assert intersect_shape(ray, variant) == surface(ray)
+    assert names_in(intersect_shape, variant) & {each.name for each in SHAPES} == {surface.name}
+    charts = {
+        "plane": "plane_chart",
+        "box": "plane_chart",
+        "sphere": "sphere_chart",
+        "cylinder": "cylinder_chart",
+    }
     # a cap of the cylinder lies as a face of the box does
-    wanted = {charts[surface.name]} | ({"square"} if surface is cylinder else set())
+    wanted = {charts[kind_of(surface)]} | (
+        {"plane_chart"} if surface is intersect_cylinder else set()
+    )
     assert names_in(chart, variant) & {*charts.values()} == wanted
 
 
@@ -178,25 +190,25 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
 @pytest.mark.parametrize(
     ("surface", "origin", "uv"),
     [
-        (plane, (-0.5, 0.5, 2), (0, 0)),
-        (plane, (0.25, 0.5, 2), (0.75, 0)),
-        (plane, (-0.5, -0.25, 2), (0, 0.75)),
-        (box, (-0.4, 0.3, 2), (0.1, 0.2)),
-        (box, (2, 0.3, 0.4), (0.1, 0.2)),
-        (box, (0.4, 0.3, -2), (0.1, 0.2)),
-        (box, (-2, 0.3, -0.4), (0.1, 0.2)),
-        (box, (-0.4, 2, -0.3), (0.1, 0.2)),
-        (box, (-0.4, -2, 0.3), (0.1, 0.2)),
-        (sphere, (0, 0, 2), (0.5, 0.5)),
-        (sphere, (2, 0, 0), (0.75, 0.5)),
-        (sphere, (-2, 0, 0), (0.25, 0.5)),
-        (sphere, (0, 0.25, 2), (0.5, 1 / 3)),
-        (sphere, (0, 2, 0), (0.5, 0)),
-        (sphere, (0, -2, 0), (0.5, 1)),
-        (cylinder, (0, 0.25, 2), (0.5, 0.25)),
-        (cylinder, (2, -0.25, 0), (0.75, 0.75)),
-        (cylinder, (-0.1, 2, -0.3), (0.5 - 0.1 / math.pi, 0.2)),
-        (cylinder, (-0.1, -2, 0.3), (0.5 - 0.1 / math.pi, 0.2)),
+        (intersect_plane, (-0.5, 0.5, 2), (0, 0)),
+        (intersect_plane, (0.25, 0.5, 2), (0.75, 0)),
+        (intersect_plane, (-0.5, -0.25, 2), (0, 0.75)),
+        (intersect_box, (-0.4, 0.3, 2), (0.1, 0.2)),
+        (intersect_box, (2, 0.3, 0.4), (0.1, 0.2)),
+        (intersect_box, (0.4, 0.3, -2), (0.1, 0.2)),
+        (intersect_box, (-2, 0.3, -0.4), (0.1, 0.2)),
+        (intersect_box, (-0.4, 2, -0.3), (0.1, 0.2)),
+        (intersect_box, (-0.4, -2, 0.3), (0.1, 0.2)),
+        (intersect_sphere, (0, 0, 2), (0.5, 0.5)),
+        (intersect_sphere, (2, 0, 0), (0.75, 0.5)),
+        (intersect_sphere, (-2, 0, 0), (0.25, 0.5)),
+        (intersect_sphere, (0, 0.25, 2), (0.5, 1 / 3)),
+        (intersect_sphere, (0, 2, 0), (0.5, 0)),
+        (intersect_sphere, (0, -2, 0), (0.5, 1)),
+        (intersect_cylinder, (0, 0.25, 2), (0.5, 0.25)),
+        (intersect_cylinder, (2, -0.25, 0), (0.75, 0.75)),
+        (intersect_cylinder, (-0.1, 2, -0.3), (0.5 - 0.1 / math.pi, 0.2)),
+        (intersect_cylinder, (-0.1, -2, 0.3), (0.5 - 0.1 / math.pi, 0.2)),
     ],
 )
 def test_axis_parallel_rays_meet_the_uv_of_the_conventions(surface, origin, uv):
@@ -232,7 +244,7 @@ def test_nothing_is_found_behind_the_ray_or_beside_the_shape(surface):
             cast(surface, away * 3 + aside * 0.9, -away),
         ):
             assert not point.found
-            assert point == nothing()
+            assert point == no_intersection()
 
 
 @pytest.mark.parametrize("surface", SOLIDS)
@@ -244,13 +256,13 @@ def test_nothing_is_found_from_inside(surface):
 
 
 def test_the_plane_is_seen_from_the_front_and_within_its_edges_alone():
-    assert cast(plane, (0.2, 0.1, 1), (0, 0, -1)).found
-    assert not cast(plane, (0.2, 0.1, -1), (0, 0, 1)).found
-    assert not cast(plane, (0.2, 0.1, 1), (0, 0, 1)).found
-    assert not cast(plane, (0.2, 0.1, 1), (1, 0, 0)).found
-    assert not cast(plane, (0.501, 0.1, 1), (0, 0, -1)).found
-    assert not cast(plane, (0.2, -0.501, 1), (0, 0, -1)).found
-    assert cast(plane, (-0.499, 0.499, 1), (0, 0, -1)).found
+    assert cast(intersect_plane, (0.2, 0.1, 1), (0, 0, -1)).found
+    assert not cast(intersect_plane, (0.2, 0.1, -1), (0, 0, 1)).found
+    assert not cast(intersect_plane, (0.2, 0.1, 1), (0, 0, 1)).found
+    assert not cast(intersect_plane, (0.2, 0.1, 1), (1, 0, 0)).found
+    assert not cast(intersect_plane, (0.501, 0.1, 1), (0, 0, -1)).found
+    assert not cast(intersect_plane, (0.2, -0.501, 1), (0, 0, -1)).found
+    assert cast(intersect_plane, (-0.499, 0.499, 1), (0, 0, -1)).found
 
 
 @pytest.mark.parametrize("surface", SOLIDS)
@@ -262,7 +274,7 @@ def test_the_outline_is_where_it_should_be(surface):
 
 
 def test_a_grazing_ray_touches_the_sphere_near_its_edge():
-    point = cast(sphere, (-5, 0.4999, 0), (1, 0, 0))
+    point = cast(intersect_sphere, (-5, 0.4999, 0), (1, 0, 0))
     assert point.found
     assert point.position.y == pytest.approx(0.4999, abs=1e-5)
     assert point.position.x == pytest.approx(-math.sqrt(0.25 - 0.4999**2), abs=1e-3)
@@ -271,9 +283,9 @@ def test_a_grazing_ray_touches_the_sphere_near_its_edge():
 def test_far_away_the_sphere_and_the_cylinder_keep_their_digits():
     # the textbook's discriminant has an error of 0.1 here
     depth = math.sqrt(0.25 - 0.3**2 - 0.2**2)
-    point = cast(sphere, (0.3, 0.2, 1000), (0, 0, -1))
+    point = cast(intersect_sphere, (0.3, 0.2, 1000), (0, 0, -1))
     np.testing.assert_allclose(a(point.position), (0.3, 0.2, depth), atol=2e-4)
-    point = cast(cylinder, (0.3, 0.2, 1000), (0, 0, -1))
+    point = cast(intersect_cylinder, (0.3, 0.2, 1000), (0, 0, -1))
     np.testing.assert_allclose(a(point.position), (0.3, 0.2, 0.4), atol=2e-4)
 
 
@@ -309,16 +321,16 @@ def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surfa
 @pytest.mark.parametrize("away", [(0.0, 1e-5), (1e-6, 0.0), (0.0, 0.0), (-3e-4, 2e-4)])
 @pytest.mark.parametrize("pole", [1, -1])
 def test_the_poles_of_the_sphere_have_a_frame(pole, away):
-    point = cast(sphere, (away[0], 2 * pole, away[1]), (0, -pole, 0))
+    point = cast(intersect_sphere, (away[0], 2 * pole, away[1]), (0, -pole, 0))
     assert point.found
-    is_sound(sphere, point)
-    lies = laid(sphere, point)
+    is_sound(intersect_sphere, point)
+    lies = laid(intersect_sphere, point)
     assert lies.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
     assert a(lies.along_u) @ a(lies.along_v) == pytest.approx(0, abs=1e-5)
     assert np.cross(a(point.normal), a(lies.along_u)) @ -a(lies.along_v) > 0
 
 
-@pytest.mark.parametrize("surface", [sphere, cylinder])
+@pytest.mark.parametrize("surface", [intersect_sphere, intersect_cylinder])
 def test_u_runs_to_its_ends_at_the_back_and_stays_within(surface):
     for x in (-1e-3, -1e-6, 1e-6, 1e-3):
         u = laid(surface, cast(surface, (x, 0.1, -3), (0, 0, 1))).uv.x
@@ -326,12 +338,12 @@ def test_u_runs_to_its_ends_at_the_back_and_stays_within(surface):
         assert u == pytest.approx(0 if x < 0 else 1, abs=1e-3)
 
 
-@pytest.mark.parametrize("surface", [box, cylinder])
+@pytest.mark.parametrize("surface", [intersect_box, intersect_cylinder])
 def test_no_ray_slips_through_an_edge(surface):
     rng = np.random.default_rng(10)
     for turn in rng.uniform(0, 2 * math.pi, 100):
         edge = np.array((math.sin(turn), 1.0, math.cos(turn))) * 0.5
-        if surface is box:
+        if surface is intersect_box:
             square = 0.5 / max(abs(edge[0]), abs(edge[2]))
             edge *= (square, 1, square)
         view = edge * (1, 0, 1) + np.array((0.0, rng.uniform(0.1, 2.0), 0.0))
@@ -344,17 +356,17 @@ def test_no_ray_slips_through_an_edge(surface):
 
 
 def test_intervals_inside_the_slab_and_the_ball():
-    within = slab(0.25, -2.0)
-    assert (within.enter, within.leave) == (-0.125, 0.375)
-    still = slab(0.25, 0.0)
-    assert still.enter < -1e10
-    assert still.leave > 1e10
-    through = ball(Vec3(0, 0.3, 2), Vec3(0, 0, -0.5))
-    assert through.enter == pytest.approx(3.2, abs=1e-5)
-    assert through.leave == pytest.approx(4.8, abs=1e-5)
-    leaving = ball(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
-    assert leaving.enter == pytest.approx(-4.8, abs=1e-5)
-    assert leaving.leave == pytest.approx(-3.2, abs=1e-5)
+    within = slab_interval(0.25, -2.0)
+    assert (within.t_enter, within.t_exit) == (-0.125, 0.375)
+    still = slab_interval(0.25, 0.0)
+    assert still.t_enter < -1e10
+    assert still.t_exit > 1e10
+    through = sphere_interval(Vec3(0, 0.3, 2), Vec3(0, 0, -0.5))
+    assert through.t_enter == pytest.approx(3.2, abs=1e-5)
+    assert through.t_exit == pytest.approx(4.8, abs=1e-5)
+    leaving = sphere_interval(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
+    assert leaving.t_enter == pytest.approx(-4.8, abs=1e-5)
+    assert leaving.t_exit == pytest.approx(-3.2, abs=1e-5)
 
 
 # --- where rays leave, and come into a shell around -----------------------------------------------
@@ -363,9 +375,9 @@ def test_intervals_inside_the_slab_and_the_ball():
 def size_of(surface, place):
     """Half the width of the shape of the same kind that a place is on."""
     x, y, z = place
-    if surface is box:
+    if surface is intersect_box:
         return np.abs(place).max()
-    return max(math.hypot(x, z), abs(y)) if surface is cylinder else np.linalg.norm(place)
+    return max(math.hypot(x, z), abs(y)) if surface is intersect_cylinder else np.linalg.norm(place)
 
 
 def rays_at(radius, count, seed):
@@ -394,7 +406,7 @@ def test_a_ray_is_in_the_shape_until_it_leaves(surface):
     assert 20 < met < 60
 
 
-@pytest.mark.parametrize("surface", [sphere, cylinder])
+@pytest.mark.parametrize("surface", [intersect_sphere, intersect_cylinder])
 @pytest.mark.parametrize("raised", [0.02, 0.3])
 def test_no_ray_is_longer_in_a_shell_before_it_meets_the_shape(surface, raised):
     """On the side of a cylinder, around it, as on a sphere; all but along it that is the way."""
@@ -404,11 +416,11 @@ def test_no_ray_is_longer_in_a_shell_before_it_meets_the_shape(surface, raised):
         point = cast(surface, origin, direction)
         enter = 3.0 - math.sqrt((0.5 + raised) ** 2 - offset**2)
         longest = max(longest, float(point.distance) - enter)
-    most = float(shell_depth(raised, Variant(shape=surface.name)))
+    most = float(max_shell_distance(raised, Variant(shape=kind_of(surface))))
     assert longest <= most + 1e-6
     assert longest == pytest.approx(most, abs=0.02)
 
 
 def test_a_plane_has_no_inside():
-    assert cast(plane, (0.2, 0.1, 1.0), (0.1, 0.0, -1.0)).t_exit == FAR
-    assert shell_depth(0.4, Variant(shape="plane")) == FAR
+    assert cast(intersect_plane, (0.2, 0.1, 1.0), (0.1, 0.0, -1.0)).t_exit == FAR
+    assert max_shell_distance(0.4, Variant(shape="plane")) == FAR

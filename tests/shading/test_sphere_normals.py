@@ -7,9 +7,9 @@ import pytest
 
 from basrelief.lang import Mat3, Vec2, Vec3
 from basrelief.shading.camera import CameraRay
-from basrelief.shading.intersection import Meeting, Placement
+from basrelief.shading.intersection import Intersection, Placement
 from basrelief.shading.pixel import shading_point
-from basrelief.shading.shapes import FAR, ShapeRay, globe
+from basrelief.shading.shapes import FAR, ShapeRay, sphere_chart
 from basrelief.shading.surfaces.surface import Surface
 from basrelief.shading.tangent_frame import tangent_frame
 from basrelief.shading.variant import Variant
@@ -23,9 +23,11 @@ def drawn_normal(latitude: float, along_u: float, along_v: float, variant: Varia
     """The normal that is lit, of heights that rise by so much over a tile along u and v."""
     y, ring = np.sin(np.radians(latitude)), np.cos(np.radians(latitude))
     normal = Vec3(0.6 * ring, y, 0.8 * ring)
-    lies = globe(normal)
+    lies = sphere_chart(normal)
     frame = tangent_frame(normal, lies.along_u / TILES[0], lies.along_v / TILES[1])
-    met = Meeting(True, 2.0, FAR, Vec2(0.0), frame, Vec3(0, 0, 1), ShapeRay(normal, -normal), 1.0)
+    met = Intersection(
+        True, 2.0, FAR, Vec2(0.0), frame, Vec3(0, 0, 1), ShapeRay(normal, -normal), 1.0
+    )
     # as normals are made from heights, for square texels and a range of SCALE tile widths
     leaning = Vec3(-SCALE * along_u, SCALE * along_v, 1.0)
     surface = Surface(Vec3(1.0), 1.0, leaning, 1.0, 1.0, 0.0, Vec3(0.0))

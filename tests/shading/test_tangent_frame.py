@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from basrelief.lang import Vec2, Vec3
 from basrelief.lang.frontend import analyse
-from basrelief.shading.shapes import ShapeRay, chart, shape
+from basrelief.shading.shapes import ShapeRay, chart, intersect_shape
 from basrelief.shading.tangent_frame import (
-    Frame,
+    TangentFrame,
     aspect,
     from_tangent,
     tangent_frame,
@@ -43,7 +43,7 @@ def unit(vector) -> np.ndarray:
     return np.asarray(vector, np.float64) / np.linalg.norm(vector)
 
 
-def columns(frame: Frame) -> np.ndarray:
+def columns(frame: TangentFrame) -> np.ndarray:
     """Tangent, bitangent and normal as the columns of a matrix."""
     return np.stack([a(frame.tangent), a(frame.bitangent), a(frame.normal)], 1)
 
@@ -65,7 +65,7 @@ def patches(draw):
     return normal, along_u, along_v, handedness
 
 
-def frame_from(normal, along_u, along_v) -> Frame:
+def frame_from(normal, along_u, along_v) -> TangentFrame:
     return tangent_frame(Vec3(*normal), Vec3(*along_u), Vec3(*along_v))
 
 
@@ -109,7 +109,7 @@ def test_a_move_of_the_point_is_a_move_of_its_texture_coordinates(patch, x, y) -
     np.testing.assert_allclose(got, wanted, atol=1e-5 * max(1.0, float(aspect(frame))))
 
 
-def solved(frame: Frame, along_u, along_v, move) -> np.ndarray:
+def solved(frame: TangentFrame, along_u, along_v, move) -> np.ndarray:
     """The move of texture coordinates, by least squares in float64."""
     tangent, bitangent, _ = columns(frame).T
     moved = tangent * move[0] + bitangent * move[1]
@@ -171,7 +171,7 @@ def test_y_up_is_v_down() -> None:
 def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None:
     """No shape is mirrored by itself; a negative tiling of one axis mirrors it, of both not."""
     name, origin, direction = RAYS[where]
-    met = shape(ShapeRay(Vec3(*origin), Vec3(*direction)), Variant(shape=name))
+    met = intersect_shape(ShapeRay(Vec3(*origin), Vec3(*direction)), Variant(shape=name))
     assert met.found
     lies = chart(met.position, met.normal, Variant(shape=name))
     along_u, along_v = a(lies.along_u) / tiling[0], a(lies.along_v) / tiling[1]

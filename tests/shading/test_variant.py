@@ -12,7 +12,7 @@ from basrelief.material import sample
 from basrelief.rendering.programs import program_of, variant_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.variant import Variant
-from basrelief.viewer.printed import printed
+from basrelief.viewer.printed import program_library
 
 MENUS = {name: menu for name, (_, _, menu) in static_fields(Variant).items() if menu}
 """The values of each choice."""
@@ -52,7 +52,7 @@ def asked(condition: Any) -> Iterator[tuple[str, Any]]:
 @pytest.mark.parametrize("name", MENUS)
 def test_shaders_know_every_value_but_one(name: str) -> None:
     """That one is what is left; a value that no shader knows would be drawn as that, unnoticed."""
-    known = {pair for each in printed().library.conditions for pair in asked(each)}
+    known = {pair for each in program_library().library.conditions for pair in asked(each)}
     left = [value for value in MENUS[name] if (name, value) not in known]
     # that maps wrap or clamp is their own edge
     assert left == (["wrap", "clamp"] if name == "edge" else left[:1])

@@ -17,10 +17,10 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import sample
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import cone, displace, relaxed_cone
 from basrelief.techniques.cone import Cones, RelaxedCones
-from basrelief.techniques.cone_bake import LEAST, ROUNDING
+from basrelief.techniques.cone_bake import MIN_SLOPE, SLOPE_ROUNDING
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, Fan, flat_ray, maps, scattered
@@ -153,7 +153,7 @@ def test_the_margin_covers_what_webgpu_lets_a_device_lose() -> None:
     # the least slope at which a cone of that code is too wide
     true = (65535.0 / codes - 1.0) * (1.0 + 1e-9) + 1e-9
     slope = np.maximum(true * (1.0 - 1e-6) - 1e-7, 1e-10)
-    below = 1.0 + slope * (1.0 + ROUNDING) + LEAST
+    below = 1.0 + slope * (1.0 + SLOPE_ROUNDING) + MIN_SLOPE
     below -= np.spacing(below.astype(np.float32)) / 2.0
     quotient = 65535.0 / below
     quotient += 2.5 * np.spacing(quotient.astype(np.float32))
@@ -295,7 +295,7 @@ def first_of(name: str, edge: str, rays: bytes) -> np.ndarray:
     """Where many rays, (n, 4) of start and fall in float32, meet a map first."""
     each = np.frombuffer(rays, np.float32).reshape(-1, 4).astype(float)
     heights = np.asarray(maps()[name], np.float32)
-    return first_hits(heights, each[:, :2], each[:, 2:], edge).t
+    return intersect_height_field(heights, each[:, :2], each[:, 2:], edge).t
 
 
 def landed(
@@ -379,4 +379,6 @@ def test_cone_runs_in_plain_python() -> None:
     field, baked = HeightField([heights]), Texture([baking.cone_map(heights, "wrap")])
     uv, fall = np.array([[0.31, 0.64]], np.float32), np.array([[0.4, -0.2]], np.float32)
     hit = cone(field, baked, flat_ray(uv[0], fall[0]), Cones(64))
-    assert float(hit.height) == pytest.approx(first_hits(heights, uv, fall).height[0], abs=2e-5)
+    assert float(hit.height) == pytest.approx(
+        intersect_height_field(heights, uv, fall).height[0], abs=2e-5
+    )

@@ -18,7 +18,7 @@ from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
 from basrelief.material import sample
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.techniques import Nothing, exact
@@ -64,13 +64,13 @@ def rays(engine: Any, heights, edge: str, reach: float, size=(128, 128), seed: i
 def assert_exact(engine: Any, heights, edge: str, reach: float, **more: Any) -> None:
     heights = np.asarray(heights, np.float32)
     uv, fall, height, _ = rays(engine, heights, edge, reach, **more)
-    wanted = first_hits(heights, uv, fall, edge)
+    wanted = intersect_height_field(heights, uv, fall, edge)
     texels = np.linalg.norm(fall * heights.shape[::-1], axis=1)
     apart = ((1.0 - height) - wanted.t) * texels
     missed = np.flatnonzero(np.abs(apart) > LATE)
     # what is left must be a crest that rises above the ray by less than float32 can tell
     lowered = np.maximum(heights.astype(float) - BLUR, 0.0)
-    passed = first_hits(lowered, uv[missed], fall[missed], edge)
+    passed = intersect_height_field(lowered, uv[missed], fall[missed], edge)
     blurred = np.abs(((1.0 - height[missed]) - passed.t) * texels[missed]) <= 2 * LATE
     assert blurred.all(), f"{(~blurred).sum()} of {len(height)}, worst {apart.max():.3f} texels"
     assert len(missed) <= 1e-4 * len(height)
@@ -107,7 +107,7 @@ def test_rays_along_the_axes_and_straight_down(cpu) -> None:
         uv = random.random(2)
         hit = exact(field, baked, flat_ray(uv, fall), Nothing())
         at = np.array([*Vec2(*uv)], float), np.array([*Vec2(*fall)], float)
-        wanted = first_hits(heights, [at[0]], [at[1]])
+        wanted = intersect_height_field(heights, [at[0]], [at[1]])
         assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
 
 
@@ -118,7 +118,7 @@ def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
     hit = exact(field, baked, flat_ray((0.31, 0.64), fall), Nothing())
     uv = [float(np.float32(0.31)), float(np.float32(0.64))]
-    wanted = first_hits(heights, [uv], [[float(np.float32(f)) for f in fall]])
+    wanted = intersect_height_field(heights, [uv], [[float(np.float32(f)) for f in fall]])
     assert float(hit.height) == pytest.approx(wanted.height[0], abs=2e-5)
     assert hit.reads < 80
     assert hit.found
@@ -166,7 +166,7 @@ def test_on_each_level_it_is_exact_on_that_level(shape) -> None:
     uv = random.random((12, 2)).astype(np.float32)
     fall = (random.random((12, 2)) - 0.5).astype(np.float32)
     for level, of_level in enumerate(levels):
-        wanted = first_hits(of_level, uv, fall).height
+        wanted = intersect_height_field(of_level, uv, fall).height
         for k in range(12):
             ray = Ray(Vec2(*uv[k]), Vec2(*fall[k]), 1.0, 1.0, 0.5, lod=float(level))
             hit = exact(field, baked, ray, Nothing())

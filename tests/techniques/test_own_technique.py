@@ -42,7 +42,7 @@ class Sinking:
     depth_steps: int = setting(default=2, doc="how deep, in quarters", low=0, high=4)
 
 
-@technique(level=1.0)
+@technique(reference_height=1.0)
 def sink(field: HeightField, ray: Ray, settings: Sinking) -> Hit:
     """Follow the ray some quarters down, whatever the heights say."""
     height = 1.0 - 0.25 * float(settings.depth_steps)
@@ -116,7 +116,7 @@ def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
 
 
 def test_a_plain_shader_will_do(here: Path) -> None:
-    own(SINK.replace("@technique(level=1.0)", "@shader"))
+    own(SINK.replace("@technique(reference_height=1.0)", "@shader"))
     marked = drawn("my.py:sink", "--device", "cpu")
     own(SINK, "other.py")
     assert (marked == drawn("other.py:sink", "--device", "cpu")).all()
@@ -220,9 +220,9 @@ def test_no_such_name(name: str, here: Path) -> None:
 
 def test_no_technique(here: Path) -> None:
     wanted = "my.py: it does not mark sink; mark a technique with @technique()"
-    assert told(SINK.replace("@technique(level=1.0)\n", "")) == wanted
+    assert told(SINK.replace("@technique(reference_height=1.0)\n", "")) == wanted
     assert told("sink = 3") == wanted
-    assert told(SINK.replace("@technique(level=1.0)", "@slot")) == wanted
+    assert told(SINK.replace("@technique(reference_height=1.0)", "@slot")) == wanted
 
 
 def test_a_syntax_error(here: Path) -> None:

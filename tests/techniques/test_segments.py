@@ -12,7 +12,7 @@ from basrelief import baking
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import HeightField, IVec2, Texture, Vec2, shader, struct
 from basrelief.lang.program import Program
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.techniques import Nothing, cone, displace, exact, relaxed_cone, texel
 from basrelief.techniques.cone import Cones, RelaxedCones
 from basrelief.techniques.march import (
@@ -26,7 +26,7 @@ from basrelief.techniques.march import (
     steep,
 )
 from basrelief.techniques.offset import Offset, offset
-from basrelief.techniques.ray import Hit, Ray, at, fastest_fall, height_at, t_at
+from basrelief.techniques.ray import Hit, Ray, at, height_at, max_descent, t_at
 from basrelief.techniques.refine import Contact, Secant, contact, secant
 from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, flat_ray, maps, scattered
@@ -55,9 +55,9 @@ def test_from_nowhere_on_it_falls_faster_than_it_may(bend: float, drop: float) -
     height = 1.0 - drop * t - bend * t * (1 - t)
     falls = -np.diff(height) / np.diff(t)
     for k in range(100):
-        most = float(fastest_fall(ray, t[k]))
+        most = float(max_descent(ray, t[k]))
         assert falls[k:].max() <= most + 1e-5
-    assert falls.max() == pytest.approx(float(fastest_fall(ray, 0.0)), abs=0.05)
+    assert falls.max() == pytest.approx(float(max_descent(ray, 0.0)), abs=0.05)
 
 
 def test_a_height_is_where_it_says() -> None:
@@ -136,7 +136,7 @@ def firsts(rays: dict[str, np.ndarray], which: Any, heights: np.ndarray, edge: s
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1)[which] for name in ("uv", "travel")
     )
     falls = {name: rays[name][which] for name in ("height", "drop", "bend")}
-    return first_hits(heights, *pairs, edge, **falls)
+    return intersect_height_field(heights, *pairs, edge, **falls)
 
 
 def assert_exact(rays: dict[str, np.ndarray], heights, edge: str) -> int:
@@ -311,7 +311,7 @@ def test_parts_that_go_on_end_where_the_whole_way_does(technique, settings) -> N
     heights = (0.1 + 0.8 * np.exp(-(((x - 24) / 8) ** 2) - ((y - 14) / 9) ** 2)).astype(np.float32)
     for u in np.linspace(0.05, 0.6, 12):
         ray = flat_ray((u, 0.4), (0.5, 0.1), cosine=0.5)
-        wanted = first_hits(heights, [[u, 0.4]], [[0.5, 0.1]], "clamp").t[0]
+        wanted = intersect_height_field(heights, [[u, 0.4]], [[0.5, 0.1]], "clamp").t[0]
         hit, t = followed(technique, settings, heights, ray)
         assert hit.found
         # a step of a march, a fine one of contact; more exact where it is cut or proven

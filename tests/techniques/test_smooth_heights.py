@@ -13,10 +13,10 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.scene import LookAt, Object, Orbit, Scene
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import lod_seen
-from basrelief.techniques.height import STILL_LOWER, Smoothing, smooth
+from basrelief.shading.relief import height_lod
+from basrelief.techniques.height import LOWER_LEVELS, Smoothing, smooth
 from helpers.agreement import assert_engines_agree
-from helpers.made_up import bilinear, drawn, map_of, on_plane, plain
+from helpers.synthetic import bilinear, drawn, map_of, on_plane, uniform_material
 
 SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
 LEVELS = [
@@ -41,7 +41,7 @@ def between(uv, lod: float) -> float:
 def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) -> None:
     """H4: mix(seen, lower, saturate(|seen − lower| · fade))."""
     for uv in ((0.13, 0.41), (0.77, 0.02), (-0.3, 1.6)):
-        seen, lower = between(uv, lod), between(uv, lod + STILL_LOWER)
+        seen, lower = between(uv, lod), between(uv, lod + LOWER_LEVELS)
         share = min(abs(seen - lower) * fade, 1.0)
         wanted = seen + (lower - seen) * share
         found = smooth(FIELD, Vec2(*uv), np.float32(lod), np.float32(fade))
@@ -58,7 +58,7 @@ def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) 
 def test_the_level_is_that_of_the_pixel_and_lower(dx, dy, texels: float, bias: float) -> None:
     """H4: log2 of the longer side of the pixel in texels, at least 0, and the bias."""
     footprint = Footprint(Vec2(*dx), Vec2(*dy))
-    found = lod_seen(FIELD.filtered("smooth"), footprint, Smoothing(mip_bias=bias))
+    found = height_lod(FIELD.with_filter("smooth"), footprint, Smoothing(mip_bias=bias))
     assert float(found) == pytest.approx(math.log2(texels) + bias, abs=1e-5)
 
 
@@ -74,7 +74,7 @@ def relief(material: Material, **options) -> Object:
 
 
 def test_a_plane_of_one_height_stays_as_it_is() -> None:
-    material = plain(height=0.5)
+    material = uniform_material(height=0.5)
     level = Material("level", height=map_of(np.full((16, 16), 0.5)))
     for each in (material, level):
         smooth_, sharp = (
@@ -135,7 +135,7 @@ def test_sharp_heights_have_no_code_for_smooth_ones() -> None:
         print_wgsl(program_of(Object(material, heights=kind)).module, "wrap")
         for kind in ("sharp", "smooth")
     )
-    for word in ("height_between", "height_in", "smoothing.mip_bias"):
+    for word in ("lod_height", "level_height", "smoothing.mip_bias"):
         assert word not in sharp
         assert word in smooth_
 

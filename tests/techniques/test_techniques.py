@@ -21,12 +21,18 @@ from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound,
 from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.lang.types import leaf_values
-from basrelief.shading.intersection import Meeting, Placement
+from basrelief.shading.intersection import Intersection, Placement
 from basrelief.shading.ray_differentials import Footprint
-from basrelief.shading.relief import Intersection, ReliefParameters, displaced, move_of, relief_ray
+from basrelief.shading.relief import (
+    ReliefHit,
+    ReliefParameters,
+    offset_per_height,
+    relief_ray,
+    trace_relief,
+)
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shapes import FAR, ShapeRay
-from basrelief.shading.tangent_frame import Frame
+from basrelief.shading.tangent_frame import TangentFrame
 from basrelief.shading.variant import Variant
 from basrelief.techniques import (
     TECHNIQUES,
@@ -48,9 +54,9 @@ from basrelief.techniques import (
 )
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.march import (
-    MOST_READS,
+    MAX_READS,
     FixedLength,
-    Layers,
+    LastStep,
     March,
     Relief,
     Steps,
@@ -94,8 +100,10 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
         yield places
 
 
-def ray_of(uv=(0.31, 0.64), fall=(-0.25, 0.125), level: float = 1.0, cosine: float = 0.5) -> Ray:
-    return flat_ray(uv, fall, level, cosine)
+def ray_of(
+    uv=(0.31, 0.64), fall=(-0.25, 0.125), reference_height: float = 1.0, cosine: float = 0.5
+) -> Ray:
+    return flat_ray(uv, fall, reference_height, cosine)
 
 
 def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
@@ -170,21 +178,25 @@ def test_everything_is_tested_here() -> None:
 # --- the ray --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
-def test_the_level_is_the_height_on_the_polygon(level: float) -> None:
-    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), reference_height=level)
-    assert [*at(ray, t_at(ray, level))] == [0.25, 0.5]
+@pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
+def test_the_reference_height_is_the_height_on_the_polygon(reference_height: float) -> None:
+    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), reference_height=reference_height)
+    assert [*at(ray, t_at(ray, reference_height))] == [0.25, 0.5]
     np.testing.assert_allclose(
-        [*at(ray, 0.0)], [0.25 + 0.5 * (1 - level), 0.5 - 0.25 * (1 - level)]
+        [*at(ray, 0.0)], [0.25 + 0.5 * (1 - reference_height), 0.5 - 0.25 * (1 - reference_height)]
     )
-    np.testing.assert_allclose([*at(ray, 1.0)], [0.25 - 0.5 * level, 0.5 + 0.25 * level])
+    np.testing.assert_allclose(
+        [*at(ray, 1.0)], [0.25 - 0.5 * reference_height, 0.5 + 0.25 * reference_height]
+    )
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
-@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
-def test_marches_enter_at_the_top_plane_whatever_the_level(technique, steps, level) -> None:
-    """H6: below level 1 that is back along the ray, before the polygon."""
-    ray = ray_of(reference_height=level)
+@pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
+def test_marches_enter_at_the_top_plane_whatever_the_reference_height(
+    technique, steps, reference_height
+) -> None:
+    """H6: below a reference height of 1 that is back along the ray, before the polygon."""
+    ray = ray_of(reference_height=reference_height)
     with surface(level_surface(1.0)) as places:
         hit = technique(EMPTY, ray, steps(8))
     assert len(places) == 1
@@ -200,16 +212,16 @@ def test_marches_enter_at_the_top_plane_whatever_the_level(technique, steps, lev
     st.sampled_from([0.0, 0.5, 1.0]),
     st.tuples(st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
 )
-def test_every_technique_finds_a_plane(tenths: int, level: float, fall) -> None:
+def test_every_technique_finds_a_plane(tenths: int, reference_height: float, fall) -> None:
     """At heights where a layer of ten lies; all but `flat` get there, steep by stopping on it."""
     height = tenths / 10
     assume(max(map(abs, fall)) > 0.01)
-    ray = ray_of(fall=fall, reference_height=level)
+    ray = ray_of(fall=fall, reference_height=reference_height)
     for technique, settings in ((p.values[0], p.values[1]) for p in everywhere(10)):
         # just above the layer, so that rounding cannot put it below
         hit, _ = traced(technique, level_surface(height + 1e-5), ray, settings)
         if technique is flat:
-            assert_ends(hit, ray, level)
+            assert_ends(hit, ray, reference_height)
             assert hit.reads == 0
         else:
             assert_ends(hit, ray, height, 1e-4)
@@ -263,10 +275,10 @@ def test_by_default_steep_takes_ten_steps() -> None:
     assert Steps().steps == 10
 
 
-@pytest.mark.parametrize("count", [0, -3, MOST_READS + 1, 2**31 - 1])
+@pytest.mark.parametrize("count", [0, -3, MAX_READS + 1, 2**31 - 1])
 def test_a_march_takes_one_step_at_least_and_not_endlessly_many(count: int) -> None:
     hit, _ = traced(steep, level_surface(0.0), ray_of(), Steps(count))
-    assert hit.reads == (1 if count < 1 else MOST_READS)
+    assert hit.reads == (1 if count < 1 else MAX_READS)
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
@@ -292,9 +304,9 @@ def ramps(draw):
     slope_u, slope_v = (draw(st.floats(-1.5, 1.5)) for _ in range(2))
     uv, fall = (tuple(draw(st.floats(-0.6, 0.6)) for _ in range(2)) for _ in range(2))
     assume(max(map(abs, fall)) > 0.05)
-    level = draw(st.sampled_from([0.0, 0.5, 1.0]))
+    reference_height = draw(st.sampled_from([0.0, 0.5, 1.0]))
     met = draw(st.floats(0.12, 0.95))
-    ray = ray_of(uv, fall, level)
+    ray = ray_of(uv, fall, reference_height)
     u, v = place_on(ray, met)
 
     def ramp(x: float, y: float) -> float:
@@ -389,7 +401,7 @@ def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(0, 1))
 def test_interpolation_factors_stay_within_the_step(high, ground, before, low, step) -> None:
     """The chord lies between the last two layers, whatever the surface does."""
-    t = chord(Layers(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
+    t = chord(LastStep(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
     assert high - step - 1e-5 <= 1.0 - float(t) <= high + 1e-5
 
 
@@ -617,16 +629,20 @@ VIEWS = [
 ]
 
 
-def relief_ray_of(view, kind: str, scale: float, level: float = 0.5, bias=0.42, aspect=1.0) -> Ray:
+def relief_ray_of(
+    view, kind: str, scale: float, reference_height: float = 0.5, bias=0.42, aspect=1.0
+) -> Ray:
     """The ray that the whole pixel makes of a view vector in tangent space."""
-    met, depth = meeting(view, aspect), ReliefParameters(scale, level, bias)
+    met, depth = meeting(view, aspect), ReliefParameters(scale, reference_height, bias)
     return relief_ray(met, depth, scale, 0.0, 0.0, Variant(projection=kind))
 
 
-def meeting(view, aspect: float = 1.0) -> Meeting:
+def meeting(view, aspect: float = 1.0) -> Intersection:
     up, u = Vec3(0, 0, 1), Vec3(1, 0, 0)
-    frame = Frame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
-    return Meeting(True, 2.0, FAR, Vec2(0.31, 0.64), frame, Vec3(*view), ShapeRay(up, -up), 1.0)
+    frame = TangentFrame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
+    return Intersection(
+        True, 2.0, FAR, Vec2(0.31, 0.64), frame, Vec3(*view), ShapeRay(up, -up), 1.0
+    )
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -701,7 +717,7 @@ def test_limiting_divides_by_nothing() -> None:
 
     @shader
     def entry(at: IVec2, relief: ReliefParameters, variant: Variant) -> Ray:
-        travel = move_of(Vec3(float(at.x), 0.0, 1.0), relief.bias, variant)
+        travel = offset_per_height(Vec3(float(at.x), 0.0, 1.0), relief.bias, variant)
         return Ray(travel, travel, 1.0, 1.0, 1.0)
 
     def body(kind) -> str:
@@ -739,7 +755,7 @@ def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
     )
 
 
-def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> Intersection:
+def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> ReliefHit:
     """Where the whole pixel lets a view vector end that meets a relief."""
     variant = Variant(displaced=True, projection=kind)
     place = Placement(
@@ -747,7 +763,7 @@ def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full
     )
     small = Footprint(Vec2(0.0), Vec2(0.0))
     with bound({displace: technique}):
-        return displaced(
+        return trace_relief(
             EMPTY, UNBAKED, meeting(view), small, place, relief, Smoothing(), settings, Shadowing(),
             variant,
         )  # fmt: skip
@@ -759,17 +775,20 @@ def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full
 )
 @pytest.mark.parametrize("view", VIEWS)
 def test_the_projection_comes_before_every_technique(technique, settings, kind, bias, view) -> None:
-    """C9: on the plane of height 0.7 each ends at scale · (0.7 − level) along the travel chosen."""
+    """C9: on the plane of height 0.7 each ends at scale · (0.7 − reference_height) along the travel
+    chosen."""
     x, y, z = view
     travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
-    level = technique.reference_height
+    reference_height = technique.reference_height
     with surface(level_surface(0.7)):
-        end = ended(technique, settings, view, ReliefParameters(0.1, level, bias), kind)
-    height = level if technique is flat else 0.7
-    wanted = np.array([0.31, 0.64]) + 0.1 * (height - level) * np.array([x, -y]) * travel
+        end = ended(technique, settings, view, ReliefParameters(0.1, reference_height, bias), kind)
+    height = reference_height if technique is flat else 0.7
+    wanted = np.array([0.31, 0.64]) + 0.1 * (height - reference_height) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
     # the depth is that of the height, along the true ray
-    assert float(end.distance) == pytest.approx(2.0 + (level - height) * 0.1 / z, abs=2e-5)
+    assert float(end.distance) == pytest.approx(
+        2.0 + (reference_height - height) * 0.1 / z, abs=2e-5
+    )
 
 
 def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it() -> None:

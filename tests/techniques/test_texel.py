@@ -17,15 +17,15 @@ from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.lang.types import leaf_values
 from basrelief.material import Material
-from basrelief.measure.columns import first_column_hits
+from basrelief.measure.columns import intersect_columns
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import LookAt, Object, Scene, directional
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES, Nothing, texel
-from basrelief.techniques.columns import INSET, side_at
+from basrelief.techniques.columns import INSET, side_normal
 from basrelief.techniques.ray import Ray
-from helpers.made_up import drawn, map_of, on_plane, rays, unit
 from helpers.rays import Fan, flat_ray, scattered
+from helpers.synthetic import drawn, map_of, on_plane, rays, unit
 
 RANDOM = np.random.default_rng(5)
 MAPS = {
@@ -60,7 +60,7 @@ def columns(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
     uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
     fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
     hit = texel(field, Ray(uv, fall, 1.0, 1.0, 0.5), Nothing())
-    side = side_at(field, hit.uv, hit.height, fall)
+    side = side_normal(field, hit.uv, hit.height, fall)
     return Boxed(uv, fall, hit.uv, hit.height, hit.found, hit.reads, side)
 
 
@@ -78,7 +78,7 @@ def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dic
 def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
     heights = np.asarray(heights, np.float32)
     got = boxed_rays(engine, heights, edge, reach)
-    wanted = first_column_hits(heights, got["uv"], got["fall"], edge)
+    wanted = intersect_columns(heights, got["uv"], got["fall"], edge)
     texels = np.array(heights.shape[::-1])
     late = np.abs((1.0 - got["height"]) - wanted.t)
     moved = np.abs((got["met"] - wanted.uv) * texels).max(axis=1)
@@ -111,7 +111,7 @@ def test_the_ruler_can_fail() -> None:
     """Boxes are not met where the bilinear surface is, nor beyond the edge where tiles repeat."""
     heights = MAPS["steps"].astype(np.float32)
     got = boxed_rays(CpuEngine(), heights, "wrap", 0.8)
-    other = first_column_hits(heights, got["uv"], got["fall"], "clamp")
+    other = intersect_columns(heights, got["uv"], got["fall"], "clamp")
     assert (np.abs((1.0 - got["height"]) - other.t) > 1e-5).mean() > 0.1
 
 
@@ -121,11 +121,11 @@ WALL = np.array([[0.0, 0.0, 0.75, 0.75], [0.0, 0.0, 0.75, 0.75]], np.float32)
 """Low on the left, high on the right: a wall at u = ½, 4 × 2 texels."""
 
 
-def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", level: float = 1.0):
+def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", reference_height: float = 1.0):
     field = HeightField([heights], edge)
-    ray = flat_ray(uv, fall, level)
+    ray = flat_ray(uv, fall, reference_height)
     hit = texel(field, ray, Nothing())
-    side = side_at(field, hit.uv, hit.height, ray.travel)
+    side = side_normal(field, hit.uv, hit.height, ray.travel)
     return hit, tuple(float(n) for n in side)
 
 
@@ -161,12 +161,12 @@ def test_a_post_is_seen_from_four_sides(fall, side) -> None:
     assert faces == side
 
 
-@pytest.mark.parametrize("level", [0.0, 0.5])
-def test_the_level_is_where_the_ray_meets_the_polygon(level: float) -> None:
+@pytest.mark.parametrize("reference_height", [0.0, 0.5])
+def test_the_reference_height_is_where_the_ray_meets_the_polygon(reference_height: float) -> None:
     """The same ray, told from another of its heights."""
     one, _ = ended(WALL, (0.25, 0.5), (0.4, 0.1))
-    uv = (0.25 + 0.4 * (1 - level), 0.5 + 0.1 * (1 - level))
-    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=level)
+    uv = (0.25 + 0.4 * (1 - reference_height), 0.5 + 0.1 * (1 - reference_height))
+    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=reference_height)
     np.testing.assert_allclose([*other.uv, other.height], [*one.uv, one.height], atol=1e-6)
 
 
@@ -231,7 +231,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
     _, directions = rays(camera)
     shape = uv.shape[:2]
     start, fall = uv.reshape(-1, 2), fall_of(directions).reshape(-1, 2)
-    hits = first_column_hits(TOWN, start, fall, "clamp")
+    hits = intersect_columns(TOWN, start, fall, "clamp")
     normals = np.column_stack([hits.side * [1, -1], 1 - np.abs(hits.side).sum(1)])
     light = unit(towards)
     shade = np.maximum(normals @ light, 0.0)
@@ -239,7 +239,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
         # the way back from the light, from where it comes in at the top
         back = np.broadcast_to(fall_of(-light), fall.shape)
         before = hits.uv + hits.side * 1e-6
-        met = first_column_hits(TOWN, before - back * hits.t[:, None], back, "clamp")
+        met = intersect_columns(TOWN, before - back * hits.t[:, None], back, "clamp")
         shade = shade * (met.t >= hits.t - 1e-5)
     # within the polygon's outline, and where the ray ends too
     places = np.concatenate([start, hits.uv], axis=1)
@@ -298,8 +298,8 @@ def test_colours_are_whole_texels_near_by() -> None:
 def test_it_costs_other_techniques_nothing() -> None:
     """What is a box's is in no program but that of boxes."""
     names = (
-        "side_at(", "top_at(", "top_of(", "line_over(", "facing(normal: vec3f, slope: vec3f",
-        "pixelated(",
+        "side_normal(", "column_top_at(", "column_top(", "grid_line(", "pixelated(",
+        "shading_normal(normal: vec3f, relief_normal: vec3f",
     )  # fmt: skip
     for technique in TECHNIQUES.values():
         obj = town(technique=technique)

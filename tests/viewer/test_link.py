@@ -1,4 +1,4 @@
-"""Programs as the page's code puts them together, against the library's own `linked`."""
+"""Programs linked by the page's code, against the library's own `linked`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge
 from basrelief.techniques.cone_bake import Search, steepest
-from basrelief.viewer.printed import Printed, printed
+from basrelief.viewer.printed import ProgramLibrary, program_library
 from helpers.browser import SOFTWARE, chromium
 from helpers.linking import linked
 from helpers.variants import random_programs
@@ -25,53 +25,61 @@ LINK = """async ([address, programs, entry, choices]) => {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with chromium(SOFTWARE) as made:
-        yield made
+    with chromium(SOFTWARE) as opened:
+        yield opened
 
 
 @pytest.fixture(scope="module")
-def made() -> Printed:
-    return printed()
+def library() -> ProgramLibrary:
+    return program_library()
 
 
-def by_page(browser: Any, made: Printed, entry: str, choices: list[dict[str, Any]]) -> list[str]:
-    """The texts that `link.js` makes of an entry, by choices as a page has them."""
+def by_page(
+    browser: Any, library: ProgramLibrary, entry: str, choices: list[dict[str, Any]]
+) -> list[str]:
+    """The programs of an entry as `link.js` links them, one for each set of choices."""
     source = (files("basrelief.viewer") / "web" / "link.js").read_bytes()
     address = f"data:text/javascript;base64,{base64.b64encode(source).decode()}"
     page = browser.new_page()
     try:
-        return page.evaluate(LINK, [address, made.told(), entry, choices])
+        return page.evaluate(LINK, [address, library.to_dict(), entry, choices])
     finally:
         page.close()
 
 
-def test_the_page_makes_the_text_that_the_library_makes(browser: Any, made: Printed) -> None:
+def test_the_page_links_what_the_library_links(browser: Any, library: ProgramLibrary) -> None:
     picked = random_programs(60, 6)
-    texts = by_page(browser, made, "pixel", [told for told, _ in picked])
+    texts = by_page(browser, library, "pixel", [choices for choices, _ in picked])
     for (_, program), text in zip(picked, texts, strict=True):
-        assert text == linked(made.library, program)
+        assert text == linked(library.library, program)
     assert len(set(texts)) > 55
 
 
 @pytest.mark.parametrize("by_sector", [False, True])
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
-def test_a_bake_is_linked_too(browser: Any, made: Printed, edge: Edge, by_sector: bool) -> None:
-    told = {"map.edge": edge, "map.filter": "sharp", "by_sector": by_sector}
-    (text,) = by_page(browser, made, "steepest", [told])
+def test_a_bake_is_linked_too(
+    browser: Any, library: ProgramLibrary, edge: Edge, by_sector: bool
+) -> None:
+    choices = {"map.edge": edge, "map.filter": "sharp", "by_sector": by_sector}
+    (text,) = by_page(browser, library, "steepest", [choices])
     program = Program(steepest, edge=edge, variant=Search(by_sector))
-    assert text == linked(made.library, program)
+    assert text == linked(library.library, program)
 
 
-@pytest.mark.parametrize("name", ["fog", "map.edge"])
-def test_a_choice_that_a_page_lacks_is_an_error(browser: Any, made: Printed, name: str) -> None:
-    ((told, _),) = random_programs(1, 6)
-    del told[name]
+@pytest.mark.parametrize("name", ["fog_mode", "map.edge"])
+def test_a_choice_that_a_page_lacks_is_an_error(
+    browser: Any, library: ProgramLibrary, name: str
+) -> None:
+    ((choices, _),) = random_programs(1, 6)
+    del choices[name]
     with pytest.raises(Exception, match=f"the page chooses no {name}"):
-        by_page(browser, made, "pixel", [told])
+        by_page(browser, library, "pixel", [choices])
 
 
 @pytest.mark.parametrize("name", ["torus", "constructor"])
-def test_what_a_page_cannot_bind_is_an_error(browser: Any, made: Printed, name: str) -> None:
-    ((told, _),) = random_programs(1, 6)
+def test_what_a_page_cannot_bind_is_an_error(
+    browser: Any, library: ProgramLibrary, name: str
+) -> None:
+    ((choices, _),) = random_programs(1, 6)
     with pytest.raises(Exception, match="the page has no Settings as undefined"):
-        by_page(browser, made, "pixel", [{**told, "technique": name}])
+        by_page(browser, library, "pixel", [{**choices, "technique": name}])

@@ -1,4 +1,4 @@
-"""The viewer in a notebook: what Python sets is in the page, and the other way round."""
+"""The viewer in a notebook: settings are shared by page and Python."""
 
 from __future__ import annotations
 
@@ -104,12 +104,12 @@ def test_the_page_and_python_share_all_settings(viewer: Viewer) -> None:
 
 
 def _as_json(value: Any) -> Any:
-    """As it comes over the wire."""
+    """A value after transfer as JSON."""
     return json.loads(json.dumps(value))
 
 
-def _told(viewer: Viewer) -> dict[str, Any]:
-    """What the page is told, but for the page itself."""
+def _sent_state(viewer: Viewer) -> dict[str, Any]:
+    """The state that is sent to the page."""
     state = viewer.get_state()
     names = (*SHARED, "settings_of", "all_surface_parameters", "height")
     return _as_json({name: state[name] for name in names})
@@ -238,15 +238,15 @@ def test_what_is_read_is_a_copy(viewer: Viewer) -> None:
     assert viewer.surface_parameters["roughness"] == 1.0
 
 
-def test_what_the_page_says_wrong_is_told_back_and_the_rest_is_taken(
+def test_invalid_settings_of_the_page_are_sent_back(
     viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[Any] = []
-    monkeypatch.setattr(viewer, "send_state", lambda names: told.append(names))
+    sent: list[Any] = []
+    monkeypatch.setattr(viewer, "send_state", lambda names: sent.append(names))
     with pytest.raises(InputError, match="fade 5 to 1"):
         viewer.set_state({"fades": True, "fade": [5, 1], "scale": 0.03})
     assert (viewer.fades, viewer.fade, viewer.scale) == (True, (2.0, 4.0), 0.03)
-    assert told[-1] == ["fade"]
+    assert sent[-1] == ["fade"]
 
 
 def test_nothing_behind_stays_nothing(material: Material) -> None:
@@ -324,11 +324,11 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),
     ],
 )
-def test_what_cannot_be_is_told(viewer: Viewer, name: str, value: Any, line: str) -> None:
-    before = _told(viewer)
+def test_what_cannot_be_is_sent_state(viewer: Viewer, name: str, value: Any, line: str) -> None:
+    before = _sent_state(viewer)
     with pytest.raises(InputError, match=line):
         setattr(viewer, name, value)
-    assert _told(viewer) == before
+    assert _sent_state(viewer) == before
 
 
 @pytest.mark.parametrize(
@@ -340,7 +340,7 @@ def test_what_cannot_be_is_told(viewer: Viewer, name: str, value: Any, line: str
         ({"camera": LookAt((0.0, 0.0, 0.0))}, r"position and target are the same point"),
     ],
 )
-def test_what_makes_no_viewer_is_told(options: dict[str, Any], line: str) -> None:
+def test_what_makes_no_viewer_is_sent_state(options: dict[str, Any], line: str) -> None:
     with pytest.raises(InputError, match=line):
         Viewer("sample:bricks", **options)
 
@@ -354,7 +354,7 @@ def test_without_heights_there_is_only_flat(material: Material) -> None:
             setattr(bare, name, value)
 
 
-def test_what_the_page_cannot_draw_is_told(material: Material) -> None:
+def test_what_the_page_cannot_draw_is_sent_state(material: Material) -> None:
     two = Scene((Object(material), Object(material, shape="sphere")))
     with pytest.raises(InputError, match="has further objects, which the page does not draw"):
         Viewer(two)
@@ -374,20 +374,20 @@ def test_without_anywidget_a_line_says_what_to_install() -> None:
 
 
 class Shown:
-    """A viewer in a page that stands for a notebook, and what goes over the wire."""
+    """A viewer in a page that imitates a notebook, with its messages."""
 
     def __init__(self, browser: Any, viewer: Viewer) -> None:
         self.viewer = viewer
         options = {"viewport": {"width": 760, "height": 400}, "color_scheme": "no-override"}
         self.page = browser.new_page(**options)
         self.page.set_default_timeout(PATIENCE)
-        self.said: list[str] = []
-        self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.console: list[str] = []
+        self.page.on("console", lambda m: self.console.append(f"{m.type}: {m.text}"))
+        self.page.on("pageerror", lambda error: self.console.append(str(error)))
         parts = {
             "": ("text/html", NOTEBOOK),
             "widget.js": ("text/javascript", viewer._esm),
-            "state": ("application/json", json.dumps(_told(viewer))),
+            "state": ("application/json", json.dumps(_sent_state(viewer))),
             "page": ("application/octet-stream", viewer._page),
             "favicon.ico": ("image/png", b""),
         }
@@ -420,10 +420,10 @@ class Shown:
 
     def python(self, **settings: Any) -> None:
         """Set attributes, and pass on what has changed."""
-        before = _told(self.viewer)
+        before = _sent_state(self.viewer)
         for name, value in settings.items():
             setattr(self.viewer, name, value)
-        news = {k: v for k, v in _told(self.viewer).items() if v != before[k]}
+        news = {k: v for k, v in _sent_state(self.viewer).items() if v != before[k]}
         self.page.evaluate("news => model.receive(news)", news)
 
     def wait(self, condition: str, number: int = 0) -> None:
@@ -440,7 +440,7 @@ class Shown:
         frame = self.frame()
         frame.evaluate("([w, h]) => viewer.draw(w, h, 1)", list(SIZE))
         words = evaluate(frame, WORDS, "left")
-        frame.evaluate("viewer.heldSize = null")
+        frame.evaluate("viewer.fixedSize = null")
         return planes(words, SIZE, self.state("background"))
 
 
@@ -461,11 +461,11 @@ def opened(browser: Any, made: Viewer) -> Iterator[Shown]:
 def shown(opened: Shown, viewer: Viewer) -> Iterator[Shown]:
     """The page, as the viewer is at its start, and nobody at its picture."""
     opened.frame().evaluate("document.activeElement.blur()")
-    opened.page.evaluate("news => model.receive(news)", _told(viewer))
+    opened.page.evaluate("news => model.receive(news)", _sent_state(viewer))
     opened.wait("viewer.state.scale === 0.08 && viewer.state.technique === 'relief'")
     opened.page.evaluate("model.saved.splice(0)")
     yield opened
-    assert opened.said == []
+    assert opened.console == []
 
 
 def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
@@ -590,7 +590,9 @@ def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
         page.get_by_text("steep, scale 0.031").wait_for()
         # Python's, in the page
         page.get_by_label("The technique, from Python:").select_option("offset")
-        frame.wait_for_function("viewer.state.technique === 'offset' && viewer.state.level === 0.5")
+        frame.wait_for_function(
+            "viewer.state.technique === 'offset' && viewer.state.reference_height === 0.5"
+        )
         assert frame.evaluate("viewer.state.scale") == 0.031
         page.close()
 

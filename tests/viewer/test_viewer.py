@@ -21,7 +21,7 @@ from basrelief.cli import arguments
 from basrelief.errors import InputError
 from basrelief.images import encode_png, read_picture, srgb_encode, write_data
 from basrelief.material import Map, Material, sample
-from basrelief.material.conventions import read_name
+from basrelief.material.conventions import parse_name
 from basrelief.measure.debug import debug_picture
 from basrelief.measure.errors import errors, missed, overshoot
 from basrelief.measure.truth import truth
@@ -41,14 +41,14 @@ from basrelief.scene import (
     spot,
 )
 from basrelief.scene.presets import preset
-from basrelief.scene.views import FILLED
+from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.lights import DIRECTIONAL, SPOT
 from basrelief.techniques import TECHNIQUES
 from basrelief.viewer import Sources, write_view
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import place_of
 from basrelief.viewer.page import LARGEST
-from basrelief.viewer.shown import shown_scene
+from basrelief.viewer.shown import scene_from_state
 from basrelief.viewer.state import state_of
 from helpers.agreement import assert_agree
 from helpers.browser import PATIENCE, SOFTWARE, WORDS, chromium, evaluate, planes
@@ -79,43 +79,43 @@ def browser() -> Iterator[Any]:
 
 
 class Seen:
-    """A page that is open, and what it said and asked for."""
+    """An open page with its console messages and network requests."""
 
     def __init__(
         self, browser: Any, file: Path, hash: str = "", *, before: str = "", **options: Any
     ) -> None:
-        """Open `file`; `before` is run before anything of the page."""
+        """Open `file`; `before` runs before the page's own code."""
         options.setdefault("viewport", {"width": 760, "height": 400})
         self.page = browser.new_page(**options)
         self.page.set_default_timeout(PATIENCE)
-        self.said: list[str] = []
-        self.asked: list[str] = []
-        self.page.on("console", lambda m: self.said.append(f"{m.type}: {m.text}"))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.console: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", lambda m: self.console.append(f"{m.type}: {m.text}"))
+        self.page.on("pageerror", lambda error: self.console.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
         if before:
             self.page.add_init_script(before)
         self.page.goto(file.as_uri() + hash)
         self.page.wait_for_function("window.viewer && window.viewer.ready")
         self.page.evaluate("viewer.ready")
-        # one sample until a test asks for more: others would be drawn beside the tests
+        # one sample unless a test requests more
         self.page.evaluate("if (viewer.drawing) viewer.drawing.frames.limit = 1")
 
     def state(self, **changes: Any) -> None:
-        """Change what the page shows, as its panel does."""
+        """Change the state, as the panel does."""
         self.page.evaluate("changes => { Object.assign(viewer.state, changes) }", changes)
 
     def draw(self, samples: int = 1, size: tuple[int, int] = SIZE) -> None:
         self.page.evaluate("([w, h, n]) => viewer.draw(w, h, n)", [*size, samples])
 
     def frame(self, side: str = "left") -> Frame:
-        """The planes that were drawn last, as the library's frame."""
+        """The last drawn planes as a `Frame`."""
         self.draw()
         words = evaluate(self.page, WORDS, side)
         return planes(words, SIZE, self.page.evaluate("viewer.state.background"))
 
     def open(self, section: str) -> None:
-        """Unfold a section of the panel, whichever test had it open before."""
+        """Unfold a section of the panel."""
         self.page.evaluate(
             "id => { document.getElementById(id).open = true }", f"section-{section}"
         )
@@ -133,7 +133,7 @@ def seen(browser: Any, page_file: Path) -> Iterator[Seen]:
 
 @pytest.fixture
 def fresh(seen: Seen) -> Iterator[Seen]:
-    """The page as at its start, its panel folded as it was then; it says nothing on the console."""
+    """The page after a reset, its panel folded; it must leave the console empty."""
     seen.page.evaluate(
         """() => {
           document.getElementById("panel").replaceChildren();
@@ -141,9 +141,9 @@ def fresh(seen: Seen) -> Iterator[Seen]:
           return viewer.reset();
         }"""
     )
-    seen.said.clear()
+    seen.console.clear()
     yield seen
-    assert seen.said == []
+    assert seen.console == []
 
 
 def expected(material: Material, **options: Any) -> Frame:
@@ -160,11 +160,11 @@ def test_the_adapter_is_the_software_one(seen: Seen) -> None:
     assert info == ["google", "swiftshader"]
 
 
-def test_it_loads_without_a_word_and_without_the_network(browser: Any, page_file: Path) -> None:
+def test_it_loads_without_messages_and_network(browser: Any, page_file: Path) -> None:
     seen = Seen(browser, page_file)
     seen.draw()
-    assert seen.said == []
-    assert seen.asked == [page_file.as_uri()]
+    assert seen.console == []
+    assert seen.requests == [page_file.as_uri()]
     assert seen.text("#messages") == ""
     seen.page.close()
 
@@ -199,7 +199,7 @@ def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, techni
         technique=technique, reference_height=made.reference_height, projection=made.projection
     )
     assert_agree(expected(material, technique=technique), fresh.frame(), TEXELS)
-    assert fresh.said == []
+    assert fresh.console == []
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -234,13 +234,13 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
     assert shown.std() > 10.0
 
 
-def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> None:
+def test_missed_hits_are_those_of_the_measurement(fresh: Seen, material: Material) -> None:
     fresh.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
     fresh.draw()
-    found = fresh.page.evaluate("viewer.drawing.frames.found")
+    found = fresh.page.evaluate("viewer.drawing.frames.lastFigures")
     assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
     assert share > 0.05
 
@@ -252,9 +252,10 @@ def test_missed_hits_are_those_of_the_ruler(fresh: Seen, material: Material) -> 
 def test_colours_of_missed_hits_are_those_of_render_show(
     fresh: Seen, material: Material, technique: Any, projection: Any, edge: Any
 ) -> None:
-    """Passed by the overshoot along the true ray, and tiles go round only where they repeat."""
+    """Passed by the overshoot along the true ray; tiles wrap only where they repeat."""
     choices = {"technique": technique, "projection": projection, "edge": edge}
-    fresh.state(**choices, reference_height=1.0, show="missed")
+    choices["reference_height"] = 1.0
+    fresh.state(**choices, show="missed")
     fresh.draw()
     words = evaluate(
         fresh.page,
@@ -290,7 +291,7 @@ def test_missed_hits_are_against_the_finest_level(
     changes = {"technique": "parallax_occlusion", "heights": heights, "show": "missed"}
     fresh.state(**changes, tiling=[10, 10])
     fresh.draw()
-    figures = fresh.page.evaluate("viewer.drawing.frames.found")
+    figures = fresh.page.evaluate("viewer.drawing.frames.lastFigures")
     obj = Object(
         material,
         scale=0.08,
@@ -311,21 +312,21 @@ def test_cameras_are_pythons(seen: Seen) -> None:
         Orbit(-130.0, 89.0, 0.7),
         Orbit(10.0, 20.0, 3.0, orthographic_height=1.5),
     ):
-        made = plain(camera.camera(SIZE))
-        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        made = json_value(camera.camera(SIZE))
+        fields = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
         script = "async ([c, s]) => (await import('view/camera.js')).orbit(c, s)"
-        found = seen.page.evaluate(script, [told, SIZE])
+        found = seen.page.evaluate(script, [fields, SIZE])
         for name, value in made.items():
             np.testing.assert_allclose(found[name], value, rtol=2e-6, atol=1e-7, err_msg=name)
 
 
 def test_framing_is_pythons(seen: Seen, material: Material) -> None:
     for shape in SHAPES:
-        points = Object(material, shape=shape).outline()
+        points = Object(material, shape=shape).bounding_points()
         camera = Orbit(24.0, 32.0)
-        told = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+        fields = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
         script = "async ([c, p, s, f]) => (await import('view/camera.js')).framing(c, p, s, f)"
-        found = seen.page.evaluate(script, [told, points.tolist(), SIZE, FILLED])
+        found = seen.page.evaluate(script, [fields, points.tolist(), SIZE, FRAME_FILL])
         assert found == pytest.approx(camera.framing(points, SIZE).distance, rel=1e-6)
 
 
@@ -343,7 +344,7 @@ def test_smaller_levels_are_pythons(seen: Seen) -> None:
         level = textures.halved(level)
 
 
-OTHERWISE: dict[str, dict[str, Any]] = {
+VARIATIONS: dict[str, dict[str, Any]] = {
     "clamped": {"edge": "clamp", "shift": (0.4, 0.3), "shape": "box"},
     "clipped": {"edge": "clip", "technique": "parallax_occlusion"},
     "smooth": {"heights": "smooth", "tiling": (8.0, 8.0)},
@@ -380,7 +381,7 @@ def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tup
     """A page of a material that has every map, and a second layer."""
     material = _rich_material()
     file = tmp_path_factory.mktemp("rich") / "page.html"
-    obj = Object(material, layer=OTHERWISE["a layer"]["layer"], transform=LEANING)
+    obj = Object(material, layer=VARIATIONS["a layer"]["layer"], transform=LEANING)
     with no_stills():
         write_view(Scene((obj,), camera=CAMERA), file, device="cpu")
     made = Seen(browser, file)
@@ -409,10 +410,10 @@ def _rich_material() -> Material:
     )
 
 
-@pytest.mark.parametrize("way", OTHERWISE)
-def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str) -> None:
+@pytest.mark.parametrize("variation", VARIATIONS)
+def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], variation: str) -> None:
     seen, material = rich
-    options = dict(OTHERWISE[way])
+    options = dict(VARIATIONS[variation])
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
     standing = None if "shape" in options else LEANING
     obj = Object(material, **{"scale": 0.08, "transform": standing, **options})
@@ -424,14 +425,14 @@ def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], way: str)
 
 
 def _shown_as(seen: Seen, scene: Scene) -> None:
-    """Show a scene in the page of another: all that a page can change is as the scene has it."""
+    """Show a scene in the page of another, with all settings that a page can change."""
     state = state_of(scene, scene.objects[0])
     seen.page.evaluate("viewer.reset()")
     seen.state(**state)
     seen.page.evaluate("viewer.changed(true)")
 
 
-# --- what a person does --------------------------------------------------------------------------
+# --- interaction ------------------------------------------------------------------------------
 
 
 def test_a_slider_draws_anew_and_compiles_nothing(fresh: Seen) -> None:
@@ -518,20 +519,20 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     fresh.draw()
     fresh.open("camera")
     distance = page.get_by_label("distance", exact=True)
-    framed = CAMERA.framing(Object(material).outline(), SIZE).distance
+    framed = CAMERA.framing(Object(material).bounding_points(), SIZE).distance
     assert float(distance.input_value()) == pytest.approx(framed, rel=1e-3)
     page.get_by_label("camera azimuth", exact=True).fill("-40")
     page.get_by_label("field of view").last.fill("50")
     distance.fill("1.5")
     wanted = Orbit(-40.0, 32.0, 1.5, field_of_view=50.0)
     assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
-    # it goes on with the height that was seen
+    # the view height stays
     page.get_by_label("Orthographic").check()
     assert page.evaluate("document.activeElement.name") == "orthographic"
     page.wait_for_function("viewer.drawing.state?.camera.orthographic_height !== null")
-    seen_height = float(page.get_by_label("height seen", exact=True).input_value())
+    seen_height = float(page.get_by_label("view height", exact=True).input_value())
     assert seen_height == pytest.approx(3.0 * np.tan(np.radians(25.0)), rel=1e-3)
-    page.get_by_label("height seen", exact=True).fill("0.75")
+    page.get_by_label("view height", exact=True).fill("0.75")
     wanted = replace(wanted, orthographic_height=0.75)
     assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
     # a plane is not seen from behind
@@ -553,12 +554,12 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     assert rows.min() > 0
     assert columns.min() > 0
     filled = max(np.ptp(columns) / SIZE[0], np.ptp(rows) / SIZE[1])
-    assert filled == pytest.approx(FILLED, abs=0.03)
+    assert filled == pytest.approx(FRAME_FILL, abs=0.03)
     distance.fill("0.2")
     assert page.evaluate("viewer.state.camera.distance") > 0.5
     assert_agree(whole, replace(fresh.frame(), distance=whole.distance), TEXELS)
     page.get_by_label("Orthographic").uncheck()
-    # a camera that somebody put far away is not fetched by the wheel at once
+    # zooming from far away is gradual
     distance.fill("100")
     page.locator("#canvas").focus()
     page.keyboard.press("+")
@@ -605,9 +606,9 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
 
 
 def _type(page: Any, text: str) -> None:
-    """Types into a menu at 20 keys a second by the events' own clock, however long the page draws.
+    """Type into a menu at 20 keys a second by the events' timestamps.
 
-    By the real clock a slow machine would pause within a name, which starts another one.
+    By the real clock a slow machine would pause within a name, which starts a new one.
     """
     page.evaluate("() => { viewer.writing = 60_000; }")
     wire = page.context.new_cdp_session(page)
@@ -633,7 +634,7 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
         )
         if reached[-1] == "reset":
             break
-    # what is folded away is not in the way, and opens by key
+    # controls of folded sections are skipped; a key opens a section
     wanted = {"technique", "preset", "scale", "shape", "lights.0.azimuth", "add-light", "save"}
     assert wanted <= set(reached)
     assert "surface_parameters.standard.roughness" not in reached
@@ -641,14 +642,14 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.name") == "surface"
-    # what a button makes anew, or takes away, leaves the focus near by
+    # after a rebuild the focus is near the pressed button
     for id, wanted_id in (("add-light", "add-light"), ("remove-light-3", ""), ("reset", "reset")):
         page.locator(f"#{id}").focus()
         page.keyboard.press("Enter")
         at = page.evaluate("[document.activeElement.id, document.activeElement.tagName]")
         assert at == ([wanted_id, "BUTTON"] if wanted_id else ["", "SUMMARY"])
     page.locator("#section-surface select").first.focus()
-    # a name is written whole, whatever its letters choose on the way, and what it needs follows
+    # a name can be typed in full, and the controls follow
     page.locator("select[name=technique]").focus()
     _type(page, "offset limited")
     assert page.evaluate("viewer.state.technique") == "offset_limited"
@@ -656,7 +657,7 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
     after = page.evaluate("document.activeElement.getAttribute('aria-label')")
     assert after == "max offset, slider"
     page.locator("#section-surface select").first.focus()
-    # a menu by its letters keeps the focus, though the panel is made anew
+    # a menu keeps the focus when the panel is rebuilt
     _type(page, "landscape")
     page.evaluate("() => viewer.rebuildNow()")
     assert page.evaluate("[viewer.state.surface, document.activeElement.name]") == [
@@ -667,13 +668,13 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
 
 def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: Material) -> None:
     page = fresh.page
-    page.get_by_role("button", name="Add a light").click()
+    page.get_by_role("button", name="Add light").click()
     page.get_by_label("Light 3", exact=True).select_option("spot")
     for label, value in (("x", "0.4"), ("y", "0.9"), ("cone", "50"), ("intensity", "4")):
         page.get_by_label(f"light 3 {label}", exact=True).fill(value)
     page.get_by_label("light 3 color").fill("#ff8000")
     page.get_by_role("button", name="Remove light 1").click()
-    scene = shown_scene(page.evaluate("viewer.state"), Scene((Object(material),)))
+    scene = scene_from_state(page.evaluate("viewer.state"), Scene((Object(material),)))
     assert [int(each.kind) for each in scene.lights] == [DIRECTIONAL, SPOT]
     assert [*scene.lights[1].color] == pytest.approx([4.0, 0.8632, 0.0], abs=1e-3)
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
@@ -772,7 +773,7 @@ def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
     slider.focus()
     fresh.page.keyboard.press("ArrowLeft")
     assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(2.0, abs=0.05)
-    # a number may go beyond the slider, as far as the library goes
+    # a number may exceed the slider, up to the library's limit
     fresh.page.get_by_label("scale", exact=True).fill("3.5")
     assert fresh.page.evaluate("viewer.state.scale") == 3.5
     fresh.page.get_by_label("scale", exact=True).fill("30")
@@ -826,15 +827,15 @@ ODD: list[Any] = [
 
 
 @pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
-def test_an_odd_link_is_held_to_what_can_be(
+def test_an_invalid_link_is_clamped(
     fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch, odd: Any
 ) -> None:
     fresh.page.evaluate("odd => { location.hash = encodeURIComponent(JSON.stringify(odd)) }", odd)
     fresh.page.wait_for_function("viewer.hashesRead > 0")
     fresh.page.evaluate("viewer.hashesRead = 0")
     state = fresh.page.evaluate("viewer.state")
-    # what Python would refuse, or not survive, is not in it
-    scene = shown_scene(state, Scene((Object(material),)))
+    # the state is valid in Python
+    scene = scene_from_state(state, Scene((Object(material),)))
     assert scene.objects[0].relief_scale <= 10.0
     assert -1.0 < scene.objects[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))
@@ -848,7 +849,7 @@ def test_an_odd_link_is_held_to_what_can_be(
     assert "$(id)" not in " ".join(words)
     _scene_of_command(material, words[3:])
     assert fresh.page.locator("#panel select[name=technique]").count() == 1
-    assert fresh.said == []
+    assert fresh.console == []
     fresh.page.evaluate("history.replaceState(null, '', location.pathname)")
 
 
@@ -906,7 +907,7 @@ def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) ->
     scene = preset(name).scene(material, camera=CAMERA, shape="plane")
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, fresh.frame(), TEXELS)
-    # what is turned is that preset no more
+    # a changed setting clears the preset's name
     assert fresh.page.get_by_label("Preset").input_value() == name
     assert fresh.text("#about-preset") != ""
     fresh.page.get_by_label("reference height", exact=True).fill("0.3")
@@ -925,7 +926,7 @@ def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
 
     assert greyed(seen) == ["habrador"]
     why = seen.page.evaluate("viewer.data.presets.habrador.why")
-    assert why == "it lays stone over; make a page with --preset habrador"
+    assert why == "it has a layer of stone; make a page with --preset habrador"
     # a landscape with grass and stone, water and what is never reached
     noise = sample("noise", TEXELS)
     scene = preset("habrador").scene(noise, camera=CAMERA)
@@ -952,7 +953,7 @@ def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
 """
 
 
-def test_a_technique_of_ones_own_is_there(
+def test_a_users_technique_is_in_the_menu(
     browser: Any, tmp_path: Path, material: Material, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "own.py").write_text(OWN)
@@ -964,7 +965,7 @@ def test_a_technique_of_ones_own_is_there(
     seen = Seen(browser, tmp_path / "page.html")
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, seen.frame(), TEXELS)
-    # beside the library's own of that name
+    # next to the library's technique of that name
     assert seen.page.locator("select[name=technique]").input_value() == "steep_"
     assert "--technique own.py:steep " in seen.page.evaluate("viewer.text('command')")
     # a preset is named on such a page too
@@ -985,10 +986,10 @@ def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: 
     file = write_data(_place("other_heights.png"), pixels)
     seen.open("maps")
     seen.page.get_by_label("Channel").select_option("g")
-    seen.page.get_by_label("White is").select_option("depth")
+    seen.page.get_by_label("White").select_option("depth")
     _drop(seen, file)
-    seen.page.wait_for_function("viewer.mapSaid !== ''")
-    assert "other_heights.png: 64 × 64" in seen.text("#map-said")
+    seen.page.wait_for_function("viewer.mapMessage !== ''")
+    assert "other_heights.png: 64 × 64" in seen.text("#map-message")
     heights = (1.0 - codes[::-1] / np.float32(255.0)).astype(np.float32)[:, :, None]
     swapped = replace(material, height=Map(heights, False, "dropped"))
     assert_agree(expected(swapped), seen.frame(), TEXELS)
@@ -1002,10 +1003,7 @@ def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
     file.write_text("no picture")
     _drop(fresh, file)
     fresh.page.wait_for_function("document.getElementById('messages').textContent !== ''")
-    assert (
-        "notes.txt: its name says no map that the page takes; under “Maps”, drop it on"
-        in fresh.text("#messages")
-    )
+    assert "notes.txt: its name matches no map of the page; drop it on" in fresh.text("#messages")
     _drop(fresh, file, on="roughness")
     fresh.page.get_by_text("notes.txt: this is no picture").wait_for()
     assert np.array_equal(fresh.frame().color, before)
@@ -1020,23 +1018,23 @@ def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Mat
     _drop(fresh, file, on="roughness", event="dragover")
     assert row.get_attribute("class") == "map over"
     _drop(fresh, file, on="roughness")
-    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness, turned over')")
+    fresh.page.wait_for_function("viewer.mapMessage.endsWith('used as roughness, inverted')")
     assert fresh.page.locator(".map.over, .dropping").count() == 0
     assert "64 × 64" in row.text_content()
     assert "wall_gloss.png" in row.text_content()
     swapped = replace(material, roughness=Map(255 - codes, False, "dropped"))
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
     _drop(fresh, file, on="height")
-    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as heights')")
+    fresh.page.wait_for_function("viewer.mapMessage.endsWith('used as heights')")
     swapped = replace(swapped, height=Map(codes, False, "dropped"))
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
     # the panel comes before the name
     fresh.open("maps")
-    fresh.page.get_by_label("White is").select_option("height")
+    fresh.page.get_by_label("White").select_option("height")
     with fresh.page.expect_file_chooser() as waiting:
         fresh.page.get_by_role("button", name="Choose a picture for roughness").click()
     waiting.value.set_files(file)
-    fresh.page.wait_for_function("viewer.mapSaid.endsWith('used as roughness')")
+    fresh.page.wait_for_function("viewer.mapMessage.endsWith('used as roughness')")
     swapped = replace(swapped, roughness=Map(codes, False, "dropped"))
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
 
@@ -1054,15 +1052,15 @@ GONE: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("slot", GONE)
-def test_a_map_may_be_left_away(rich: tuple[Seen, Material], slot: str) -> None:
+def test_a_map_can_be_removed(rich: tuple[Seen, Material], slot: str) -> None:
     seen, material = rich
     _shown_as(seen, Scene((Object(material, scale=0.08, transform=LEANING),), camera=CAMERA))
     with_all = seen.frame().color
     seen.open("maps")
     row = seen.page.locator(f".map[data-slot={slot}]")
-    gone = seen.page.locator(f"#leave-{slot}")
+    gone = seen.page.locator(f"#remove-{slot}")
     if not gone.count():
-        # there is none: it comes first
+        # add a missing map first
         assert getattr(material, slot) is None
         pixels = np.full((TEXELS, TEXELS, 3), (128, 128, 255), np.uint8)
         pixels[:, ::2] = (200, 128, 230)
@@ -1070,7 +1068,7 @@ def test_a_map_may_be_left_away(rich: tuple[Seen, Material], slot: str) -> None:
         gone.wait_for()
     gone.focus()
     seen.page.keyboard.press("Enter")
-    seen.page.wait_for_function("viewer.mapSaid.startsWith('Drawn without')")
+    seen.page.wait_for_function("viewer.mapMessage.startsWith('Drawn without')")
     assert seen.page.evaluate("document.activeElement.id") == f"choose-{slot}"
     assert gone.count() == 0
     assert row.locator("canvas").count() == 0
@@ -1089,7 +1087,7 @@ def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material
     pixels = np.stack([3 * u, 3 * v, 0 * u + 90, 0 * u], -1).astype(np.uint8)
     # alpha that is the same everywhere says nothing
     _drop(fresh, write_data(_place("x_color.png"), pixels))
-    fresh.page.wait_for_function("viewer.mapSaid.includes('x_color')")
+    fresh.page.wait_for_function("viewer.mapMessage.includes('x_color')")
     color = Map(np.ascontiguousarray(pixels[:, :, :3]), True, "dropped")
     swapped = replace(material, base_color=color)
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
@@ -1097,27 +1095,27 @@ def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material
     # a cut-out in the alpha of a picture, by its name
     pixels[:, :, 3] = np.where((u // 8 + v // 8) % 2 == 0, 255, 60)
     _drop(fresh, write_data(_place("x_opacity.png"), pixels))
-    fresh.page.wait_for_function("viewer.mapSaid.includes('x_opacity')")
+    fresh.page.wait_for_function("viewer.mapMessage.includes('x_opacity')")
     alpha = Map(np.ascontiguousarray(pixels[:, :, 3:]), False, "dropped")
     assert_agree(expected(replace(swapped, opacity=alpha)), fresh.frame(), TEXELS)
 
 
-def test_what_went_wrong_stays(fresh: Seen) -> None:
+def test_errors_stay(fresh: Seen) -> None:
     files = []
     for k in range(5):
         files.append(_place(f"text{k}.txt"))
         files[-1].write_text("no picture")
     wide = write_data(_place("wide_color.png"), np.full((8, 24, 3), 90, np.uint8))
     _drop(fresh, *files, wide)
-    fresh.page.wait_for_function("viewer.mapSaid.includes('wide_color')")
+    fresh.page.wait_for_function("viewer.mapMessage.includes('wide_color')")
     said = fresh.text("#messages")
     for file in files:
-        assert f"{file.name}: its name says no map" in said
+        assert f"{file.name}: its name matches no map" in said
     assert "wide_color.png has other proportions" in said
     fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
 
 
-def test_what_is_pressed_is_there_when_it_is_let_go(fresh: Seen) -> None:
+def test_a_rebuild_waits_for_the_release_of_a_button(fresh: Seen) -> None:
     page = fresh.page
     page.locator("select[name=technique]").focus()
     _type(page, "par")
@@ -1176,7 +1174,7 @@ def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) ->
       const row = document.querySelector(`.map[data-slot=${slot}]`);
       const canvas = row.querySelector("canvas");
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-      return [canvas.width, canvas.height, data, row.querySelector(".told").innerText];
+      return [canvas.width, canvas.height, data, row.querySelector(".about").innerText];
     }"""
     for slot, name in (
         ("base_color", "base_color"), ("height", "height"), ("opacity", "opacity"),
@@ -1213,9 +1211,9 @@ def test_pictures_dropped_together_are_what_their_names_say(
     (folder / "notes.txt").write_text("no picture")
     fresh.open("maps")
     fresh.page.get_by_label("Pictures").set_input_files([folder / name for name in names])
-    fresh.page.get_by_text("notes.txt: its name says no map").wait_for()
-    fresh.page.wait_for_function("viewer.mapSaid.includes('gloss')")
-    assert fresh.text("#map-said").count("turned over") == 2
+    fresh.page.get_by_text("notes.txt: its name matches no map").wait_for()
+    fresh.page.wait_for_function("viewer.mapMessage.includes('gloss')")
+    assert fresh.text("#map-message").count("inverted") == 2
 
     def map_of(pixels: np.ndarray, srgb: bool = False) -> Map:
         return Map(np.ascontiguousarray(pixels), srgb, "dropped")
@@ -1227,10 +1225,10 @@ def test_pictures_dropped_together_are_what_their_names_say(
         roughness=map_of(255 - noise[:, ::-1, 1:2]),
     )
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
-    # what is copied cannot have them, and says so
+    # copied text cannot include them and says so
     fresh.page.get_by_role("button", name="Copy as command").click()
-    assert "The maps that were changed are not in it." in fresh.text("#copied")
-    # and all of it is taken back
+    assert "Changed maps are not included." in fresh.text("#copied")
+    # reset restores the maps
     fresh.page.get_by_role("button", name="Reset").click()
     assert_agree(expected(material), fresh.frame(), TEXELS)
 
@@ -1243,7 +1241,7 @@ def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path:
     assert seen.page.evaluate("viewer.state.technique") == "flat"
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
     _drop(seen, write_data(_place("plain_height.png"), ramp))
-    seen.page.wait_for_function("viewer.mapSaid !== ''")
+    seen.page.wait_for_function("viewer.mapMessage !== ''")
     assert seen.page.evaluate("viewer.state.technique") == "relief"
     assert seen.frame().reads.max() > 8
     seen.page.close()
@@ -1266,7 +1264,7 @@ def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
       return names.map((name) => meaningOf(name, viewer.data.names));
     }"""
     for name, found in zip(NAMES, seen.page.evaluate(script, NAMES), strict=True):
-        meaning = read_name(name.rsplit(".", 1)[0]).meaning
+        meaning = parse_name(name.rsplit(".", 1)[0]).meaning
         place, over = ("", False) if meaning is None else place_of(meaning)
         if not place:
             assert found is None, name
@@ -1278,7 +1276,7 @@ def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
 
 
 def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
-    """Drop files on the page, or on a map of its panel; or only hold them over it."""
+    """Drop files on the page or on a map of its panel, or drag them over it."""
     contents = [[each.name, base64.b64encode(each.read_bytes()).decode()] for each in files]
     script = """([contents, on, event]) => {
       const dataTransfer = new DataTransfer();
@@ -1292,7 +1290,7 @@ def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
     seen.page.evaluate(script, [contents, on, event])
 
 
-# --- how much is drawn at once --------------------------------------------------------------------
+# --- pacing ---------------------------------------------------------------------------------
 
 PACE = """async () => {
   const { Pace } = await import("view/pace.js");
@@ -1336,7 +1334,7 @@ def test_slow_frames_are_smaller_and_slow_answers_do_not_count(fresh: Seen) -> N
     found = fresh.page.evaluate(PACE)
     whole, half, eighth = [1000, 500], [500, 250], [125, 63]
     assert found["sizes"] == [whole, half, eighth, eighth, whole, whole, [812, 406], whole]
-    # what is drawn in 33 ms, in fours, and no less than four; four times more by and by
+    # what is drawn in 33 ms, in fours, and no less than four; growing by four times at most
     rows = [3300, 124, 4, 4, 16500, 16500, 328, 3300]
     assert found["rows"] == pytest.approx(rows, abs=4)
     assert found["at_once"] == [1, 1, 1, 1, 1, 7, 3, 1]
@@ -1347,8 +1345,8 @@ def test_slow_frames_are_smaller_and_slow_answers_do_not_count(fresh: Seen) -> N
 SLOW_ANSWERS = """
 const late = (made, name) => {
   const method = made.prototype[name];
-  made.prototype[name] = async function (...given) {
-    await method.apply(this, given);
+  made.prototype[name] = async function (...args) {
+    await method.apply(this, args);
     await new Promise((next) => setTimeout(next, 150));
   };
 };
@@ -1365,7 +1363,7 @@ MOVING = """async ([width, height]) => {
   const { frames } = viewer.drawing;
   let parts = 0;
   const sample = frames.sample.bind(frames);
-  frames.sample = (...given) => { parts += 1; return sample(...given); };
+  frames.sample = (...args) => { parts += 1; return sample(...args); };
   await viewer.draw(width, height, 8);
   const atRest = parts;
   let [most, sent] = [0, frames.count];
@@ -1397,7 +1395,7 @@ def test_a_browser_that_answers_late_draws_no_less(
     assert (most > 1) == clock
     assert sent > (6 if clock else 1)
     assert samples == 8
-    assert seen.said == []
+    assert seen.console == []
     seen.page.close()
 
 
@@ -1410,8 +1408,8 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
       // of two states
       frames.pace.speed = 1e-5;
       const told = [];
-      const hear = viewer.hear.bind(viewer);
-      viewer.hear = (news) => { if (news.figures) told.push(news.figures); hear(news); };
+      const hear = viewer.report.bind(viewer);
+      viewer.report = (news) => { if (news.figures) told.push(news.figures); hear(news); };
       const stamped = frames.stamped.bind(frames);
       let once = true;
       frames.stamped = async () => {
@@ -1431,7 +1429,7 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
       await new Promise((next) => setTimeout(next, 200));
       await viewer.draw(160, 90, 1);
       delete frames.stamped;
-      delete viewer.hear;
+      delete viewer.report;
       return told;
     }"""
     told = fresh.page.evaluate(script)
@@ -1447,8 +1445,8 @@ def test_what_is_left_again_while_it_compiles_is_in_no_picture(fresh: Seen) -> N
       const { drawing } = viewer;
       const wait = (ms) => new Promise((next) => setTimeout(next, ms));
       const side = drawing.side.bind(drawing);
-      drawing.side = async (...given) => {
-        const made = await side(...given);
+      drawing.side = async (...args) => {
+        const made = await side(...args);
         await wait(300);
         return made;
       };
@@ -1473,7 +1471,7 @@ def test_what_is_left_again_while_it_compiles_is_in_no_picture(fresh: Seen) -> N
     assert fresh.page.evaluate(script) == ["cylinder"]
 
 
-# --- what goes wrong -----------------------------------------------------------------------------
+# --- failures ---------------------------------------------------------------------------------
 
 
 def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) -> None:
@@ -1485,7 +1483,7 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     assert "steep:" in seen.text("#messages")
     seen.draw()
     assert "relief is still shown" in seen.text("#figures")
-    # it is neither compiled nor told again
+    # it is neither compiled nor reported again
     compiled = seen.page.evaluate("viewer.gpu.compiled")
     seen.state(scale=0.05)
     seen.draw()
@@ -1496,7 +1494,7 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
     seen.page.get_by_label("Technique", exact=True).select_option("relief")
     assert np.array_equal(seen.frame().color, before)
     assert "still shown" not in seen.text("#figures")
-    # beside the divider there is nothing, and no divider
+    # without a second picture there is no divider
     seen.page.get_by_label("Compare with").select_option("offset")
     seen.draw()
     assert seen.page.locator("#line").is_visible()
@@ -1514,10 +1512,10 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
 REFUSING = """
 const { requestAdapter } = GPU.prototype;
 window.asked = 0;
-GPU.prototype.requestAdapter = function (...given) {
+GPU.prototype.requestAdapter = function (...args) {
   window.asked += 1;
   if (window.asked <= TIMES) return Promise.reject(new DOMException("starting", "AbortError"));
-  return requestAdapter.apply(this, given);
+  return requestAdapter.apply(this, args);
 };
 """
 
@@ -1532,7 +1530,7 @@ def test_a_device_that_comes_late_is_waited_for(browser: Any, page_file: Path) -
 
 def test_without_an_adapter_there_are_the_stills(browser: Any, page_file: Path) -> None:
     seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "1e9"))
-    assert "does not have, or not switched on" in seen.text("#without")
+    assert "does not have or has not enabled" in seen.text("#without")
     assert "(starting)" in seen.text("#without")
     assert seen.page.locator("#stills img").first.is_visible()
     assert seen.page.locator("#panel").is_hidden()
@@ -1553,7 +1551,7 @@ def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
     page.add_init_script(
         """const ask = GPUAdapter.prototype.requestDevice;
         GPUAdapter.prototype.requestDevice = async function (given) {
-          const device = await ask.call(this, given);
+          const device = await ask.call(this, args);
           if (!window.lost) (window.lost = device).destroy();
           return device;
         };"""
@@ -1601,11 +1599,11 @@ def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> No
     assert file.read_text() == "mine"
 
 
-def test_what_the_page_cannot_draw_is_told(tmp_path: Path, material: Material) -> None:
+def test_scenes_that_the_page_cannot_draw_are_refused(tmp_path: Path, material: Material) -> None:
     two = Scene((Object(material), Object(material, shape="sphere")))
     with pytest.raises(InputError, match="has further objects, which the page does not draw"):
         write_view(two, tmp_path / "page.html", device="cpu")
-    with pytest.raises(InputError, match="nothing in the scene"):
+    with pytest.raises(InputError, match="the scene has no object"):
         write_view(Scene(()), tmp_path / "page.html", device="cpu")
 
 

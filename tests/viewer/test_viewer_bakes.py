@@ -80,14 +80,14 @@ def seen(opened: Seen) -> Seen:
           await viewer.reset();
           // some tests give the drawing maps that the page knows nothing of, and other heights, be
           // they the same, leave nothing baked
-          const { field, ...others } = viewer.began;
+          const { field, ...others } = viewer.original;
           await viewer.drawing.setMaps({ ...others, field: { ...field } });
-          await viewer.drawing.setMaps(viewer.began);
+          await viewer.drawing.setMaps(viewer.original);
           document.getElementById("messages").replaceChildren();
           await viewer.draw(160, 90, 1);
         }"""
     )
-    opened.said.clear()
+    opened.console.clear()
     return opened
 
 
@@ -157,7 +157,7 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
     wanted = table(bake, heights, edge, choose_device("cpu"), all_levels=whole)
     assert np.array_equal(found, wanted)
     assert shape == (1, 1) or len(np.unique(wanted)) > 3
-    assert seen.said == []
+    assert seen.console == []
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
@@ -184,8 +184,8 @@ MADE = "[...viewer.drawing.bakes.values()].flatMap((each) => [...each.tables.key
 def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
-    said = seen.page.text_content("#map-said")
-    assert said == "heights.png: 64 × 64 with 16 bits a channel, used as heights"
+    said = seen.page.text_content("#map-message")
+    assert said == "heights.png: 64 × 64 with 16 bits per channel, used as heights"
     held = evaluate(seen.page, "() => viewer.pictures.field.texels")
     assert np.array_equal(held.reshape(codes.shape), codes)
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
@@ -195,7 +195,7 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
             technique=technique, reference_height=made.reference_height, projection=made.projection
         )
         assert_agree(expected(swapped, technique=technique), seen.frame(), TEXELS)
-    assert seen.said == []
+    assert seen.console == []
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
@@ -267,7 +267,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
     seen.state(reference_height=made.reference_height, projection=made.projection)
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(swapped, technique="exact"), seen.frame(), TEXELS)
-    assert seen.said == []
+    assert seen.console == []
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
@@ -280,7 +280,7 @@ def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     share = errors(frame, truth(scene, SIZE)).missed
     seen.draw()
-    found = seen.page.evaluate("viewer.drawing.frames.found")
+    found = seen.page.evaluate("viewer.drawing.frames.lastFigures")
     assert found["missed"] / found["hits"] == pytest.approx(share, abs=0.005)
     assert share > 0.05
 
@@ -444,9 +444,9 @@ def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
       const { drawing, gpu } = viewer;
       const made = [];
       const texture = gpu.texture.bind(gpu);
-      gpu.texture = (...given) => {
+      gpu.texture = (...args) => {
         if (made.length) throw new Error("no room");
-        made.push(texture(...given));
+        made.push(texture(...args));
         made[0].destroy = () => { made[0].gone = true; };
         return made[0];
       };
@@ -458,7 +458,7 @@ def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
     }"""
     assert seen.page.evaluate(script) == ["no room", True]
     assert np.array_equal(seen.frame().color, before)
-    assert seen.said == []
+    assert seen.console == []
 
 
 # --- dropped maps --------------------------------------------------------------------------------
@@ -500,16 +500,16 @@ def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Materi
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.open("maps")
-    seen.page.locator("#leave-normal").click()
+    seen.page.locator("#remove-normal").click()
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     assert_agree(expected(replace(swapped, normal=None)), seen.frame(), TEXELS)
-    assert seen.page.locator("#leave-normal").count() == 0
-    assert seen.page.text_content("#map-said") == "Drawn without normals."
+    assert seen.page.locator("#remove-normal").count() == 0
+    assert seen.page.text_content("#map-message") == "Drawn without normals."
 
 
 def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> None:
     seen.page.evaluate(
-        "(async () => { await viewer.leaveMap('normal'); await viewer.draw(160, 90, 1); })()"
+        "(async () => { await viewer.removeMap('normal'); await viewer.draw(160, 90, 1); })()"
     )
     seen.page.evaluate(
         """() => {
@@ -557,7 +557,7 @@ def test_values_of_few_programs_are_kept(seen: Seen) -> None:
             seen.draw()
     # two are shown
     assert seen.page.evaluate("viewer.drawing.jobs.size") == 10
-    assert seen.said == []
+    assert seen.console == []
 
 
 def test_other_proportions_are_told(seen: Seen) -> None:
@@ -577,7 +577,7 @@ def _drop(
       const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
       await viewer.takeMaps([new File([bytes], name)], slot);
       await viewer.drawing.settled();
-      return viewer.mapSaid;
+      return viewer.mapMessage;
     }"""
     said = seen.page.evaluate(script, [name, base64.b64encode(content).decode(), slot])
     assert said.startswith(name) == taken

@@ -59,7 +59,7 @@ def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterat
     with chromium(SOFTWARE) as browser:
         made = Seen(browser, file)
         yield made
-        assert made.said == []
+        assert made.console == []
         made.page.close()
 
 
@@ -485,7 +485,7 @@ def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: Seen) -> None:
       const { normal, ...pictures } = viewer.pictures;
       await drawing.setMaps({ ...pictures, field: { width, height, texels } });
       const found = await drawing.bakesFor("clamp").normals(rise);
-      await drawing.setMaps(viewer.began);
+      await drawing.setMaps(viewer.original);
       return found;
     }"""
     codes, rise = RNG.integers(20000, 45000, (24, 11)), 9.0
@@ -590,11 +590,11 @@ def test_a_colour_is_chosen_in_codes_and_held_as_light(seen: Seen) -> None:
 
 def test_whole_settings_are_the_nearest_whole_numbers(seen: Seen) -> None:
     script = """async (value) => {
-      const { held, copyOf } = await import("view/checks.js");
+      const { validated, copyOf } = await import("view/checks.js");
       const state = copyOf(viewer.state);
       state.settings.relief.max_steps = value;
       state.shadowing.shadow_steps = value;
-      const { relief } = held(state, viewer.start, viewer.data).settings;
+      const { relief } = validated(state, viewer.start, viewer.data).settings;
       return [relief.max_steps, state.shadowing.shadow_steps];
     }"""
     for value, wanted in ((8.49, 8), (8.5, 9), (8.51, 9), (9.5, 10), (0.2, 1), (1e9, 4096)):

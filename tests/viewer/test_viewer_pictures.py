@@ -13,7 +13,7 @@ from basrelief.images import read_picture
 from helpers.browser import SOFTWARE, chromium
 from helpers.shots import PICTURES, SHOTS, shot, write_page
 
-ALIKE = 8.0 / 255.0
+COLOR_TOLERANCE = 8.0 / 255.0
 """Encoded values that a dithered or blended pixel may differ by."""
 
 
@@ -38,7 +38,7 @@ def test_a_picture_in_the_docs_is_of_the_page(
     rows = slice(round(box["y"]), round(box["y"] + box["height"]))
     columns = slice(round(box["x"]), round(box["x"] + box["width"]))
     apart = np.abs(now[rows, columns] - kept[rows, columns]).max(axis=2)
-    assert (apart > ALIKE).mean() < 0.02, hint
+    assert (apart > COLOR_TOLERANCE).mean() < 0.02, hint
     assert np.ptp(now[rows, columns]) > 0.3
 
 

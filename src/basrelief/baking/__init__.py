@@ -1,6 +1,6 @@
-"""What is computed once from the maps of a material, before anything is drawn.
+"""Bakes: maps that are computed once from the maps of a material, before drawing.
 
-Names are imported when first used: the command line lists the bakes without loading an engine.
+Names are imported on first use: the command line lists the bakes without loading an engine.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Keys and array headers of bakes in the cache, which they share with compiled programs.
+"""Cache of bakes, in the folder that compiled programs use too.
 
-A bake is found again by the heights' own numbers, the edge, its name and parameters, how the engine
-rounds, and the source of all that may have a say in it, so that a changed method never finds what
-an older one made, nor one device what another made. What is damaged is made anew; where nothing can
-be kept, nothing is.
+The key of a bake is a digest of the heights, the edge, the name and parameters of the bake, the
+engine's rounding, and all source that can affect the result. A changed method thus never reads
+results of an older one, nor one device those of another. Damaged entries are computed again;
+without a writable folder nothing is cached.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ import basrelief.techniques
 from basrelief.engine import Engine, cache
 from basrelief.lang.resources import Edge
 
-WORTH = 128 * 128
-"""Texels of a height map from which on it pays to keep what is baked from it."""
+MIN_TEXELS = 128 * 128
+"""Texels of a height map below which its bakes are not cached: computing them is fast."""
 
 
-def kept(
+def cached(
     make: Callable[..., NDArray[Any]],
     heights: NDArray[np.float32],
     edge: Edge,
     engine: Engine,
     **parameters: Any,
 ) -> NDArray[Any]:
-    """make(heights, edge, device=engine, **parameters), from disk where it was made before.
+    """Result of `make(heights, edge, device=engine, **parameters)`, from disk if it is cached.
 
-    `make` is a function of this package; `parameters` are numbers and text.
+    `make` is a function of this package; `parameters` are numbers and strings.
     """
-    if heights.size < WORTH:
+    if heights.size < MIN_TEXELS:
         return make(heights, edge, device=engine, **parameters)
     key = _key(make, heights, edge, {**parameters, "rounding": engine.rounding})
-    found = _read(key)
-    if found is None:
-        found = make(heights, edge, device=engine, **parameters)
-        _write(key, found)
-    return found
+    result = _read(key)
+    if result is None:
+        result = make(heights, edge, device=engine, **parameters)
+        _write(key, result)
+    return result
 
 
 def _key(
@@ -52,29 +52,29 @@ def _key(
     edge: Edge,
     parameters: dict[str, Any],
 ) -> str:
-    said = (make.__module__, make.__qualname__, edge, sorted(parameters.items()), heights.shape)
+    identity = (make.__module__, make.__qualname__, edge, sorted(parameters.items()), heights.shape)
     values = np.ascontiguousarray(heights).data
-    return cache.key_of("bake", repr((*said, str(heights.dtype), _source())), values)
+    return cache.key_of("bake", repr((*identity, str(heights.dtype), _source())), values)
 
 
 def _source() -> str:
-    """A digest of all source that decides what a bake is."""
+    """Digest of all source that a bake depends on."""
     return cache.source_digest(
         basrelief.lang, basrelief.techniques, basrelief.engine, basrelief.baking
     )
 
 
 def _read(key: str) -> NDArray[Any] | None:
-    stored = cache.read(key)
-    if stored is None:
+    entry = cache.read(key)
+    if entry is None:
         return None
-    header, content = stored
+    header, content = entry
     try:
         return np.frombuffer(content, header["dtype"]).reshape(header["shape"])
     except (KeyError, TypeError, ValueError):
         return None
 
 
-def _write(key: str, made: NDArray[Any]) -> None:
-    header = {"dtype": made.dtype.str, "shape": made.shape}
-    cache.write(key, header, np.ascontiguousarray(made).data)
+def _write(key: str, result: NDArray[Any]) -> None:
+    header = {"dtype": result.dtype.str, "shape": result.shape}
+    cache.write(key, header, np.ascontiguousarray(result).data)

@@ -1,7 +1,7 @@
-"""Baking a material's maps to files: which bakes there are, and how each is stored.
+"""Bakes of a material's maps to files.
 
-A bake more is a line in `OPTIONS`; one that techniques declare, in `tables.TABLES`. `docs/bake.md`
-says what is in each file.
+`OPTIONS` lists the bakes; those that techniques declare are in `tables.TABLES`. `docs/bake.md`
+describes the files.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BakeInput:
-    """What bakes are made from: a material, and the choices that hold for all of them."""
+    """Input of a bake: a material, and the options that all bakes share."""
 
     material: Material
     engine: Engine
@@ -40,7 +40,7 @@ class BakeInput:
     directions: int
 
     def heights(self) -> NDArray[np.float32]:
-        """The material's heights, (height, width)."""
+        """Heights of the material, (height, width)."""
         if self.material.height is None:
             raise InputError(
                 f"{self.material.name}: has no height map to bake from; "
@@ -49,7 +49,7 @@ class BakeInput:
         return self.material.height.linear()[:, :, 0]
 
     def codes(self, values: NDArray[np.floating]) -> NDArray[Any]:
-        """Fractions of one as whole numbers of the chosen bits."""
+        """Values from 0 to 1 as integer codes of `bits` bits."""
         import numpy as np
 
         kind = np.uint8 if self.bits == 8 else np.uint16
@@ -59,7 +59,7 @@ class BakeInput:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """What a bake comes to: arrays by the end of a file's name, and a word about them."""
+    """Result of a bake: arrays by the suffix of their file name, and a note."""
 
     files: dict[str, NDArray[Any]]
     note: str = ""
@@ -67,59 +67,63 @@ class BakeResult:
 
 @dataclass(frozen=True)
 class BakeOption:
-    """A bake that the command line offers."""
+    """Bake that the command line offers."""
 
     help: str
     make: Callable[[BakeInput], BakeResult]
 
 
 def _table(name: str, about: str) -> BakeOption:
-    """The table of a bake that techniques declare: four 16-bit channels already."""
+    """Bake of a table that techniques declare, stored as it is: four 16-bit channels."""
 
     def make(baking: BakeInput) -> BakeResult:
         from basrelief.techniques import BAKES
 
-        made = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
-        return BakeResult({name.removesuffix("_map"): made})
+        pixels = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
+        return BakeResult({name.removesuffix("_map"): pixels})
 
     return BakeOption(about, make)
 
 
 def _horizon(baking: BakeInput) -> BakeResult:
     from basrelief.baking import horizon_map
-    from basrelief.baking.cache import kept
+    from basrelief.baking.cache import cached
 
     if baking.directions % 4:
-        raise InputError(f"--directions {baking.directions}: four go into a file; name 4, 8, 12 …")
-    made = kept(
+        raise InputError(
+            f"--directions {baking.directions}: must be a multiple of 4, as a file stores four"
+        )
+    pixels = cached(
         horizon_map, baking.heights(), baking.edge, baking.engine,
         scale=baking.scale, directions=baking.directions,
     )  # fmt: skip
     return BakeResult(
-        {f"horizon_{k // 4}": made[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
+        {f"horizon_{k // 4}": pixels[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
     )
 
 
 def _occlusion(baking: BakeInput) -> BakeResult:
     from basrelief.baking import ambient_occlusion
-    from basrelief.baking.cache import kept
+    from basrelief.baking.cache import cached
 
-    made = kept(ambient_occlusion, baking.heights(), baking.edge, baking.engine, scale=baking.scale)
-    return BakeResult({"ao": baking.codes(made[:, :, None])})
+    pixels = cached(
+        ambient_occlusion, baking.heights(), baking.edge, baking.engine, scale=baking.scale
+    )
+    return BakeResult({"ao": baking.codes(pixels[:, :, None])})
 
 
 def _normal(baking: BakeInput) -> BakeResult:
     from basrelief.baking import normal_map
 
-    made = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
+    pixels = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
     match baking.green:
         case "gl":
             pass
         case "dx":
-            made[:, :, 1] *= -1.0
+            pixels[:, :, 1] *= -1.0
         case _:
             assert_never(baking.green)
-    return BakeResult({f"normal_{baking.green}": baking.codes(made * 0.5 + 0.5)})
+    return BakeResult({f"normal_{baking.green}": baking.codes(pixels * 0.5 + 0.5)})
 
 
 def _height(baking: BakeInput) -> BakeResult:
@@ -131,72 +135,73 @@ def _height(baking: BakeInput) -> BakeResult:
             f"{baking.material.name}: has no normal map to make heights from; "
             "name one with --normal-map FILE"
         )
-    made = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
-    note = f"scale {made.scale:.4g}; its normals are {made.residual:.2g}° off those given (rms)"
-    return BakeResult({"height": baking.codes(made.heights[:, :, None])}, note)
+    integrated = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
+    residual = f"its normals are {integrated.residual:.2g}° off the input (rms)"
+    note = f"scale {integrated.scale:.4g}; {residual}"
+    return BakeResult({"height": baking.codes(integrated.heights[:, :, None])}, note)
 
 
 OPTIONS: dict[str, BakeOption] = {
     "normal": BakeOption("Normals, from heights.", _normal),
     "height": BakeOption("Heights, from normals.", _height),
-    "occlusion": BakeOption("Ambient occlusion: the sky that each texel sees.", _occlusion),
-    "horizon": BakeOption("The elevation of the horizon in 8 directions.", _horizon),
+    "occlusion": BakeOption("Ambient occlusion, from heights.", _occlusion),
+    "horizon": BakeOption("Horizon map: the elevation of the horizon in 8 directions.", _horizon),
     **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
 }
-"""What `basrelief bake` makes, by the name of its option."""
+"""Bakes of `basrelief bake`, by the name of the option."""
 
 
 def bake_to(
     folder: Path, names: Sequence[str], baking: BakeInput, *, overwrite: bool = False
 ) -> list[tuple[Path, str]]:
-    """Make some of `OPTIONS` and write them to a folder, all or none: files, each with a note.
+    """Bake some of `OPTIONS` and write the files to a folder, all or none.
 
-    The folder is made if it is missing. Raises InputError where a file of that name is there and
-    is not to be replaced, or something else cannot be made or written.
+    Creates the folder if it is missing, and returns each file with its note. Raises InputError if a
+    file exists and `overwrite` is False, and if something cannot be baked or written.
     """
-    start = _start(baking.material)
-    made = [(name, OPTIONS[name].make(baking)) for name in names]
+    prefix = _file_prefix(baking.material)
+    results = [OPTIONS[name].make(baking) for name in names]
     files = {
-        folder / f"{start}_{end}.png": (pixels, each.note)
-        for _, each in made
-        for end, pixels in each.files.items()
+        folder / f"{prefix}_{suffix}.png": (pixels, result.note)
+        for result in results
+        for suffix, pixels in result.files.items()
     }
-    there = sorted(path.name for path in files if os.path.lexists(path))
-    if there and not overwrite:
+    existing = sorted(path.name for path in files if os.path.lexists(path))
+    if existing and not overwrite:
         raise InputError(
-            f"{folder}: {', '.join(there)} would be written over; "
-            "choose another folder with -o, or say --overwrite"
+            f"{folder}: {', '.join(existing)} would be overwritten; "
+            "choose another folder with -o, or add --overwrite"
         )
     _write_together(folder, {path: pixels for path, (pixels, _) in files.items()})
     return [(path, note) for path, (_, note) in files.items()]
 
 
 def _write_together(folder: Path, files: dict[Path, NDArray[Any]]) -> None:
-    """Write all beside their places first, then move them there."""
+    """Write all files to a temporary folder first, then move them."""
     from basrelief.images import write_data
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".baking-") as aside:
-            done = {path: write_data(Path(aside) / path.name, each) for path, each in files.items()}
-            for path, ready in done.items():
-                os.replace(ready, path)
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".baking-") as temporary:
+            written = {path: write_data(Path(temporary) / path.name, files[path]) for path in files}
+            for path, file in written.items():
+                os.replace(file, path)
     except OSError as error:
         why = error.strerror or error
         raise InputError(f"{folder}: cannot be written ({why}); choose another with -o") from error
 
 
-def _start(material: Material) -> str:
-    """What the names of a material's files begin with: those of its heights or normals do."""
-    from basrelief.material.conventions import read_name, words
+def _file_prefix(material: Material) -> str:
+    """Prefix of the files of a material, from the names of its height or normal map."""
+    from basrelief.material.conventions import parse_name, words
 
-    for each in (material.height, material.normal):
-        source = re.sub(r"^1 − | \(\w\)$", "", each.source) if each is not None else ""
+    for map in (material.height, material.normal):
+        source = re.sub(r"^1 − | \(\w\)$", "", map.source) if map is not None else ""
         if Path(source).suffix and not source.startswith("sample "):
             stem = Path(source).stem
-            prefix = read_name(stem).prefix
+            prefix = parse_name(stem).prefix
             starts: Iterable[str] = (stem[:end] for end in range(len(stem) - 1, 0, -1))
-            found = next((s for s in starts if words(s) == prefix and prefix), "")
-            if found.strip(" _-."):
-                return found.strip(" _-.")
+            start = next((s for s in starts if words(s) == prefix and prefix), "")
+            if start.strip(" _-."):
+                return start.strip(" _-.")
     return material.name

@@ -1,4 +1,4 @@
-"""Heights → horizons, and the light of the sky that comes over them."""
+"""Bakes: heights → horizon maps, and heights → ambient occlusion."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.baking.texels import Heights, checked, checked_scale, run
+from basrelief.baking.texels import Heights, checked_heights, checked_scale, run
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.lang import Buffer, HeightField, Vec2
 from basrelief.lang.resources import Edge
 from basrelief.techniques import horizon_bake as shaders
 
-_MOST = 65535
-_TILES = 8
-"""Tiles after which a line that never comes to the same heights again is cut short."""
-_SEEN = 1.0
-"""Tiles beyond which nothing takes from the light of the sky."""
-_LOWEST = 0.004
-"""Tangents of horizons that take too little of the sky to be looked for: less than 0.1 %."""
+_MAX_CODE = 65535
+_MAX_TILES = 8
+"""Tiles after which a line that does not repeat is truncated."""
+_OCCLUSION_TILES = 1.0
+"""Tiles beyond which nothing occludes the sky."""
+_MIN_TANGENT = 0.004
+"""Smallest tangent of a horizon that counts; lower ones hide less than 0.1 % of the sky."""
 
 
 def horizon_map(
@@ -31,29 +31,51 @@ def horizon_map(
     directions: int = 8,
     device: str | Engine = "cpu",
 ) -> NDArray[np.uint16]:
-    """How high the relief stands around each texel: (h, w, directions) uint16.
+    """Bake the horizon map of a height map: the elevation of the horizon around each texel.
 
-    Of heights (h, w), 0 to 1, with square texels, whose whole range is `scale` widths of the map;
-    `edge` ("wrap" or "clamp") says what lies beyond it. Direction k of n points 360° · k ÷ n from
-    +u (right) towards the top of the picture: of 8 they are right, right and up, up, and so on.
-    Stored is the sine of the horizon's elevation above the level, 0 to 1 as 0 to 65535, rounded up:
-    light that comes from direction k, with L its unit vector, arrives where L.z is above it.
+    Light from direction k, with the unit vector L in tangent space, arrives where L.z is above the
+    stored sine. The map is conservative: no point of the bilinear surface along a direction lies
+    above its horizon, up to 2.5e-7 of the height range per texel. The horizon is too high by that
+    and one code at most; a line in an oblique direction that does not repeat within 8 tiles is
+    truncated there, and its horizon is too high by what could rise beyond. Nothing is guaranteed
+    between the directions.
 
-    Conservative: no point of the bilinear surface along that direction stands above the stored
-    horizon, but for rises of less than 2.5e-7 of the height range in a texel. It is too high by as
-    much and one code at most, or, where a line in a slanted direction never comes to the same
-    heights again, by what could stand more than 8 tiles away. Between the directions nothing is
-    promised. After N. Max, Horizon Mapping: Shadows for Bump-Mapped Surfaces, 1988.
-    Raises InputError for other heights, edges and scales, and without a direction.
+    Parameters
+    ----------
+    heights
+        (h, w), 0 to 1, with square texels.
+    edge
+        "wrap" or "clamp".
+    scale
+        The whole height range as a fraction of the map's width, at least 0.
+    directions
+        Number of directions n. Direction k points 360° · k ÷ n from +u towards the top of the
+        picture: for 8 right, up right, up and so on.
+    device
+        As in `render`.
+
+    Returns
+    -------
+    array
+        (h, w, directions) uint16: the sine of the elevation, 0 to 1 as 0 to 65535, rounded up.
+
+    Raises
+    ------
+    InputError
+        For other heights, edges and scales, and without a direction.
+
+    References
+    ----------
+    N. Max, Horizon Mapping: Shadows for Bump-Mapped Surfaces, 1988.
     """
-    heights = checked(heights, edge)
-    made = np.empty((*heights.shape, _count(directions)), np.uint16)
-    engine, values = engine_of(device), _values(heights, edge, scale, shaders.BLUR)
-    for k, way in enumerate(_ways(heights.shape, edge, directions)):
-        ways = Buffer([way])
-        planes = run(shaders.horizon, heights, edge, engine, ways=ways, **values)
-        made[:, :, k] = np.ceil(planes["sine"].astype(np.float64) * _MOST)
-    return made
+    heights = checked_heights(heights, edge)
+    horizons = np.empty((*heights.shape, _count(directions)), np.uint16)
+    engine, values = engine_of(device), _values(heights, edge, scale, shaders.SLOPE_ERROR)
+    for k, direction in enumerate(_directions(heights.shape, edge, directions)):
+        ways = Buffer([direction])
+        planes = run(shaders.horizon, heights, edge, engine, directions=ways, **values)
+        horizons[:, :, k] = np.ceil(planes["sine"].astype(np.float64) * _MAX_CODE)
+    return horizons
 
 
 def ambient_occlusion(
@@ -63,25 +85,43 @@ def ambient_occlusion(
     directions: int = 16,
     device: str | Engine = "cpu",
 ) -> NDArray[np.float32]:
-    """The share of a uniform sky's light that each texel gets, 0 (none) to 1: (h, w) float32.
+    """Bake the ambient occlusion of a height map: the fraction of a uniform sky that it receives.
 
-    `heights`, `edge`, `scale` and the order of directions as in `horizon_map`. Each way out
-    weighs as its cosine to the normal of `normal_map`; the relief is black and lets no light
-    through. The estimator is the mean over evenly spread directions of the slice between horizon
-    and zenith, which is integrated in closed form: with horizon elevation e, normal n and n_d
-    its part along the direction, max(n.z cos² e + n_d (π/2 − e − cos e sin e), 0). Horizons lower
-    than a slope of 0.004 count as level, and nothing further off than a tile counts.
-    After L. Bavoil, M. Sainz and R. Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008.
-    Raises InputError as `horizon_map`.
+    Directions are weighted by the cosine to the normal of `normal_map`; the relief is black and
+    opaque. The result is the mean over directions of the visible slice between horizon and zenith,
+    which is integrated in closed form: with horizon elevation e, normal n and its part n_d along
+    the direction, max(n.z cos² e + n_d (π/2 − e − cos e sin e), 0). Horizons lower than a slope of
+    0.004 count as flat, and nothing further away than a tile counts.
+
+    Parameters
+    ----------
+    heights, edge, scale, directions, device
+        As in `horizon_map`.
+
+    Returns
+    -------
+    array
+        (h, w) float32, 0 (no light) to 1.
+
+    Raises
+    ------
+    InputError
+        As in `horizon_map`.
+
+    References
+    ----------
+    L. Bavoil, M. Sainz and R. Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008.
     """
-    heights = checked(heights, edge)
+    heights = checked_heights(heights, edge)
     _count(directions)
-    ways = Buffer(_ways(heights.shape, edge, directions, _SEEN))
-    least = _LOWEST / max(checked_scale(scale) * heights.shape[1], _LOWEST)
-    values = _values(heights, edge, scale, max(least, shaders.BLUR))
+    ways = Buffer(_directions(heights.shape, edge, directions, _OCCLUSION_TILES))
+    min_slope = _MIN_TANGENT / max(checked_scale(scale) * heights.shape[1], _MIN_TANGENT)
+    values = _values(heights, edge, scale, max(min_slope, shaders.SLOPE_ERROR))
     engine = engine_of(device)
-    planes = run(shaders.openness, heights, edge, engine, effort=directions, ways=ways, **values)
-    return planes["open"]
+    planes = run(
+        shaders.sky_visibility, heights, edge, engine, cost=directions, directions=ways, **values
+    )
+    return planes["visibility"]
 
 
 def _count(directions: int) -> int:
@@ -90,49 +130,54 @@ def _count(directions: int) -> int:
     return directions
 
 
-def _values(heights: Heights, edge: Edge, scale: float, least: float) -> dict[str, Any]:
+def _values(heights: Heights, edge: Edge, scale: float, min_slope: float) -> dict[str, Any]:
     rise = checked_scale(scale) * heights.shape[1]
-    cells = _highest_of_cells(heights, edge)
+    cells = _cell_maxima(heights, edge)
     return {
-        "sights": shaders.Sights(float(heights.max()), rise, least),
-        "near": HeightField([_highest_of_blocks(cells, shaders.NEAR)], edge),
-        "far": HeightField([_highest_of_blocks(cells, shaders.FAR)], edge),
+        "search": shaders.HorizonSearch(float(heights.max()), rise, min_slope),
+        "near": HeightField([_block_maxima(cells, shaders.NEAR)], edge),
+        "far": HeightField([_block_maxima(cells, shaders.FAR)], edge),
     }
 
 
-def _highest_of_cells(heights: Heights, edge: Edge) -> Heights:
-    """The highest point between each texel's centre and those to the right, below, and both."""
+def _cell_maxima(heights: Heights, edge: Edge) -> Heights:
+    """Maximum of each cell: of a texel and those right, below, and below right of it."""
     for axis in (0, 1):
-        beside = np.roll(heights, -1, axis)
+        neighbours = np.roll(heights, -1, axis)
         if edge == "clamp":
-            beside[(slice(None),) * axis + (-1,)] = heights[(slice(None),) * axis + (-1,)]
-        heights = np.maximum(heights, beside)
+            neighbours[(slice(None),) * axis + (-1,)] = heights[(slice(None),) * axis + (-1,)]
+        heights = np.maximum(heights, neighbours)
     return heights
 
 
-def _highest_of_blocks(cells: Heights, side: int) -> Heights:
+def _block_maxima(cells: Heights, side: int) -> Heights:
     for axis in (0, 1):
         cells = np.maximum.reduceat(cells, range(0, cells.shape[axis], side), axis)
     return cells
 
 
-def _ways(
-    shape: tuple[int, ...], edge: Edge, directions: int, seen: float = math.inf
-) -> list[shaders.Way]:
-    return [_way(shape, edge, 2.0 * math.pi * k / directions, seen) for k in range(directions)]
+def _directions(
+    shape: tuple[int, ...], edge: Edge, directions: int, max_tiles: float = math.inf
+) -> list[shaders.MapDirection]:
+    return [
+        _direction(shape, edge, 2.0 * math.pi * k / directions, max_tiles)
+        for k in range(directions)
+    ]
 
 
-def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shaders.Way:
-    """The way at an angle from +u towards the top; what lies beyond so many tiles is not there."""
+def _direction(
+    shape: tuple[int, ...], edge: Edge, angle: float, max_tiles: float
+) -> shaders.MapDirection:
+    """Direction at an angle from +u towards the top; heights beyond `max_tiles` are ignored."""
     rows, columns = shape
     larger = max(rows, columns)
-    seen, longest = seen * larger, float(_TILES * larger)
-    # the axes and the diagonals exactly
+    max_length, longest = max_tiles * larger, float(_MAX_TILES * larger)
+    # rounding makes axes and diagonals exact
     x, y = (round(part, 12) + 0.0 for part in (math.cos(angle), -math.sin(angle)))
     if edge == "clamp":
-        # outside along both axes the heights no longer change
-        out = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
-        return shaders.Way(Vec2(x, y), min(max(out) + 1.0, seen), longest)
+        # beyond the map along both axes, heights are constant
+        exits = [side / abs(part) for side, part in ((columns, x), (rows, y)) if part]
+        return shaders.MapDirection(Vec2(x, y), min(max(exits) + 1.0, max_length), longest)
     repeats = math.inf
     if y == 0.0:
         repeats = float(columns)
@@ -140,4 +185,4 @@ def _way(shape: tuple[int, ...], edge: Edge, angle: float, seen: float) -> shade
         repeats = float(rows)
     elif abs(x) == abs(y):
         repeats = math.lcm(rows, columns) / abs(x)
-    return shaders.Way(Vec2(x, y), min(repeats, seen), longest)
+    return shaders.MapDirection(Vec2(x, y), min(repeats, max_length), longest)

@@ -1,4 +1,4 @@
-"""The levels of a map's pyramid: each half of the one before, its texels area averages."""
+"""Mip levels of a height map: each half the size of the one before, texels are area averages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 def levels_of(heights: NDArray[Any]) -> list[NDArray[np.float32]]:
-    """A height map (h, w) and all its lower levels, down to one texel."""
+    """All mip levels of a height map (h, w), from the map itself down to 1 × 1."""
     levels = [np.ascontiguousarray(heights, np.float32)]
     while max(levels[-1].shape) > 1:
         levels.append(halved(levels[-1]))
@@ -17,7 +17,7 @@ def levels_of(heights: NDArray[Any]) -> list[NDArray[np.float32]]:
 
 
 def halved(level: NDArray[Any]) -> NDArray[np.float32]:
-    """The next level of a pyramid: each side ⌊n ÷ 2⌋, at least 1, each texel an area average."""
+    """The next mip level: sides ⌊n ÷ 2⌋, at least 1, each texel an area average."""
     return _halved_along(_halved_along(level, 0), 1)
 
 
@@ -31,9 +31,9 @@ def _halved_along(level: NDArray[Any], axis: int) -> NDArray[np.float32]:
         for k in range(2 if n % 2 == 0 else 3)
     ]
     if n % 2 == 0:
-        both: NDArray[np.float32] = (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
-        return both
-    # an odd side: each new texel covers two old ones and a share of a third
+        mean: NDArray[np.float32] = (parts[0].astype(np.float32) + parts[1]) * np.float32(0.5)
+        return mean
+    # an odd side: each new texel covers two old ones and a fraction of a third
     step = np.arange(m, dtype=np.float32)
     shape = [1] * level.ndim
     shape[axis] = m

@@ -1,4 +1,4 @@
-"""Running one pass of a bake on an engine."""
+"""One pass of a bake, run on an engine."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from basrelief.engine import Engine
 from basrelief.engine.engine import Planes
 from basrelief.lang.program import Program
 
-AT_ONCE = 1 << 20
-"""Texels that a GPU is given at once. Drivers stop what runs for seconds: Windows after two."""
+MAX_TEXELS = 1 << 20
+"""Texels of a dispatch on a GPU. Drivers stop programs that run too long, Windows after 2 s."""
 
 
 def run_pass(
@@ -21,14 +21,14 @@ def run_pass(
     values: Mapping[str, Any],
     size: tuple[int, int],
     *,
-    effort: int = 1,
+    cost: int = 1,
 ) -> Planes:
-    """The planes of a program over a picture of (width, height), by a GPU band by band.
+    """Planes of a program over a picture of (width, height), on a GPU in bands of rows.
 
-    `effort` is how many times as long as others the program takes for a texel.
+    `cost` is the time of the program for a texel, relative to that of other bakes.
     """
     width, height = size
-    rows = max(1, AT_ONCE // (effort * width))
+    rows = max(1, MAX_TEXELS // (cost * width))
     if engine.name != "gpu" or rows >= height:
         return engine.run(program, values, size)
     bands = [

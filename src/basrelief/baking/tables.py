@@ -1,7 +1,7 @@
-"""The tables that techniques declare: what each is, and which function runs its passes.
+"""Tables that techniques declare, with the functions that bake them.
 
-A declaration (`basrelief.techniques.bake`) that is not listed here cannot be baked. Listing them
-loads no shaders: the command line names them in its help.
+A declaration (`basrelief.techniques.bake`) that is not listed here cannot be baked. The list loads
+no shaders, because the command line uses it for its help.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from basrelief.techniques import Bake
 
 TABLES: dict[str, tuple[str, str]] = {
-    "cone_map": ("cone", "Cones that the surface does not rise into."),
-    "relaxed_cone_map": ("cone", "Wider cones, for a search after each leap."),
-    "bounds": ("exact", "What the technique exact goes by."),
+    "cone_map": ("cone", "Cone map: cones above the surface that are free of it."),
+    "relaxed_cone_map": ("cone", "Relaxed cone map: wider cones, for a search within each step."),
+    "bounds": ("exact", "Bounds of the heights, for the technique exact."),
 }
-"""By the name of the declaration: the module beside this one whose function of the same name bakes
-it from heights (h, w) float32, an edge and a device, (rows, columns, 4); what it is, in a line."""
+"""By the name of the declaration: the module of this package with the function of the same name,
+which bakes heights (h, w) float32 with an edge on a device to (rows, columns, 4); a description."""
 
 
 def bake_function(bake: Bake) -> Callable[..., NDArray[np.uint16]]:
-    """The function that runs the passes of a declared bake."""
-    made: Callable[..., Any] = getattr(
+    """Function that runs the passes of a declared bake."""
+    function: Callable[..., Any] = getattr(
         import_module(f"basrelief.baking.{TABLES[bake.name][0]}"), bake.name
     )
-    return made
+    return function
 
 
 def check_bake(bake: Bake | None, technique: str) -> None:
-    """Raise InputError where nothing bakes what a technique declares."""
+    """Raise InputError if no function runs the bake that a technique declares."""
     from basrelief.techniques import BAKES
 
     if bake is not None and not (bake.name in TABLES and BAKES.get(bake.name) is bake):
@@ -57,11 +57,11 @@ def table(
     *,
     all_levels: bool = False,
 ) -> NDArray[np.uint16]:
-    """The table that a bake declares, of heights (h, w), 0 to 1; from disk if it was baked before.
+    """Table of a declared bake for heights (h, w), 0 to 1; from disk if it is cached.
 
-    `all_levels` is for bakes that cover the lower levels too.
+    `all_levels` also bakes the lower mip levels, for bakes that cover them.
     """
-    from basrelief.baking.cache import kept
+    from basrelief.baking.cache import cached
 
     parameters: dict[str, Any] = {"all_levels": True} if all_levels else {}
-    return kept(bake_function(bake), heights, edge, engine, **parameters)
+    return cached(bake_function(bake), heights, edge, engine, **parameters)

@@ -1,4 +1,4 @@
-"""Running the shaders of `techniques`: one pixel for each texel of a height map."""
+"""Checks of the arguments of bakes, and runs of their shaders for each texel."""
 
 from __future__ import annotations
 
@@ -20,28 +20,30 @@ Heights = NDArray[np.float32]
 """(h, w), 0 to 1."""
 
 
-def checked(heights: Heights, edge: Edge) -> Heights:
-    """The heights as bakes take them; raises InputError for other arrays and edges."""
+def checked_heights(heights: Heights, edge: Edge) -> Heights:
+    """Heights as a contiguous float32 array. Raises InputError for other arrays and edges."""
     heights = np.ascontiguousarray(heights, np.float32)
     if heights.ndim != 2 or heights.size == 0:
-        raise InputError(f"heights are an array of (rows, columns), not of shape {heights.shape}")
+        raise InputError(
+            f"heights must be an array of (rows, columns), not of shape {heights.shape}"
+        )
     if not (heights.min() >= 0.0 and heights.max() <= 1.0):
-        raise InputError("heights lie within 0 to 1; stretch them, and mend what is not finite")
+        raise InputError("heights must be finite and within 0 to 1; rescale them")
     checked_edge(edge)
     return heights
 
 
 def checked_edge(edge: Edge) -> Edge:
-    """The edge; raises InputError for another than "wrap" and "clamp"."""
+    """The edge. Raises InputError unless it is "wrap" or "clamp"."""
     if edge not in get_args(Edge):
-        raise InputError(f"what lies beyond baked heights is wrap or clamp, not {edge}")
+        raise InputError(f"the edge of a bake must be wrap or clamp, not {edge}")
     return edge
 
 
 def checked_scale(scale: float) -> float:
-    """The scale; raises InputError where it is below 0 or not finite."""
+    """The scale. Raises InputError if it is negative or not finite."""
     if not (math.isfinite(scale) and scale >= 0.0):
-        raise InputError(f"scale is a fraction of the tile's width from 0 up, not {scale}")
+        raise InputError(f"scale must be a fraction of the tile's width, at least 0, not {scale}")
     return float(scale)
 
 
@@ -51,12 +53,12 @@ def run(
     edge: Edge,
     engine: Engine,
     *,
-    effort: int = 1,
+    cost: int = 1,
     **values: Any,
 ) -> Planes:
-    """An entry's planes, for every texel."""
+    """Planes of a shader, run for every texel of the heights."""
     rows, columns = heights.shape
     values = {"field": HeightField([heights], edge), **values}
     program = Program(entry, edge=edge)
     size = (columns, rows)
-    return run_pass(engine, program, values, size, effort=effort)
+    return run_pass(engine, program, values, size, cost=cost)

@@ -1,6 +1,6 @@
-"""What people write on the command line, as values: sizes, settings, cameras, lights.
+"""Parsers of command-line values: sizes, settings, cameras, lights, scenes.
 
-Every function takes text and raises InputError, in one line, where it makes no sense.
+Every function takes text and raises InputError, in one line, for text that it cannot parse.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from basrelief.scene import (
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
-from basrelief.scene.presets import NOTHING, Preset, preset, scene_of
+from basrelief.scene.presets import EMPTY_PRESET, Preset, preset, scene_of
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
@@ -39,79 +39,79 @@ from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques.height import Smoothing
 
 _VECTORS = ("position", "target", "up", "color")
-"""The numbers of cameras and lights that are three."""
+"""Parameters of cameras and lights that are three numbers."""
 
 
-# --- pieces of text ------------------------------------------------------------------------------
+# --- simple values -------------------------------------------------------------------------------
 
 
 def size(text: str) -> tuple[int, int]:
     """(width, height) from "1280x720"."""
-    found = re.fullmatch(r"\s*(\d{1,6})\s*[x×,]\s*(\d{1,6})\s*", text)
-    if found is None:
+    match = re.fullmatch(r"\s*(\d{1,6})\s*[x×,]\s*(\d{1,6})\s*", text)
+    if match is None:
         raise InputError(f"--size {text}: write width x height, for example 1280x720")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def pixel(text: str) -> tuple[int, int]:
     """(x, y) from "640,360"."""
-    found = re.fullmatch(r"\s*(\d{1,6})\s*,\s*(\d{1,6})\s*", text)
-    if found is None:
+    match = re.fullmatch(r"\s*(\d{1,6})\s*,\s*(\d{1,6})\s*", text)
+    if match is None:
         raise InputError(f"--pixel {text}: write x,y, for example 640,360")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def number(text: str, what: str) -> float:
     """A finite number."""
     try:
-        found = float(text)
+        parsed = float(text)
     except ValueError:
         raise InputError(f"{what} {text}: write a number") from None
-    if not math.isfinite(found):
+    if not math.isfinite(parsed):
         raise InputError(f"{what} {text}: write a finite number")
-    return found
+    return parsed
 
 
 def numbers(text: str, what: str) -> tuple[float, ...]:
-    """Numbers apart by commas or slashes."""
+    """Numbers separated by commas or slashes."""
     return tuple(number(part, what) for part in re.split(r"[,/]", text))
 
 
 def share(text: str, what: str) -> float:
     """A share of the whole, 0 to 1, from "0.1%" or "0.001"."""
-    plain = text.strip()
-    found = number(plain.removesuffix("%"), what) / (100.0 if plain.endswith("%") else 1.0)
-    if not 0.0 <= found <= 1.0:
+    stripped = text.strip()
+    parsed = number(stripped.removesuffix("%"), what) / (100.0 if stripped.endswith("%") else 1.0)
+    if not 0.0 <= parsed <= 1.0:
         raise InputError(f"{what} {text}: write 0% to 100%, or 0 to 1")
-    return found
+    return parsed
 
 
 def span(text: str, what: str) -> tuple[float, float]:
-    """Two numbers from 0 up, the smaller first, from "0-75"; one stands for both."""
+    """A range of numbers from 0 up, from "0-75"; one number is both ends."""
     first, dash, last = text.partition("-")
     low = number(first, what)
     high = number(last, what) if dash else low
     if not low <= high:
-        raise InputError(f"{what} {text}: write the smaller number first, as 0-75")
+        raise InputError(f"{what} {text}: write the smaller number first, for example 0-75")
     return low, high
 
 
 def vector(text: str, what: str) -> tuple[float, ...]:
-    """Three numbers apart by commas or slashes."""
-    found = numbers(text, what)
-    if len(found) != 3:
-        raise InputError(f"{what} {text}: write three numbers, as 1/2/3")
-    return found
+    """Three numbers separated by commas or slashes."""
+    parsed = numbers(text, what)
+    if len(parsed) != 3:
+        raise InputError(f"{what} {text}: write three numbers, for example 1/2/3")
+    return parsed
 
 
 def value(text: str, what: str) -> Any:
-    """One number, or several."""
-    found = numbers(text, what)
-    return found[0] if len(found) == 1 else found
+    """One number, or a tuple of several."""
+    parsed = numbers(text, what)
+    return parsed[0] if len(parsed) == 1 else parsed
 
 
-def named(text: str, what: str) -> tuple[str, str]:
-    """Name and value of "name=value"."""
+def name_and_value(text: str, what: str) -> tuple[str, str]:
+    """Name and value from "name=value"; dashes in the name become underscores."""
     name, sign, rest = text.partition("=")
     if not sign or not name.strip() or not rest.strip():
         raise InputError(f"{what} {text}: write NAME=VALUE")
@@ -119,51 +119,55 @@ def named(text: str, what: str) -> tuple[str, str]:
 
 
 def pair(text: str, what: str) -> tuple[float, float]:
-    """Two numbers as "2x3" or "2,3"; one stands for both."""
+    """Two numbers from "2x3" or "2,3"; one number is both."""
     parts = [number(part, what) for part in re.split(r"[x×,/]", text)]
     if len(parts) > 2:
-        raise InputError(f"{what} {text}: write one number, or two as 2x3")
+        raise InputError(f"{what} {text}: write one number, or two, for example 2x3")
     return parts[0], parts[-1]
 
 
 def color(text: str, what: str) -> tuple[float, ...] | None:
-    """A linear colour of three numbers, a grey of one, or "none"."""
+    """A linear colour from three numbers or, for a grey, one; None from "none"."""
     if text.strip() == "none":
         return None
-    found = numbers(text, what)
-    if len(found) not in (1, 3) or min(found) < 0.0:
-        raise InputError(f"{what} {text}: write one number, three, or none; none of them below 0")
-    return found if len(found) == 3 else found * 3
+    parsed = numbers(text, what)
+    if len(parsed) not in (1, 3) or min(parsed) < 0.0:
+        raise InputError(f"{what} {text}: write one or three numbers from 0 up, or none")
+    return parsed if len(parsed) == 3 else parsed * 3
 
 
 def camera_from(text: str) -> Orbit | LookAt:
-    """A camera from "azimuth=30,distance=2", or from "position=1/2/3" and what else it has."""
+    """An orbit from "azimuth=30,distance=2", or a `LookAt` from "position=1/2/3,target=0/0/0"."""
     parts = text.split(",")
-    standing = any(part.partition("=")[0].strip() == "position" for part in parts)
-    kind: Callable[..., Orbit | LookAt] = LookAt if standing else Orbit
+    has_position = any(part.partition("=")[0].strip() == "position" for part in parts)
+    kind: Callable[..., Orbit | LookAt] = LookAt if has_position else Orbit
     return kind(**_arguments(parts, "--camera", kind))
 
 
 def light_from(text: str) -> Light:
-    """A light from "point,position=1/2/3,intensity=2"; the first word says which kind."""
+    """A light from "point,position=1/2/3,intensity=2"; the first word is its kind."""
     kind, *parts = text.split(",")
-    made = LIGHTS.get(kind.strip())
-    if made is None:
-        raise InputError(f"--light {text}: begin with {', '.join(LIGHTS)}; or none, alone")
-    return made(**_arguments(parts, f"--light {kind.strip()}", made))
+    make = LIGHTS.get(kind.strip())
+    if make is None:
+        raise InputError(f"--light {text}: begin with {', '.join(LIGHTS)}; or give none alone")
+    return make(**_arguments(parts, f"--light {kind.strip()}", make))
 
 
-def motions_from(texts: Sequence[str], frames: int, preset: Preset = NOTHING) -> tuple[Motion, ...]:
+def motions_from(
+    texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET
+) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
-    Without any a film scrolls as its preset says, or else goes round its object.
+    By default a film scrolls as its preset says, or else orbits its object.
     """
     if frames == 1:
         if texts:
-            raise InputError(f"--motion {texts[0]}: one picture does not move; add --frames 120")
+            raise InputError(
+                f"--motion {texts[0]}: a single picture has no motion; add --frames 120"
+            )
         return ()
-    usual = Scrolling(*preset.scroll) if any(preset.scroll) else Orbiting()
-    return tuple(_motion_from(text) for text in texts) or (usual,)
+    default = Scrolling(*preset.scroll) if any(preset.scroll) else Orbiting()
+    return tuple(_motion_from(text) for text in texts) or (default,)
 
 
 def _motion_from(text: str) -> Motion:
@@ -171,40 +175,42 @@ def _motion_from(text: str) -> Motion:
     kind = MOTIONS.get(name.strip())
     if kind is None:
         raise InputError(f"--motion {text}: begin with {', '.join(MOTIONS)}")
-    made: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
-    return made
+    motion: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
+    return motion
 
 
 def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dict[str, Any]:
-    """NAME=VALUE parts as the arguments of a function."""
+    """Keyword arguments of a function from NAME=VALUE parts."""
     known = inspect.signature(kind).parameters
-    given: dict[str, Any] = {}
+    parsed: dict[str, Any] = {}
     for part in parts:
-        name, text = named(part, what)
+        name, text = name_and_value(part, what)
         if name not in known:
-            raise InputError(f"{what}: there is no number {name}; {suggestion(name, known)}")
+            raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
         read = vector if name in _VECTORS else number
-        given[name] = read(text, f"{what}: {name}")
+        parsed[name] = read(text, f"{what}: {name}")
     for name, parameter in known.items():
-        if parameter.default is parameter.empty and name not in given:
-            raise InputError(f"{what}: give it a {name}, for example {name}=1/2/1")
-    return given
+        if parameter.default is parameter.empty and name not in parsed:
+            raise InputError(f"{what}: add a {name}, for example {name}=1/2/1")
+    return parsed
 
 
-# --- the whole -----------------------------------------------------------------------------------
+# --- scenes --------------------------------------------------------------------------------------
 
 
 def check_lengths(depth: float | None, tile: float | None, scale: float | None) -> None:
-    """Raise InputError where --depth and --tile are not given together, or --scale beside them."""
+    """Raise InputError for --depth without --tile or the reverse, and for both with --scale."""
     if (depth is None) != (tile is None):
-        raise InputError("--depth and --tile go together: how deep, and how wide a tile, in metres")
+        raise InputError(
+            "give --depth and --tile together: height range and width of a tile, in metres"
+        )
     if depth is not None and scale is not None:
-        raise InputError("--scale, or --depth and --tile, but not both: they say the same")
+        raise InputError("give either --scale or --depth and --tile, not both: they set the same")
 
 
 def preset_from(text: str | None) -> Preset:
-    """A preset from its name or its file; without one, that which says nothing."""
-    return NOTHING if text is None else preset(text)
+    """A preset from its name or its file; the empty preset without one."""
+    return EMPTY_PRESET if text is None else preset(text)
 
 
 _RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "fog": Fog}
@@ -216,13 +222,13 @@ _READERS: dict[str, Callable[[Any], Any]] = {
     "lights": lambda texts: () if [*texts] == ["none"] else tuple(map(light_from, texts)),
     "background": lambda text: color(text, "--background"),
 }
-"""What makes a value of an option's text; other options are taken as they are."""
+"""Parsers by option; other options are used as they are."""
 
 
 def scene(
     material: Material,
     *,
-    preset: Preset = NOTHING,
+    preset: Preset = EMPTY_PRESET,
     measured: bool = False,
     settings: Sequence[str] = (),
     map_tiling: Sequence[str] = (),
@@ -234,97 +240,97 @@ def scene(
     add: Sequence[str] = (),
     **options: Any,
 ) -> Scene:
-    """The scene that a command line describes; what is not given is the preset's.
+    """The scene that a command line describes, over a preset.
 
-    `options` are those of `Object` and `Scene`. `measured` says that the material's own depth is
-    given, and so comes before the preset's scale.
+    `options` are fields of `Object` and `Scene`. `measured` says that the command line gives the
+    material's depth, which then replaces the preset's scale.
     """
-    given = {
+    parsed = {
         name: _READERS[name](text) if name in _READERS else text for name, text in options.items()
     }
     if measured:
-        given["scale"] = None
+        parsed["scale"] = None
     if layer is not None:
-        given["layer"] = Layer(load(layer))
-    said = preset.options(material, given)
-    said["layer"] = _layer(said.get("layer"), layer_tiling, layer_shift)
-    plain = Object(material, **_some(said, "technique", "surface"))
-    said["technique"] = plain.drawn_with  # a file of one's own runs once
-    numbers = _sorted_out(dict(named(text, "--set") for text in settings), plain)
-    said |= numbers.pop("object")
-    for home, each in numbers.items():
-        said[home] = {**said.get(home, {}), **each}
-    said["tilings"] = _tilings(material, said, map_tiling, map_shift)
+        parsed["layer"] = Layer(load(layer))
+    merged = preset.options(material, parsed)
+    merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
+    draft = Object(material, **_subset(merged, "technique", "surface"))
+    merged["technique"] = draft.selected_technique  # a user's file runs only once
+    numbers = _by_record(dict(name_and_value(text, "--set") for text in settings), draft)
+    merged |= numbers.pop("object")
+    for home, values in numbers.items():
+        merged[home] = {**merged.get(home, {}), **values}
+    merged["tilings"] = _tilings(material, merged, map_tiling, map_shift)
     if stretch is not None:
-        lying = Object(material, **_some(said, "technique", "shape")).to_world
-        said["transform"] = placed(scale=vector(stretch, "--stretch")) @ lying
-    whole = scene_of(material, said)
-    return replace(whole, objects=(*whole.objects, *map(object_from, add)))
+        default_transform = Object(material, **_subset(merged, "technique", "shape")).to_world
+        merged["transform"] = placed(scale=vector(stretch, "--stretch")) @ default_transform
+    main_scene = scene_of(material, merged)
+    return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
 
 
-def plain_settings(texts: Sequence[str]) -> dict[str, float]:
-    """Numbers by their names, from "steps=16" and the like."""
-    given = dict(named(text, "--set") for text in texts)
-    return {name: number(text, f"--set {name}") for name, text in given.items()}
+def settings_from(texts: Sequence[str]) -> dict[str, float]:
+    """Numbers by name, from texts such as "steps=16"."""
+    values = dict(name_and_value(text, "--set") for text in texts)
+    return {name: number(text, f"--set {name}") for name, text in values.items()}
 
 
-def _some(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
+def _subset(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
     return {name: options[name] for name in names if name in options}
 
 
 def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:
-    """A layer that lies as it is told to."""
+    """A layer with the tiling and the shift of the options."""
     if layer is None:
         if tiling is not None or shift is not None:
             raise InputError("--layer-tiling, --layer-shift: there is no layer; add --layer FOLDER")
         return None
-    lies = layer.tiling
+    placement = layer.tiling
     if tiling is not None:
-        lies = replace(lies, tiles=pair(tiling, "--layer-tiling"))
+        placement = replace(placement, tiles=pair(tiling, "--layer-tiling"))
     if shift is not None:
-        lies = replace(lies, shift=pair(shift, "--layer-shift"))
-    return replace(layer, tiling=lies)
+        placement = replace(placement, shift=pair(shift, "--layer-shift"))
+    return replace(layer, tiling=placement)
 
 
 def _tilings(
-    material: Material, said: Mapping[str, Any], tilings: Sequence[str], shifts: Sequence[str]
+    material: Material, options: Mapping[str, Any], tilings: Sequence[str], shifts: Sequence[str]
 ) -> dict[str, Tiling]:
-    """Single maps' own tilings; what is not said of them is as the heights lie."""
-    made: dict[str, Tiling] = dict(said.get("tilings", {}))
+    """Tilings of single maps; tiles or shift that are not set are those of the heights."""
+    own: dict[str, Tiling] = dict(options.get("tilings", {}))
     if not tilings and not shifts:
-        return made
-    main = Object(material, **_some(said, "technique", "shape", "tiling", "shift")).main_tiling
+        return own
+    main = Object(material, **_subset(options, "technique", "shape", "tiling", "shift")).main_tiling
     for option, field, texts in (
         ("--map-tiling", "tiles", tilings),
         ("--map-shift", "shift", shifts),
     ):
         for text in texts:
-            name, numbers_text = named(text, option)
+            name, numbers_text = name_and_value(text, option)
             if name not in OWN_TILINGS:
                 raise InputError(f"{option} {name}: the maps are {', '.join(OWN_TILINGS)}")
-            found = pair(numbers_text, f"{option} {name}")
-            made[name] = replace(made.get(name, main), **{field: found})
-    return made
+            parsed = pair(numbers_text, f"{option} {name}")
+            own[name] = replace(own.get(name, main), **{field: parsed})
+    return own
 
 
-def _sorted_out(given: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
-    """Settings by the record that they belong to; the technique's come first."""
+def _by_record(settings: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
+    """Settings by the record that has them; the technique's take precedence."""
     records = {
-        "settings": obj.drawn_with.settings,
+        "settings": obj.selected_technique.settings,
         "surface_parameters": SURFACES[obj.surface],
         **_RECORDS,
     }
     known = {home: [f.name for f in fields(record)] for home, record in records.items()}
     known["object"] = ["bias"]
-    found: dict[str, dict[str, Any]] = {home: {} for home in known}
-    for name, text in given.items():
+    values: dict[str, dict[str, Any]] = {home: {} for home in known}
+    for name, text in settings.items():
         home = next((home for home, names in known.items() if name in names), None)
         if home is None:
             hint = suggestion(name, [name for names in known.values() for name in names])
             raise InputError(f"--set {name}: there is no such setting here; {hint}")
-        read = number if home == "object" else value
-        found[home][name] = read(text, f"--set {name}")
-    return found
+        parse = number if home == "object" else value
+        values[home][name] = parse(text, f"--set {name}")
+    return values
 
 
 # --- further objects -----------------------------------------------------------------------------
@@ -332,58 +338,62 @@ def _sorted_out(given: Mapping[str, str], obj: Object) -> dict[str, dict[str, An
 _TEXTS = ("technique", "projection", "heights", "edge", "mapping", "alpha", "casts")
 _NUMBERS = ("scale", "reference_height", "bias")
 _PAIRS = ("tiling", "shift")
-_OWN = ("position", "size", "turn", "material", "color")
+_PARAMETERS = ("position", "size", "turn", "material", "color")
 
 
 def object_from(text: str) -> Object:
     """A further object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
 
-    The first word is its shape. It stands at `position` in world units, `size` times as large,
-    turned about an axis (`turn=x/30`, degrees; a plane lies as it always does before that). Without
-    a `material` it is of one `color`; with one, that multiplies the maps.
+    The first word is its shape. Further words set its `position` in world units, its `size` as a
+    factor, and a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it).
+    Without a `material` the object has one `color`; with one, the color multiplies the maps.
     """
     shape, *parts = text.split(",")
     shape, what = shape.strip(), f"--add {shape.strip()}"
-    given = dict(named(part, what) for part in parts)
-    for name in given:
-        known = (*_OWN, *_TEXTS, *_NUMBERS, *_PAIRS)
+    values = dict(name_and_value(part, what) for part in parts)
+    for name in values:
+        known = (*_PARAMETERS, *_TEXTS, *_NUMBERS, *_PAIRS)
         if name not in known:
-            raise InputError(f"{what}: there is no {name}; {suggestion(name, known)}")
-    material = load(given["material"]) if "material" in given else _plain()
-    options: dict[str, Any] = {"shape": shape, **_some(given, *_TEXTS)}
-    for read, names in ((number, _NUMBERS), (pair, _PAIRS)):
-        texts = _some(given, *names)
-        options |= {name: read(text, f"{what}: {name}") for name, text in texts.items()}
-    if "color" in given or "material" not in given:
+            raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
+    material = load(values["material"]) if "material" in values else _white_material()
+    options: dict[str, Any] = {"shape": shape, **_subset(values, *_TEXTS)}
+    for parse, names in ((number, _NUMBERS), (pair, _PAIRS)):
+        texts = _subset(values, *names)
+        options |= {name: parse(text, f"{what}: {name}") for name, text in texts.items()}
+    if "color" in values or "material" not in values:
         options["surface_parameters"] = {
-            "base_color": value(given.get("color", _GREY), f"{what}: color")
+            "base_color": value(values.get("color", _GREY), f"{what}: color")
         }
-    plain = Object(material, **options)
-    return replace(plain, transform=_placed(given, what) @ plain.to_world)
+    obj = Object(material, **options)
+    return replace(obj, transform=_added_transform(values, what) @ obj.to_world)
 
 
 _GREY = "0.5"
-"""The colour of a further object that has neither material nor colour: no light burns it out."""
+"""Colour of an object with neither material nor colour: dark enough not to be overexposed."""
 
 
-def _placed(given: Mapping[str, str], what: str) -> Any:
-    """Turned, then sized, then moved."""
-    position = vector(given.get("position", "0/0/0"), f"{what}: position")
-    size = value(given.get("size", "1"), f"{what}: size")
+def _added_transform(values: Mapping[str, str], what: str) -> Any:
+    """The transform of an added object: scale, then rotation, then translation."""
+    position = vector(values.get("position", "0/0/0"), f"{what}: position")
+    size = value(values.get("size", "1"), f"{what}: size")
     if not isinstance(size, float) and len(size) != 3:
-        raise InputError(f"{what}: size {given['size']}: write one number, or three as 1/2/3")
+        raise InputError(
+            f"{what}: size {values['size']}: write one number, or three, for example 1/2/3"
+        )
     if not np.all((np.asarray(size) >= NEAR) & (np.asarray(size) <= FAR)):
-        raise InputError(f"{what}: size {given['size']}: write numbers above 0, up to {FAR:g}")
+        raise InputError(f"{what}: size {values['size']}: write numbers above 0, up to {FAR:g}")
     turn = np.eye(4)
-    if "turn" in given:
-        axis, _, degrees = given["turn"].partition("/")
+    if "turn" in values:
+        axis, _, degrees = values["turn"].partition("/")
         if axis not in ("x", "y", "z"):
-            raise InputError(f"{what}: turn {given['turn']}: write an axis and degrees, as x/30")
+            raise InputError(
+                f"{what}: turn {values['turn']}: write an axis and degrees, for example x/30"
+            )
         turn = rotated(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
     return placed(position) @ turn @ placed(scale=size)
 
 
-def _plain() -> Material:
-    """A material of one colour: white, for the finish to multiply."""
+def _white_material() -> Material:
+    """A white material, for the surface parameters to multiply."""
     white = Map(np.ones((1, 1, 3), np.float32), False, "one colour")
     return Material("plain", base_color=white)

@@ -1,4 +1,4 @@
-"""The pictures of `basrelief demo`: every technique on bricks, every shape with another sample."""
+"""Pictures of `basrelief demo`: every technique on bricks, every shape with another sample."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ _SHAPES: tuple[tuple[str, ShapeKind], ...] = (
     ("gravel", "cylinder"),
     ("terrain", "plane"),
 )
-_SHOWN = [name for name, made in TECHNIQUES.items() if made.most_reads < 100]
-"""The techniques that are drawn: all but the slowest."""
+_SHOWN = [name for name, technique in TECHNIQUES.items() if technique.most_reads < 100]
+"""Techniques of the demo: all but the slowest."""
 COUNT = len(_SHOWN) + len(_SHAPES)
-"""How many pictures there are."""
+"""Number of pictures."""
 
 
 def pictures(folder: Path, device: str) -> Iterator[Path]:
-    """Draw the pictures into a folder, naming each when it is done."""
-    # looking for a GPU and drawing the samples are independent: both at once
+    """Draw the pictures into a folder; yields the path of each when it is written."""
+    # choosing a device and making the samples are independent: run both at once
     with ThreadPoolExecutor() as pool:
-        found = pool.submit(choose_device, device)
+        device_choice = pool.submit(choose_device, device)
         names = ["bricks", *(name for name, _ in _SHAPES)]
         materials = dict(zip(names, pool.map(sample, names), strict=True))
         scenes = dict(_scenes(materials))
-        engine = found.result()
+        engine = device_choice.result()
         programs = [program_of(scene.objects[0]) for scene in scenes.values()]
         list(pool.map(engine.compile, programs))
     try:
@@ -46,14 +46,14 @@ def pictures(folder: Path, device: str) -> Iterator[Path]:
         raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another") from None
     # one picture is written while the next is drawn
     with ThreadPoolExecutor(1) as writer:
-        under_way: Future[Path] | None = None
+        writing: Future[Path] | None = None
         for name, scene in scenes.items():
             frame = render(scene, size=_SIZE, samples=_SAMPLES, device=engine)
-            if under_way is not None:
-                yield under_way.result()
-            under_way = writer.submit(frame.save, folder / f"{name}.png")
-        if under_way is not None:
-            yield under_way.result()
+            if writing is not None:
+                yield writing.result()
+            writing = writer.submit(frame.save, folder / f"{name}.png")
+        if writing is not None:
+            yield writing.result()
 
 
 def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:

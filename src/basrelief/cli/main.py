@@ -1,4 +1,4 @@
-"""The command line: what `basrelief` does, one function a command."""
+"""The command line of `basrelief`, one function per command."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ app = typer.Typer(
 
 
 _INTERRUPTED = 130
-"""The exit code after Ctrl-C; typer returns it in place of raising."""
+"""Exit code after Ctrl-C; typer returns it instead of raising."""
 
 
 def main() -> NoReturn:
-    """Run the command line; errors that the user can fix are one line, with exit code 2."""
+    """Run the command line; an error that the user can fix is one line, with exit code 2."""
     if isinstance(sys.stdout, io.TextIOWrapper):
-        # a terminal that knows no × gets a question mark, not a traceback
+        # a terminal that cannot encode × gets a question mark, not a traceback
         sys.stdout.reconfigure(errors="replace")
     try:
-        # not standalone: errors come back here instead of as a usage screen or a traceback
+        # not standalone, so that errors are raised here instead of printed with the usage
         code = app(standalone_mode=False) or 0
         if code == _INTERRUPTED:
             raise KeyboardInterrupt
@@ -49,7 +49,7 @@ def main() -> NoReturn:
     except (KeyboardInterrupt, typer.Abort):
         _fail("interrupted; no unfinished file is left", _INTERRUPTED)
     except MemoryError:
-        _fail("this does not fit in memory; take a smaller --size, or smaller maps")
+        _fail("this does not fit in memory; use a smaller --size, or smaller maps")
     except BrokenPipeError:
         _leave_closed_pipe()
     except Exception as error:
@@ -63,12 +63,12 @@ def _fail(message: str, code: int = 2) -> NoReturn:
 
 
 def _usage_error(error: Exception) -> NoReturn:
-    """The argument parser's own errors, known by what they carry; any other goes on."""
-    told = getattr(error, "format_message", None)
-    if told is None:
+    """Report an error of the argument parser, recognised by its attributes; raise any other."""
+    format_message = getattr(error, "format_message", None)
+    if format_message is None:
         raise error
-    text = _renamed_option(error) or told().rstrip(".")
-    _fail(f"{text} (basrelief COMMAND --help tells more)")
+    text = _renamed_option(error) or format_message().rstrip(".")
+    _fail(f"{text} (see basrelief COMMAND --help)")
 
 
 def _renamed_option(error: Any) -> str:
@@ -79,13 +79,13 @@ def _renamed_option(error: Any) -> str:
 
 
 def _leave_closed_pipe() -> NoReturn:
-    """Whoever read the output, `head` for one, has enough: leave without a word."""
+    """Exit silently where the reader of the output, such as `head`, has closed the pipe."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(1)
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
+def _show_version(requested: bool) -> None:
+    if requested:
         print(f"basrelief {__version__}")
         raise typer.Exit
 
@@ -107,51 +107,61 @@ PathArgument = Annotated[
 ]
 _of_picture = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
-ScaleOption = Annotated[float | None, typer.Option(help="Depth as a fraction of a tile's width.")]
-DeviceOption = Annotated[str, _of_picture(help="auto, cpu or gpu.")]
+ScaleOption = Annotated[
+    float | None, typer.Option(help="Height range as a fraction of a tile's width.")
+]
+ReferenceHeightOption = Annotated[
+    float | None, typer.Option(help="Height that lies on the polygon (each technique's own).")
+]
+ProjectionOption = Annotated[
+    str | None, typer.Option(help="Projection: full, biased or limited (each technique's own).")
+]
+DeviceOption = Annotated[str, _of_picture(help="Device: auto, cpu or gpu.")]
 
 
-def _said(options: dict[str, Any]) -> dict[str, Any]:
-    """The options that are given."""
+def _without_none(options: dict[str, Any]) -> dict[str, Any]:
+    """Options that are not None."""
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _plain(options: dict[str, Any]) -> dict[str, Any]:
-    """Options as JSON has them."""
+def _json_options(options: dict[str, Any]) -> dict[str, Any]:
+    """Options with paths as text, for JSON."""
     return {name: str(x) if isinstance(x, Path) else x for name, x in options.items()}
 
 
 def _loaded(path: str, **maps: Any) -> Material:
     from basrelief.material import load
 
-    return load(path, **_said(maps))
+    return load(path, **_without_none(maps))
 
 
-def _preset_and_maps(given: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
-    """The preset, and the options of the maps that are given; neither is left in `given`."""
+def _preset_and_maps(values: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
+    """Take the preset and the given options of maps out of `values`."""
     from basrelief.cli import arguments
 
-    maps = {name: given.pop(name) for name in options.names_of(options.Maps)}
-    arguments.check_lengths(maps["depth"], maps["tile"], given["scale"])
-    return arguments.preset_from(given.pop("preset")), _said(maps)
+    maps = {name: values.pop(name) for name in options.names_of(options.Maps)}
+    arguments.check_lengths(maps["depth"], maps["tile"], values["scale"])
+    return arguments.preset_from(values.pop("preset")), _without_none(maps)
 
 
-def _scene(path: str, chosen: Preset, maps: dict[str, Any], given: dict[str, Any]) -> Scene:
-    """The scene that a command's options describe."""
+def _scene(path: str, chosen: Preset, maps: dict[str, Any], values: dict[str, Any]) -> Scene:
+    """The scene that the options of a command describe."""
     from basrelief.cli import arguments
 
     material = _loaded(path, **{**chosen.maps, **maps})
-    return arguments.scene(material, preset=chosen, measured="depth" in maps, **_said(given))
+    return arguments.scene(
+        material, preset=chosen, measured="depth" in maps, **_without_none(values)
+    )
 
 
 @app.command()
-@options.taking(..., options.Maps)
+@options.with_options(..., options.Maps)
 def info(
     path: PathArgument,
-    json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **maps: Any,
 ) -> None:
-    """Say which maps were found, what was decided about them, and why."""
+    """Report which maps were found, how they are read, and why."""
     import json as json_text
 
     from basrelief.material import describe, report
@@ -163,7 +173,7 @@ def info(
 
 @app.command()
 def techniques() -> None:
-    """List the techniques, what each does and costs, its source, and its settings."""
+    """List the techniques: method, cost, source and settings."""
     import inspect
 
     from basrelief.shading.brdf import Shading
@@ -174,14 +184,13 @@ def techniques() -> None:
     from basrelief.techniques import TECHNIQUES
     from basrelief.techniques.height import Smoothing
 
-    for made in TECHNIQUES.values():
-        defaults = (
-            f"Defaults: --reference-height {made.reference_height:g} --projection {made.projection}"
-        )
-        paragraphs = inspect.cleandoc(made.__doc__ or "").split("\n\n")
-        _list(made.name, [*paragraphs, defaults], made.settings)
-    bias = "Beside a technique's own settings, --set turns bias (0.42), which goes with"
-    _list("with every technique", [f"{bias} --projection biased, and all that follow."])
+    for technique in TECHNIQUES.values():
+        height, projection = technique.reference_height, technique.projection
+        defaults = f"Defaults: --reference-height {height:g} --projection {projection}"
+        paragraphs = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
+        _list(technique.name, [*paragraphs, defaults], technique.settings)
+    bias = "Besides the settings of a technique, --set sets bias (0.42), for --projection"
+    _list("with every technique", [f"{bias} biased, and the settings below."])
     for name, record in (
         ("smooth heights (--heights smooth)", Smoothing),
         ("the standard surface", SurfaceParameters),
@@ -195,16 +204,16 @@ def techniques() -> None:
 
 @app.command()
 def presets() -> None:
-    """List the presets: the settings of an article, under one name."""
+    """List the presets: settings of an article under one name."""
     from basrelief.scene.presets import PRESETS, preset
 
     for name in PRESETS:
-        made = preset(name)
-        _list(name, [made.about, f"After {made.source}."])
+        chosen = preset(name)
+        _list(name, [chosen.about, f"After {chosen.source}."])
 
 
 def _list(name: str, paragraphs: list[str], *records: Any) -> None:
-    """A heading, paragraphs, and a table of the settings of records."""
+    """Print a heading, paragraphs, and a table of the settings of records."""
     import textwrap
 
     print(name)
@@ -215,7 +224,7 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
             )
         )
     rows = [_setting(field) for record in records for field in record.__dataclass_fields__.values()]
-    # an empty record, or none, has no table
+    # without settings there is no table
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
@@ -224,7 +233,7 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
 
 
 def _setting(field: Any) -> tuple[str, str, str]:
-    """A setting with its default, the range it may have, and what it means."""
+    """A setting with its default, its range and its meaning."""
     from basrelief.lang import Vec3
 
     low, high = field.metadata["low"], field.metadata["high"]
@@ -235,35 +244,37 @@ def _setting(field: Any) -> tuple[str, str, str]:
 
 
 @app.command()
-@options.taking(
+@options.with_options(
     options.Relief, options.Surface, options.Light, options.Camera, ...,
     options.Maps, options.Further,
 )  # fmt: skip
 def render(
     path: PathArgument,
     output: Annotated[
-        Path | None, _of_picture(*_OUTPUT, help="The picture: png, jpg, webp, exr …, or mp4, gif.")
+        Path | None, _of_picture(*_OUTPUT, help="File: png, jpg, webp, exr …, or mp4, gif.")
     ] = None,
     size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
-    samples: Annotated[int, _of_picture(help="Samples a pixel.")] = 4,
-    bits: Annotated[int | None, _of_picture(help="Bits a channel: 8, or 16 for PNG.")] = None,
-    quality: Annotated[int, _of_picture(min=1, max=100, help="Of JPEG, WebP and MP4.")] = 95,
+    samples: Annotated[int, _of_picture(help="Samples per pixel.")] = 4,
+    bits: Annotated[int | None, _of_picture(help="Bits per channel: 8, or 16 for PNG.")] = None,
+    quality: Annotated[
+        int, _of_picture(min=1, max=100, help="Quality of JPEG, WebP and MP4.")
+    ] = 95,
     frames: Annotated[
-        int, _of_picture(help="Above 1 a film (mp4, gif, webp), or numbered pictures.")
+        int, _of_picture(help="Frames; more than 1 make a film or numbered pictures.")
     ] = 1,
-    fps: Annotated[float, _of_picture(help="Pictures a second in a film.")] = 30.0,
+    fps: Annotated[float, _of_picture(help="Frames per second of a film.")] = 30.0,
     motion: Annotated[
         list[str] | None,
         _of_picture(
-            help="orbit · light · scroll,u=0.25,v=0 · opening: what moves in a film; repeat.",
+            help="Motion in a film: orbit · light · scroll,u=0.25,v=0 · opening; repeatable.",
             metavar="NAME,NAME=VALUE…",
         ),
     ] = None,
     show: Annotated[
-        str, _of_picture(help="color, or what it hides: reads, missed, overshoot, depth-error.")
+        str, _of_picture(help="Picture: color, reads, missed, overshoot or depth-error.")
     ] = "color",
     device: DeviceOption = "auto",
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Draw a material, as a picture or a film."""
     with _Progress(f"reading {path}") as progress:
@@ -271,32 +282,37 @@ def render(
         from basrelief.rendering import film
 
         pixels = arguments.size(size)
-        chosen, maps = _preset_and_maps(given)
+        chosen, maps = _preset_and_maps(values)
         motions = arguments.motions_from(motion or [], frames, chosen)
-        scene = _scene(path, chosen, maps, given)
-        material, drawn_with = scene.objects[0].material, scene.objects[0].drawn_with.name
-        # a name that `load` knows for one of ours, and takes for no map
+        scene = _scene(path, chosen, maps, values)
+        material, selected_technique = (
+            scene.objects[0].material,
+            scene.objects[0].selected_technique.name,
+        )
+        # `load` recognises this name and does not take the picture for a map
         shown = "" if show == "color" else f"-{show}"
-        target = output or Path(f"{material.name}-{drawn_with}{shown}-basrelief.png")
+        target = output or Path(f"{material.name}-{selected_technique}{shown}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
             _show(show, scene, pixels, samples, device, frames, target, bits, quality)
             return
-        drawn = film.frames(
+        rendered = film.frames(
             scene, motions, count=frames, fps=fps, size=pixels, samples=samples, device=device,
             progress=progress,
         )  # fmt: skip
-        made = film.write_film(target, drawn, fps, count=frames, bits=bits, quality=quality)
-    if material.height is None and given["technique"] is None:
+        written = film.write_film(target, rendered, fps, count=frames, bits=bits, quality=quality)
+    if material.height is None and values["technique"] is None:
         note = f"note: {material.name} has no height map, so it is drawn flat"
         print(note, file=sys.stderr)
     if scene.background is None and target.suffix.lower() == ".mp4":
-        note = "note: MP4 has no transparency, so the film is laid over the usual background"
+        note = (
+            "note: MP4 has no transparency, so the film is composited over the default background"
+        )
         print(note, file=sys.stderr)
-    # the first and the last of many
-    files = " … ".join(map(str, dict.fromkeys((made.files[0], made.files[-1]))))
-    print(f"{files}  ({made.device})")
+    # of many files, the first and the last
+    files = " … ".join(map(str, dict.fromkeys((written.files[0], written.files[-1]))))
+    print(f"{files}  ({written.device})")
 
 
 def _show(
@@ -310,7 +326,7 @@ def _show(
     bits: int | None,
     quality: int,
 ) -> None:
-    """Draw a debug picture, and say what its colours mean."""
+    """Draw a debug picture and print the meaning of its colours."""
     from basrelief.engine import choose_device
     from basrelief.errors import InputError
     from basrelief.measure.debug import check_shown, debug_picture
@@ -319,98 +335,106 @@ def _show(
 
     check_shown(what)
     if frames != 1:
-        raise InputError(f"--show {what}: one picture shows it; leave --frames away")
-    boxes = [each.drawn_with.name for each in scene.objects if each.drawn_with.columns]
-    if boxes and what != "reads":
+        raise InputError(f"--show {what}: draws a single picture; omit --frames")
+    columns = [
+        obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns
+    ]
+    if columns and what != "reads":
         raise InputError(
-            f"--show {what} measures against the bilinear surface, and {boxes[0]} draws boxes; "
+            f"--show {what} measures against the bilinear surface, but {columns[0]} draws columns; "
             "use --show reads or another technique"
         )
     engine = choose_device(device)
-    true = None if what == "reads" else truth(scene, size, device=engine)
+    reference = None if what == "reads" else truth(scene, size, device=engine)
     frame = render(scene, size=size, samples=samples, device=engine)
-    made = debug_picture(what, frame, true)
-    made.image.save(target, bits=bits, quality=quality)
-    print(f"{target}  ({frame.device})\n{made.meaning}")
+    picture = debug_picture(what, frame, reference)
+    picture.image.save(target, bits=bits, quality=quality)
+    print(f"{target}  ({frame.device})\n{picture.meaning}")
 
 
 @app.command()
-@options.taking(..., options.Maps)
+@options.with_options(..., options.Maps)
 def compare(
     path: PathArgument,
     output: Annotated[
         Path | None,
-        typer.Option(*_OUTPUT, help="The folder for the page, pictures and compare.json."),
+        typer.Option(*_OUTPUT, help="Folder for the page, pictures and compare.json."),
     ] = None,
     technique: Annotated[
         list[str] | None,
         typer.Option(
-            help="One to compare (all of them), as relief,max_steps=64 too; repeat.",
+            help="Technique to compare (all), or relief,max_steps=64; repeatable.",
             metavar="NAME|FILE.py:NAME[,SETTING=VALUE…]",
         ),
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", help="A setting for all techniques that have it; repeat.", metavar="NAME=VALUE"
+            "--set",
+            help="Setting of all techniques that have it; repeatable.",
+            metavar="NAME=VALUE",
         ),
     ] = None,
     angles: Annotated[str, typer.Option(help="Degrees from the normal.")] = "0,45,60,75,85",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
-    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
+    samples: Annotated[int, typer.Option(help="Samples per pixel.")] = 4,
     scale: ScaleOption = None,
-    reference_height: Annotated[
-        float | None, typer.Option(help="The height on the polygon (each technique's own).")
-    ] = None,
-    projection: Annotated[
-        str | None, typer.Option(help="full, biased or limited (each technique's own).")
-    ] = None,
+    reference_height: ReferenceHeightOption = None,
+    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
-    """Measure every technique on a material: a page that says what to ship, and why."""
+    """Measure every technique on a material and recommend one, on a page with pictures."""
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
         from basrelief.measure.compare import compare as compared
 
-        seen, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
+        degrees, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
         arguments.check_lengths(maps["depth"], maps["tile"], scale)
-        said = arguments.plain_settings(settings or [])
-        relief = _said(
+        fixed = arguments.settings_from(settings or [])
+        relief = _without_none(
             {"scale": scale, "reference_height": reference_height, "projection": projection}
         )
-        if "bias" in said:
-            relief["bias"] = said.pop("bias")
+        if "bias" in fixed:
+            relief["bias"] = fixed.pop("bias")
         material = _loaded(path, **maps)
 
-        found = compared(
-            material, technique, angles=seen, size=pixels, samples=samples, device=device,
-            settings=said, progress=progress.at, **relief,
+        result = compared(
+            material, technique, angles=degrees, size=pixels, samples=samples, device=device,
+            settings=fixed, progress=progress.at, **relief,
         )  # fmt: skip
-        page = found.save(output or Path(f"{material.name}-compare"))
-    print(f"{found.summary()}\n{page}  ({found.device})")
+        page = result.save(output or Path(f"{material.name}-compare"))
+    print(f"{result.summary()}\n{page}  ({result.device})")
 
 
 @app.command()
-@options.taking(..., options.Maps)
+@options.with_options(..., options.Maps)
 def tune(
     path: PathArgument,
     missed: Annotated[
-        str | None, typer.Option(help="The most missed hits, as 0.1%.", metavar="SHARE")
+        str | None, typer.Option(help="Bound on missed hits, for example 0.1%.", metavar="SHARE")
     ] = None,
-    flip: Annotated[float | None, typer.Option(help="The most FLIP error, as 0.05.")] = None,
-    angles: Annotated[str, typer.Option(help="Degrees from the normal, from-to.")] = "0-75",
-    output: Annotated[Path | None, typer.Option(*_OUTPUT, help="The preset, a .toml file.")] = None,
+    flip: Annotated[
+        float | None, typer.Option(help="Bound on the FLIP error, for example 0.05.")
+    ] = None,
+    angles: Annotated[
+        str, typer.Option(help="Range of angles from the normal, in degrees.")
+    ] = "0-75",
+    output: Annotated[
+        Path | None, typer.Option(*_OUTPUT, help="Preset to write, a .toml file.")
+    ] = None,
     technique: Annotated[
         list[str] | None,
-        typer.Option(help="One to try (all of them); repeat.", metavar="NAME|FILE.py:NAME"),
+        typer.Option(help="Technique to try (all); repeatable.", metavar="NAME|FILE.py:NAME"),
     ] = None,
     settings: Annotated[
         list[str] | None,
-        typer.Option("--set", help="A setting to keep as it is; repeat.", metavar="NAME=VALUE"),
+        typer.Option("--set", help="Setting with a fixed value; repeatable.", metavar="NAME=VALUE"),
     ] = None,
-    size: Annotated[str, typer.Option(help="Width × height of what is measured.")] = "320x180",
+    size: Annotated[str, typer.Option(help="Width × height of the measured pictures.")] = "320x180",
     scale: ScaleOption = None,
+    reference_height: ReferenceHeightOption = None,
+    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
     **maps: Any,
 ) -> None:
@@ -420,46 +444,51 @@ def tune(
         from basrelief.measure.tune import tune as tuned
 
         bound = None if missed is None else arguments.share(missed, "--missed")
-        seen, pixels = arguments.span(angles, "--angles"), arguments.size(size)
+        degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
         arguments.check_lengths(maps["depth"], maps["tile"], scale)
-        said, relief = arguments.plain_settings(settings or []), _said({"scale": scale})
-        if "bias" in said:
-            relief["bias"] = said.pop("bias")
+        fixed = arguments.settings_from(settings or [])
+        relief = _without_none(
+            {"scale": scale, "reference_height": reference_height, "projection": projection}
+        )
+        if "bias" in fixed:
+            relief["bias"] = fixed.pop("bias")
         material = _loaded(path, **maps)
 
-        found = tuned(
-            material, missed=bound, flip=flip, angles=seen, techniques=technique, size=pixels,
-            device=device, settings=said, progress=progress.at, source=path, **relief,
+        result = tuned(
+            material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
+            device=device, settings=fixed, progress=progress.at, source=path, **relief,
         )  # fmt: skip
-        written = found.preset.save(output or Path(f"{material.name}-tuned.toml"))
-    print(f"{found.report()}\n\n{found.command}\n\n{written}  ({found.device})")
+        written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
+    print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
 
 
 @app.command()
-@options.taking(..., options.Bakes, options.Sources)
+@options.with_options(..., options.Bakes, options.Sources)
 def bake(
     path: PathArgument,
     output: Annotated[
-        Path | None, typer.Option(*_OUTPUT, help="The folder for the files (FOLDER/baked).")
+        Path | None, typer.Option(*_OUTPUT, help="Folder for the files (FOLDER/baked).")
     ] = None,
-    edge: Annotated[str, typer.Option(help="Beyond the map: wrap or clamp.")] = "wrap",
+    edge: Annotated[str, typer.Option(help="Beyond the edge of the map: wrap or clamp.")] = "wrap",
     scale: Annotated[
         float | None,
-        typer.Option(help="Depth as a fraction of a tile's width; else the material's, or 0.05."),
+        typer.Option(
+            help="Height range as a fraction of a tile's width (the material's, or 0.05)."
+        ),
     ] = None,
-    green: Annotated[str, typer.Option(help="Green of normals is up (gl) or down (dx).")] = "gl",
-    bits: Annotated[int, typer.Option(help="Of normals, heights, occlusion: 8 or 16.")] = 16,
-    directions: Annotated[int, typer.Option(help="Of the horizon; four go into a file.")] = 8,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace files that are there.")
-    ] = False,
+    green: Annotated[str, typer.Option(help="Green of normals: up (gl) or down (dx).")] = "gl",
+    bits: Annotated[
+        int, typer.Option(help="Bits of normals, heights and occlusion: 8 or 16.")
+    ] = 16,
+    directions: Annotated[int, typer.Option(help="Directions of the horizon, four per file.")] = 8,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace existing files.")] = False,
     device: DeviceOption = "auto",
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
     from basrelief.baking.files import OPTIONS, BakeInput, bake_to
 
-    names = [name for name in OPTIONS if given.pop(name)]
+    names = [name for name in OPTIONS if values.pop(name)]
     if not names:
         raise InputError(
             f"nothing to bake: name {', '.join('--' + name.replace('_', '-') for name in OPTIONS)}"
@@ -474,23 +503,25 @@ def bake(
         from basrelief.engine import choose_device
         from basrelief.scene.objects import DEFAULT_SCALE
 
-        arguments.check_lengths(given["depth"], given["tile"], scale)
-        maps = {name.removesuffix("_map"): value for name, value in given.items()}
+        arguments.check_lengths(values["depth"], values["tile"], scale)
+        maps = {name.removesuffix("_map"): value for name, value in values.items()}
         material = _loaded(path, **maps)
         progress.task = f"baking {material.name}"
-        used = next(each for each in (scale, material.scale, DEFAULT_SCALE) if each is not None)
+        height_scale = next(
+            number for number in (scale, material.scale, DEFAULT_SCALE) if number is not None
+        )
         engine = choose_device(device)
-        chosen = BakeInput(material, engine, edge, used, bits, green, directions)  # type: ignore[arg-type]
+        baking = BakeInput(material, engine, edge, height_scale, bits, green, directions)  # type: ignore[arg-type]
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
-        made = bake_to(folder, names, chosen, overwrite=overwrite)
-    for file, note in made:
+        files = bake_to(folder, names, baking, overwrite=overwrite)
+    for file, note in files:
         print(f"{file}  ({note})" if note else file)
     if set(names) & {"normal", "occlusion", "horizon"}:
-        print(f"scale {used:g}: the relief is as deep as that share of the map's width")
+        print(f"scale {height_scale:g}: height range as a fraction of the map's width")
 
 
 @app.command()
-@options.taking(
+@options.with_options(
     options.Relief, options.Surface, options.Light, options.Camera, ...,
     options.Maps, options.Further,
 )  # fmt: skip
@@ -498,64 +529,65 @@ def explain(
     path: PathArgument,
     pixel: Annotated[
         str,
-        _of_picture(help="Which pixel's ray, from the top left.", metavar="X,Y"),
+        _of_picture(help="Pixel to explain, from the top left.", metavar="X,Y"),
     ],
     output: Annotated[
-        Path | None, _of_picture(*_OUTPUT, help="The cross-section: svg, png or pdf.")
+        Path | None, _of_picture(*_OUTPUT, help="File of the cross-section: svg, png or pdf.")
     ] = None,
     size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
     table: Annotated[bool, _of_picture("--table", help="List each read.")] = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
-    """Show what a technique reads along the ray of one pixel, and where it should have ended."""
+    """Show the reads of a technique along the ray of one pixel, and the true hit."""
     with _Progress(f"reading {path}"):
         from basrelief.cli import arguments
         from basrelief.measure.explain import explain as explained
 
-        place, pixels = arguments.pixel(pixel), arguments.size(size)
-        chosen, maps = _preset_and_maps(given)
-        found = explained(_scene(path, chosen, maps, given), pixel=place, size=pixels)
-        made = None if output is None else found.save(output)
-    print(found.summary)
-    if table or made is None:
-        print(found.table())
-    if made is not None:
-        print(made)
+        xy, pixels = arguments.pixel(pixel), arguments.size(size)
+        chosen, maps = _preset_and_maps(values)
+        explanation = explained(_scene(path, chosen, maps, values), pixel=xy, size=pixels)
+        drawing = None if output is None else explanation.save(output)
+    print(explanation.summary)
+    if table or drawing is None:
+        print(explanation.table())
+    if drawing is not None:
+        print(drawing)
 
 
 @app.command()
 def demo(
-    output: Annotated[Path, typer.Option(*_OUTPUT, help="Where the pictures go.")] = Path(
+    output: Annotated[Path, typer.Option(*_OUTPUT, help="Folder for the pictures.")] = Path(
         "basrelief-demo"
     ),
     device: DeviceOption = "auto",
 ) -> None:
     """Draw the samples with every technique and on every shape."""
-    made: list[Path] = []
+    paths: list[Path] = []
     with _Progress("drawing the samples") as progress:
         from basrelief.cli.demo import COUNT, pictures
 
         for picture in pictures(output, device):
-            made.append(picture)
-            progress(len(made) / COUNT)
-    print("\n".join(map(str, made)))
+            paths.append(picture)
+            progress(len(paths) / COUNT)
+    print("\n".join(map(str, paths)))
     print(f"\nThe pictures are in {output}. Next: basrelief render FOLDER --technique relief")
 
 
 @app.command()
-@options.taking(
+@options.with_options(
     options.Relief, options.Surface, options.Light, options.Camera, ..., options.Maps,
 )  # fmt: skip
 def view(
     path: PathArgument,
     output: Annotated[
-        Path | None, typer.Option(*_OUTPUT, help="The page; without it one is made and opened.")
+        Path | None,
+        typer.Option(*_OUTPUT, help="File of the page; by default a temporary one is opened."),
     ] = None,
-    texels: Annotated[int, typer.Option(help="Texels a side of the page's maps at most.")] = 1024,
+    texels: Annotated[int, typer.Option(help="Largest side of the page's maps, in texels.")] = 1024,
     device: DeviceOption = "auto",
-    **given: Any,
+    **values: Any,
 ) -> None:
-    """Make one page in which every map and number is live, and open it in a browser."""
+    """Make an interactive page of a material and open it in a browser."""
     with _Progress(f"reading {path}") as progress:
         import tempfile
         import webbrowser
@@ -565,17 +597,17 @@ def view(
         if texels < 1:
             raise InputError(f"--texels {texels}: give at least 1")
         if output is not None and output.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"--output {output}: name a page, as page.html")
-        chosen, maps = _preset_and_maps(given)
-        scene = _scene(path, chosen, maps, given)
-        sources = Sources(path, _plain({**chosen.maps, **maps}), given["layer"])
+            raise InputError(f"--output {output}: name an HTML file, for example page.html")
+        chosen, maps = _preset_and_maps(values)
+        scene = _scene(path, chosen, maps, values)
+        sources = Sources(path, _json_options({**chosen.maps, **maps}), values["layer"])
         name = scene.objects[0].material.name
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
-        made = write_view(
+        page = write_view(
             scene, target, texels=texels, sources=sources, device=device, progress=progress.at
         )
-    if made.scaled_to is not None:
-        width, height = made.scaled_to
+    if page.scaled_to is not None:
+        width, height = page.scaled_to
         print(f"note: the page's maps are scaled to {width} × {height}", file=sys.stderr)
     print(target)
     if output is None and not webbrowser.open(target.resolve().as_uri()):
@@ -584,43 +616,41 @@ def view(
 
 @app.command()
 def gallery(
-    output: Annotated[Path, typer.Argument(help="The folder for pages and pictures.")],
+    output: Annotated[Path, typer.Argument(help="Folder for pages and pictures.")],
     device: DeviceOption = "auto",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
-    samples: Annotated[int, typer.Option(help="Samples a pixel.")] = 4,
-    only: Annotated[
-        list[str] | None, typer.Option(help="The name of a page to draw; repeat for more.")
-    ] = None,
+    samples: Annotated[int, typer.Option(help="Samples per pixel.")] = 4,
+    only: Annotated[list[str] | None, typer.Option(help="Page to draw; repeatable.")] = None,
     source: Annotated[
         str | None,
-        typer.Option(help="Pages after catlike, wikibooks, gamedev, halliwell or habrador alone."),
+        typer.Option(help="Source: catlike, wikibooks, gamedev, halliwell, habrador or beyond."),
     ] = None,
 ) -> None:
-    """Draw every comparison of the five articles as pages with pictures, settings and costs."""
+    """Draw the comparisons of the five articles as pages with pictures, settings and costs."""
     with _Progress("drawing the gallery") as progress:
         from basrelief.cli import arguments
         from basrelief.engine import choose_device
         from basrelief.gallery.folder import chosen, write
 
-        def heard(what: str, share: float) -> None:
+        def report(what: str, share: float) -> None:
             progress.task = f"drawing: {what}"
             progress(share)
 
         pages, pixels = chosen(only or [], source), arguments.size(size)
-        index = write(output, pages, choose_device(device), pixels, samples, heard)
+        index = write(output, pages, choose_device(device), pixels, samples, report)
     print(index)
 
 
 # --- progress ------------------------------------------------------------------------------------
 
 _PATIENCE = 1.0
-"""Seconds after which a task shows how far it is."""
+"""Seconds after which the progress of a task is shown."""
 
 
 class _Progress:
-    """A bar on the terminal's standard error, as long as a task takes, from its second second on.
+    """A progress bar on standard error, if that is a terminal and the task takes over a second.
 
-    Called with the finished share, 0 to 1; before the first call the bar only says that it works.
+    Call it with the finished share, 0 to 1; before the first call the bar shows no share.
     """
 
     def __init__(self, task: str) -> None:
@@ -640,7 +670,7 @@ class _Progress:
         self._update()
 
     def at(self, task: str, share: float) -> None:
-        """The same, of a task whose name changes as it goes."""
+        """Set the task's name and its finished share."""
         self.task = task
         self(share)
 

@@ -1,7 +1,7 @@
-"""Engines run a program over the pixels of a picture; they know nothing of scenes.
+"""Engines, which run a program for each pixel of a picture; they know nothing of scenes.
 
-`cpu` compiles with LLVM and runs on all cores; `gpu` runs WGSL through WebGPU. Both have one
-interface, `Engine`, and give the same planes within the tolerances that the tests state.
+`cpu` compiles with LLVM and runs on all cores; `gpu` runs WGSL through WebGPU. Both implement
+`Engine`, and compute the same planes within the tolerances that the tests state.
 """
 
 from basrelief.engine.engine import Engine, Planes

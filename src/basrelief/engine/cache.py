@@ -1,8 +1,8 @@
-"""Files that are kept between runs: compiled programs and bakes, found by their content.
+"""Disk cache of compiled programs and bakes, keyed by the content that they are made from.
 
-An entry is written whole or not at all, checked when it is read, and removed when it is damaged.
-All entries together take at most `LIMIT` bytes; the least recently used are removed first. Where
-the folder cannot be read or written, nothing is kept and everything is made anew.
+An entry is written atomically, verified when it is read, and removed when it is damaged. All
+entries together take at most `LIMIT` bytes; the least recently used are removed first. If the
+folder cannot be read or written, nothing is cached and everything is computed again.
 """
 
 from __future__ import annotations
@@ -29,27 +29,26 @@ from basrelief.errors import DeviceError
 
 LIMIT = 2 * 1024**3
 """Bytes that all entries may take together."""
-_PART = 16
-"""The share of the limit, as a divisor, that is written before the folder is listed again, and
-that removing entries leaves free: listing 5000 entries takes 0.07 s, so it is not done for each."""
-_ABANDONED = 3600.0
-"""Seconds after which an unfinished file belongs to no process that is still writing it."""
-_DIGEST = 32
-"""Bytes of the digest that an entry begins with."""
+_LISTING_FRACTION = 16
+"""Divisor of the limit: the part that may be written before the folder is listed again, and that is
+left free after entries are removed. Listing 5000 entries takes 0.07 s, too much for each write."""
+_ABANDONED_AFTER = 3600.0
+"""Seconds after which no process is taken to be writing an unfinished file any more."""
+_DIGEST_SIZE = 32
+"""Bytes of the digest at the start of an entry."""
 Bytes = bytes | memoryview
 _ENTRY = re.compile(r"[a-z]+-[0-9a-f]{64}")
 _UNFINISHED = re.compile(_ENTRY.pattern + r"\.\w+")
 
 
 def cache_folder() -> Path:
-    """The folder of cached files, as an absolute path; it need not exist.
+    """Absolute path of the cache folder, which need not exist.
 
-    The environment variable BASRELIEF_CACHE names it, a relative path starting at the working
-    directory. Where the variable is unset or empty, it is `basrelief` in the user's cache folder.
-    Raises RuntimeError where the user has no home folder.
+    It is the environment variable BASRELIEF_CACHE, relative to the working directory, or else
+    `basrelief` in the user's cache folder. Raises RuntimeError if the user has no home folder.
     """
-    named = os.environ.get("BASRELIEF_CACHE")
-    return Path(named).absolute() if named else _user_folder()
+    path = os.environ.get("BASRELIEF_CACHE")
+    return Path(path).absolute() if path else _user_folder()
 
 
 def _user_folder() -> Path:
@@ -58,13 +57,13 @@ def _user_folder() -> Path:
     folder = PlatformDirs("basrelief", appauthor=False, opinion=False).user_cache_path
     if folder.is_absolute():
         return folder
-    # a relative XDG_CACHE_HOME counts as unset (XDG Base Directory Specification 0.8), which not
-    # every version of platformdirs respects
+    # the XDG Base Directory Specification 0.8 ignores a relative XDG_CACHE_HOME; not every version
+    # of platformdirs does
     return Path.home() / ".cache" / "basrelief"
 
 
 def key_of(kind: str, *parts: str | Bytes) -> str:
-    """The key of an entry: its kind, a word in lower case, and a digest of all it is made from."""
+    """Key of an entry: its kind, a word in lower case, and a digest of what it depends on."""
     digest = hashlib.sha256()
     for part in parts:
         content = memoryview(part.encode() if isinstance(part, str) else part)
@@ -75,17 +74,17 @@ def key_of(kind: str, *parts: str | Bytes) -> str:
 
 @functools.cache
 def source_digest(*modules: ModuleType) -> str:
-    """A digest of the source of modules and packages, those within packages included.
+    """Digest of the source of modules and packages, with their subpackages.
 
-    What is kept depends on the code that made it. Raises DeviceError for a package without source
-    files: its digest would not change with its code.
+    Cached results depend on the code that computed them. Raises DeviceError for a package without
+    source files, whose digest would not change with its code.
     """
     digest = hashlib.sha256()
     for module in modules:
         sources = list(_sources(module))
         if not sources:
             raise DeviceError(
-                f"{module.__name__} has no source files, by which results are found in the cache; "
+                f"{module.__name__} has no source files, which the keys of the cache depend on; "
                 "install it with its .py files"
             )
         for name, source in sources:
@@ -117,29 +116,29 @@ def _sources_within(folder: Traversable, name: str) -> Iterator[tuple[str, bytes
 
 
 def read(key: str) -> tuple[dict[str, Any], bytes] | None:
-    """Header and content of an entry, which is then the last used; None where none is whole."""
+    """Header and content of an entry, marked as used; None if it is missing or damaged."""
     try:
         path = cache_folder() / key
         with path.open("rb") as file:
-            digest, header, content = file.read(_DIGEST), file.readline(), file.read()
+            digest, header, content = file.read(_DIGEST_SIZE), file.readline(), file.read()
     except (OSError, RuntimeError):
         return None
-    found = _checked_header(digest, header, content)
-    if found is None:
+    parsed = _parse_header(digest, header, content)
+    if parsed is None:
         _remove(path)
         return None
     with contextlib.suppress(OSError):
         os.utime(path)
-    return found, content
+    return parsed, content
 
 
 def write(key: str, header: dict[str, Any], content: Bytes) -> None:
-    """Store an entry, then remove the least recently used ones beyond the limit.
+    """Store an entry, then remove the least recently used ones above the limit.
 
-    Stores nothing where the folder cannot be written, or where the entry alone is over the limit.
+    Stores nothing if the folder cannot be written or the entry alone exceeds the limit.
     """
     head = json.dumps(header).encode() + b"\n"
-    size = _DIGEST + len(head) + memoryview(content).nbytes
+    size = _DIGEST_SIZE + len(head) + memoryview(content).nbytes
     if size > LIMIT:
         return
     try:
@@ -148,18 +147,18 @@ def write(key: str, header: dict[str, Any], content: Bytes) -> None:
         _write_whole(folder / key, head, content)
     except (OSError, RuntimeError):
         return
-    _make_room(folder, key, size)
+    _enforce_limit(folder, key, size)
 
 
-def _checked_header(digest: bytes, header: bytes, content: bytes) -> dict[str, Any] | None:
-    """The header of an entry; None where the entry is not what was written."""
+def _parse_header(digest: bytes, header: bytes, content: bytes) -> dict[str, Any] | None:
+    """Header of an entry; None if the entry is damaged."""
     if _digest(header, content) != digest:
         return None
     try:
-        found = json.loads(header)
+        parsed = json.loads(header)
     except ValueError:
         return None
-    return found if isinstance(found, dict) else None
+    return parsed if isinstance(parsed, dict) else None
 
 
 def _write_whole(path: Path, header: bytes, content: Bytes) -> None:
@@ -181,7 +180,7 @@ def _digest(header: bytes, content: Bytes) -> bytes:
 
 
 def _remove(path: Path) -> bool:
-    """Remove a file; whether it is gone, which on Windows one that is open is not."""
+    """Remove a file; returns whether it is gone, which on Windows an open one is not."""
     with contextlib.suppress(OSError):
         path.unlink(missing_ok=True)
         return True
@@ -192,51 +191,51 @@ def _remove(path: Path) -> bool:
 
 
 @dataclass
-class _Account:
-    """Bytes of all entries when the folder was last listed, and bytes written since."""
+class _Usage:
+    """Bytes of all entries at the last listing of the folder, and bytes written since."""
 
     listed: int | None = None
     written: int = 0
 
-    def is_due(self) -> bool:
-        """Whether to list the folder. Other processes write too, so not only at the limit."""
+    def needs_listing(self) -> bool:
+        """Whether to list the folder; not only at the limit, because other processes write too."""
         if self.listed is None:
             return True
-        return self.listed + self.written > LIMIT or self.written > LIMIT // _PART
+        return self.listed + self.written > LIMIT or self.written > LIMIT // _LISTING_FRACTION
 
 
 class _Entry(NamedTuple):
     used: int
-    """Nanoseconds since the epoch, of the last write or read."""
+    """Time of the last write or read, in nanoseconds since the epoch."""
     size: int
     path: Path
 
 
-_accounts: defaultdict[Path, _Account] = defaultdict(_Account)
+_usage_by_folder: defaultdict[Path, _Usage] = defaultdict(_Usage)
 _lock = threading.Lock()
 
 
-def _make_room(folder: Path, key: str, size: int) -> None:
-    """Keep the folder within the limit after `size` bytes were written under a key."""
+def _enforce_limit(folder: Path, key: str, size: int) -> None:
+    """Keep the folder below the limit after `size` bytes were written under a key."""
     with _lock:
-        account = _accounts[folder]
-        account.written += size
-        if account.is_due():
+        usage = _usage_by_folder[folder]
+        usage.written += size
+        if usage.needs_listing():
             with contextlib.suppress(OSError):
-                account.listed, account.written = _trim(folder, key), 0
+                usage.listed, usage.written = _trim(folder, key), 0
 
 
 def _trim(folder: Path, newest: str) -> int:
-    """Remove the least recently used entries beyond the limit, never `newest`; returns bytes left.
+    """Remove the least recently used entries above the limit, except `newest`; returns bytes left.
 
-    Only files named as entries are counted and removed: the folder may be the user's own.
+    Counts and removes only files that have names of entries: the folder may hold other files.
     """
     entries = sorted(_entries(folder))
     total = sum(entry.size for entry in entries)
     if total <= LIMIT:
         return total
     for entry in entries:
-        if total <= LIMIT - LIMIT // _PART:
+        if total <= LIMIT - LIMIT // _LISTING_FRACTION:
             break
         if entry.path.name != newest and _remove(entry.path):
             total -= entry.size
@@ -244,17 +243,17 @@ def _trim(folder: Path, newest: str) -> int:
 
 
 def _entries(folder: Path) -> Iterator[_Entry]:
-    """All entries; unfinished files that a process left behind are removed on the way."""
+    """All entries; also removes unfinished files that a process left behind."""
     with os.scandir(folder) as listed:
         for file in listed:
             # another process may have removed it by now
             with contextlib.suppress(OSError):
-                known = file.stat(follow_symlinks=False)
+                status = file.stat(follow_symlinks=False)
                 if _ENTRY.fullmatch(file.name) and file.is_file(follow_symlinks=False):
-                    yield _Entry(known.st_mtime_ns, known.st_size, Path(file.path))
-                elif _UNFINISHED.fullmatch(file.name) and _is_abandoned(known):
+                    yield _Entry(status.st_mtime_ns, status.st_size, Path(file.path))
+                elif _UNFINISHED.fullmatch(file.name) and _is_abandoned(status):
                     _remove(Path(file.path))
 
 
-def _is_abandoned(known: os.stat_result) -> bool:
-    return time.time() - known.st_mtime > _ABANDONED
+def _is_abandoned(status: os.stat_result) -> bool:
+    return time.time() - status.st_mtime > _ABANDONED_AFTER

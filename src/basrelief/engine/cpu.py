@@ -1,4 +1,4 @@
-"""The CPU engine: LLVM through llvmlite, one pixel a SIMD lane, rows shared among all cores."""
+"""CPU engine: LLVM through llvmlite, one SIMD lane for each pixel, rows spread over all cores."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
-_ROWS = 8
-"""Rows a task: enough work to outweigh handing it out, few enough to even out the cores."""
+_ROWS_PER_TASK = 8
+"""Rows of a task: enough to outweigh scheduling, few enough to balance the cores."""
 
 
 class CpuEngine:
-    """Runs programs on all cores. `lanes` and `threads` default to what the machine has."""
+    """Runs programs on all cores; `lanes` and `threads` default to those of the machine."""
 
     name = "cpu"
     rounding = "IEEE 754"
-    """Of every processor, whatever its lanes: `CONVENTIONS.md` says what numbers mean."""
+    """The same on every processor and for any number of lanes: see `CONVENTIONS.md`."""
 
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
-        self.lanes = lanes or _natural_lanes()
-        self.threads = threads or _cores()
+        self.lanes = lanes or _native_lanes()
+        self.threads = threads or _core_count()
         self.adapter = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
         self._compiled: dict[str, _Compiled] = {}
-        self._uploaded: weakref.WeakKeyDictionary[Any, _Resident] = weakref.WeakKeyDictionary()
+        self._layouts: weakref.WeakKeyDictionary[Any, _ResourceLayout] = weakref.WeakKeyDictionary()
         self._lock = threading.Lock()
 
     def compile(self, program: Program) -> None:
-        """Make the program ready: from this process, from disk, or from its source."""
-        self._ready(program)
+        """Compile the program, or load it from memory or from the cache."""
+        self._compiled_program(program)
 
     def run(
         self,
@@ -54,46 +54,46 @@ class CpuEngine:
         rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
-        compiled = self._ready(program)
+        compiled = self._compiled_program(program)
         handles = [n for n in compiled.parameters if is_handle(program.parameters[n])]
         records = [n for n in compiled.parameters if n not in handles]
-        residents = [self._resident(value_of(program, name, values)) for name in handles]
-        pointers = (ctypes.c_void_p * max(1, len(residents)))(*(r.address for r in residents))
+        layouts = [self._layout_of(value_of(program, name, values)) for name in handles]
+        pointers = (ctypes.c_void_p * max(1, len(layouts)))(*(r.address for r in layouts))
         uniforms = pack_uniforms(program, records, values)
         width, (first, last) = size[0], rows or (0, size[1])
         stride = -(-width // self.lanes) * self.lanes
         planes = np.zeros((len(program.planes), last - first, stride), np.int32)
-        # the code counts rows from the picture's top, the planes from the first row wanted
+        # the code counts rows from the top of the picture, the planes from the first row computed
         top = planes.ctypes.data - first * stride * planes.itemsize
 
-        def some_rows(start: int) -> None:
+        def run_rows(start: int) -> None:
             compiled.run(
                 uniforms.ctypes.data, ctypes.addressof(pointers), top,
-                planes[0].size, stride, width, start, min(start + _ROWS, last),
+                planes[0].size, stride, width, start, min(start + _ROWS_PER_TASK, last),
             )  # fmt: skip
 
         if width:
-            self._spread(some_rows, range(first, last, _ROWS))
+            self._run_parallel(run_rows, range(first, last, _ROWS_PER_TASK))
         return {
             name: (plane.view(np.float32) if t is float else plane)[:, :width]
             for plane, (name, t) in zip(planes, program.planes, strict=True)
         }
 
-    def _spread(self, task: Any, starts: range) -> None:
-        """Do a task for each start on all threads; an interrupt leaves the rest undone."""
+    def _run_parallel(self, task: Any, starts: range) -> None:
+        """Run a task for each start on all threads; an interrupt cancels the rest."""
         pool = ThreadPoolExecutor(self.threads)
         try:
             list(pool.map(task, starts))
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
-    def _resident(self, value: Any) -> _Resident:
+    def _layout_of(self, value: Any) -> _ResourceLayout:
         with self._lock:
-            if value not in self._uploaded:
-                self._uploaded[value] = _resident(value)
-            return self._uploaded[value]
+            if value not in self._layouts:
+                self._layouts[value] = _layout_of(value)
+            return self._layouts[value]
 
-    def _ready(self, program: Program) -> _Compiled:
+    def _compiled_program(self, program: Program) -> _Compiled:
         with self._lock:
             if program.key not in self._compiled:
                 self._compiled[program.key] = self._load(program)
@@ -112,7 +112,7 @@ class CpuEngine:
     def _cache_key(self, program: Program) -> str:
         import llvmlite
 
-        # front end, printer and layouts: what a program's own key does not see
+        # a program's own key does not depend on front end, printer and memory layout
         source = cache.source_digest(basrelief.lang, basrelief.engine)
         parts = (
             program.key, source, self.lanes, *_host(), llvmlite.__version__, platform.machine(),
@@ -126,33 +126,33 @@ class CpuEngine:
 
 @dataclass(frozen=True)
 class _Compiled:
-    """Machine code in memory; `keep` holds what must live as long as it."""
+    """Machine code in memory; `owner` keeps it alive."""
 
     run: Any
     parameters: list[str]
-    keep: Any
+    owner: Any
 
 
 @functools.cache
 def _host() -> tuple[str, str]:
-    """The processor's name and features."""
+    """Name and features of the processor."""
     import llvmlite.binding as llvm
 
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
-def _natural_lanes() -> int:
+def _native_lanes() -> int:
     return 16 if "+avx512f" in _host()[1] else 8
 
 
-def _cores() -> int:
+def _core_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def _target_machine() -> Any:
-    """A new one each time: a compiler that links code takes its own over."""
+    """A new target machine, because the compiler that links code takes ownership of it."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -172,8 +172,8 @@ def _object_code(program: Program, lanes: int) -> bytes:
     module.triple = llvm.get_default_triple()
     module.data_layout = str(machine.target_data)
     module.verify()
-    # it is vector code already: loop and straight-line vectorisation would only take time; the
-    # passes of level 2 take half as long again as those of level 1, and draw no faster
+    # the code is vectorized already, so LLVM's vectorizers would only take time; the passes of
+    # level 2 take 1.5 times as long as those of level 1, and the code is no faster
     tuning = llvm.create_pipeline_tuning_options(speed_level=1)
     tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
     builder = llvm.create_pass_builder(machine, tuning)
@@ -192,11 +192,11 @@ def _link(code: bytes, parameters: list[str]) -> _Compiled:
     return _Compiled(kind(engine.get_function_address("run.rows")), parameters, engine)
 
 
-# --- resources in memory: see the end of `lang/llvm.py` ------------------------------------------
+# --- memory layout of resources: see the end of `lang/llvm.py` ------------------------------------
 
 
-class _Resident:
-    """A resource laid out for compiled code: its data, and the header that points to it."""
+class _ResourceLayout:
+    """Resource in memory as compiled code reads it: data, and a header that points to it."""
 
     def __init__(self, data: NDArray[Any], words: list[int]) -> None:
         self.data = data
@@ -205,9 +205,9 @@ class _Resident:
         self.address = self.header.ctypes.data
 
 
-def _resident(value: HeightField | Texture | Buffer[Any]) -> _Resident:
+def _layout_of(value: HeightField | Texture | Buffer[Any]) -> _ResourceLayout:
     if isinstance(value, Buffer):
         last = max(0, len(value) - 1)
-        return _Resident(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
+        return _ResourceLayout(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
     height, width = value.shape
-    return _Resident(value.storage, [len(value.levels), 0, width, height, *value.offsets])
+    return _ResourceLayout(value.storage, [len(value.levels), 0, width, height, *value.offsets])

@@ -1,4 +1,4 @@
-"""The interface that all engines share, and what they check alike."""
+"""Interface of all engines, and the packing and checking of values that they share."""
 
 from __future__ import annotations
 
@@ -14,16 +14,23 @@ from basrelief.lang.resources import Buffer, HeightField, Texture, buffer_record
 from basrelief.lang.types import leaf_values, leaves, type_name
 
 Planes = dict[str, NDArray[Any]]
-"""The leaves of a program's result by dotted name: arrays (H, W), float32, or int32 for ints and
-bools."""
+"""Planes of a picture, one for each scalar of a program's result, by dotted name: (H, W) float32,
+or int32 for ints and bools."""
 
 Words = NDArray[np.int32]
 
 
 class Engine(Protocol):
-    """Runs programs. `name` is "cpu" or "gpu"; `adapter` describes the processor or graphics card.
+    """Runs programs on a device.
 
-    `rounding` names how numbers round: engines with the same compute the same planes, bit for bit.
+    Attributes
+    ----------
+    name
+        "cpu" or "gpu".
+    adapter
+        The processor or graphics card.
+    rounding
+        Identifies the arithmetic: engines with the same value compute the same planes, bit for bit.
     """
 
     name: str
@@ -31,7 +38,7 @@ class Engine(Protocol):
     rounding: str
 
     def compile(self, program: Program) -> None:
-        """Make the program ready, from the cache where it was compiled before."""
+        """Compile the program, or load it from the cache."""
 
     def run(
         self,
@@ -40,33 +47,53 @@ class Engine(Protocol):
         size: tuple[int, int],
         rows: tuple[int, int] | None = None,
     ) -> Planes:
-        """Run the program for every pixel of a picture of (width, height).
+        """Run the program for every pixel of a picture.
 
-        With `rows`, first and last + 1, only those are computed and returned.
-        `values` gives each parameter of the entry after the pixel, by name: records, maps, lists.
-        Values that the program does not use may be missing.
+        Parameters
+        ----------
+        program
+            The program.
+        values
+            The value of each entry parameter after the pixel, by name: records, maps and buffers.
+            Values that the program does not read may be missing.
+        size
+            Width and height of the picture in pixels.
+        rows
+            First row, and last row + 1, to compute and return; None for all.
+
+        Returns
+        -------
+        Planes
+            Arrays of shape (rows, width).
+
+        Raises
+        ------
+        DeviceError
+            For a missing value, or one of another type.
         """
 
 
 def value_of(program: Program, name: str, values: Mapping[str, Any]) -> Any:
-    """The value of a parameter; raises DeviceError where it is missing or of another type."""
+    """Value of a parameter. Raises DeviceError if it is missing or of another type."""
     if name not in values:
         raise DeviceError(f"the program {program.entry.name} needs a value for {name}")
-    value, wanted = values[name], program.parameters[name]
-    record = buffer_record(wanted)
+    value, expected = values[name], program.parameters[name]
+    record = buffer_record(expected)
     if record is not None:
         fits = isinstance(value, Buffer) and value.record is record
     else:
-        fits = isinstance(value, wanted)
+        fits = isinstance(value, expected)
     if not fits:
-        raise DeviceError(f"{name}: expected {type_name(wanted)}, not {type(value).__name__}")
+        raise DeviceError(f"{name}: expected {type_name(expected)}, not {type(value).__name__}")
     if isinstance(value, HeightField | Texture) and value.edge != program.edge:
-        raise DeviceError(f"{name}: its edge is {value.edge}, the program's is {program.edge}")
+        raise DeviceError(
+            f"{name}: the edge is {value.edge}, that of the program is {program.edge}"
+        )
     return value
 
 
 def pack_uniforms(program: Program, names: Iterable[str], values: Mapping[str, Any]) -> Words:
-    """The leaves of records, 32 bits each, in order."""
+    """Scalars of records in order, 32 bits each."""
     words: list[np.int32] = []
     for name in names:
         words.extend(_words(value_of(program, name, values), program.parameters[name]))
@@ -81,7 +108,7 @@ def _words(value: Any, t: Any) -> list[np.int32]:
 
 
 def pack_buffer(buffer: Buffer[Any]) -> Words:
-    """A buffer's records, (items, leaves), 32 bits each; one of zeros if there is none."""
+    """Records of a buffer, (items, scalars), 32 bits each; a record of zeros if it is empty."""
     if not len(buffer):
         return np.zeros((1, sum(1 for _ in leaves(buffer.record))), np.int32)
     return np.array([_words(item, buffer.record) for item in buffer.items], np.int32)

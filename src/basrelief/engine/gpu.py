@@ -1,6 +1,6 @@
-"""The GPU engine: WGSL as a compute shader through WebGPU (wgpu): Vulkan, Metal or DX12.
+"""GPU engine: WGSL compute shaders through WebGPU (wgpu), on Vulkan, Metal or DX12.
 
-The only module that imports wgpu, and only when a GPU is asked for.
+The only module that imports wgpu, and only when a GPU is requested.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _LIMITS = (
 )
 
 _FEATURES = ("timestamp-query", "float32-filterable")
-"""Taken where an adapter has them, to measure by; no program needs them."""
+"""Features that benchmarks use if the adapter has them; no program needs them."""
 
 
 def _request_adapter() -> Any:
@@ -43,7 +43,7 @@ def _request_adapter() -> Any:
         import wgpu
     except ImportError:
         raise DeviceError("the device gpu needs wgpu; pip install 'basrelief[gpu]'") from None
-    _leave_out_opengl()
+    _exclude_opengl()
     try:
         return wgpu.gpu.request_adapter_sync(power_preference="high-performance")
     except Exception as error:
@@ -54,35 +54,35 @@ def _request_adapter() -> Any:
 
 
 @functools.cache
-def _leave_out_opengl() -> None:
-    """Look for Vulkan, Metal and DX12 alone: OpenGL runs none of this well."""
+def _exclude_opengl() -> None:
+    """Restrict WebGPU to Vulkan, Metal and DX12; OpenGL runs these programs badly."""
     from wgpu.backends.wgpu_native.extras import set_instance_extras
 
-    # without a desktop, Mesa complains on the terminal that this names no folder
+    # without a desktop session, Mesa prints a warning if this is unset
     os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
-    # a program that uses wgpu for itself has made its choice already
+    # fails if the caller uses wgpu too and has set its backends already
     with contextlib.suppress(RuntimeError):
         set_instance_extras(backends=["Primary"])
 
 
-_DEVICES = ("dri/renderD*", "nvidia[0-9]*", "nvhost*", "dxg", "kfd", "kgsl*", "mali*")
-"""Where Linux keeps graphics cards, those of Windows beneath it and of small boards included."""
+_DEVICE_FILES = ("dri/renderD*", "nvidia[0-9]*", "nvhost*", "dxg", "kfd", "kgsl*", "mali*")
+"""Device files of graphics cards on Linux, also under WSL and on embedded boards."""
 
 
-def _has_device() -> bool:
-    """Whether Linux shows any graphics device; elsewhere only a driver can tell.
+def _has_device_file() -> bool:
+    """Whether Linux has a device file of a graphics card; True on other systems.
 
-    Looking here first spares a machine without one the second that a software driver takes.
+    Saves a machine without one the second that starting a software driver takes.
     """
     if not sys.platform.startswith("linux"):
         return True
-    return any(next(Path("/dev").glob(pattern), None) for pattern in _DEVICES)
+    return any(next(Path("/dev").glob(pattern), None) for pattern in _DEVICE_FILES)
 
 
 @functools.cache
 def has_hardware_gpu() -> bool:
-    """Whether there is a GPU that is not a program on the CPU."""
-    if not _has_device():
+    """Whether there is a GPU that is not a software adapter."""
+    if not _has_device_file():
         return False
     try:
         adapter = _request_adapter()
@@ -92,7 +92,7 @@ def has_hardware_gpu() -> bool:
 
 
 class GpuEngine:
-    """Runs programs on the adapter that WebGPU prefers. Raises DeviceError where there is none."""
+    """Runs programs on the adapter that WebGPU prefers. Raises DeviceError if there is none."""
 
     name = "gpu"
 
@@ -105,16 +105,16 @@ class GpuEngine:
         self.limits = limits
         self.adapter = f"{adapter.info['device']} ({adapter.info['backend_type']})"
         self.rounding = _rounding(adapter.info)
-        # Mesa's software driver looks for uniforms that branches depend on, to compile them in, and
-        # in 22.3 writes past the end of its list of them; storage it leaves alone
-        self.spares_uniforms = adapter.info["device"].startswith("llvmpipe")
+        # Mesa's software driver inlines uniforms that branches depend on, and 22.3 writes past the
+        # end of its list of them; storage buffers are not affected
+        self.avoids_uniform_buffers = adapter.info["device"].startswith("llvmpipe")
         self._pipelines: dict[str, _Pipeline] = {}
         self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
 
     def compile(self, program: Program) -> None:
-        """Make the program ready; the driver keeps its own cache."""
-        self._ready(program)
+        """Compile the program; the driver has a cache of its own."""
+        self._pipeline_of(program)
 
     def run(
         self,
@@ -132,28 +132,28 @@ class GpuEngine:
     ) -> Planes:
         top, bottom = rows
         kinds = program.planes
-        found: Planes = {
+        planes: Planes = {
             name: np.empty((bottom - top, width), np.float32 if t is float else np.int32)
             for name, t in kinds
         }
-        at_once = self.rows_at_once(len(kinds), width, bottom - top)
-        with self.prepare(program, values, (width, at_once)) as job:
-            for first in range(top, bottom, at_once):
-                last = min(first + at_once, bottom)
+        rows_per_dispatch = self.max_rows(len(kinds), width, bottom - top)
+        with self.prepare(program, values, (width, rows_per_dispatch)) as job:
+            for first in range(top, bottom, rows_per_dispatch):
+                last = min(first + rows_per_dispatch, bottom)
                 job.dispatch(first, last)
                 words = job.read(last - first)
                 for plane, (name, _) in zip(words, kinds, strict=True):
-                    found[name][first - top : last - top] = plane.view(found[name].dtype)
-        return found
+                    planes[name][first - top : last - top] = plane.view(planes[name].dtype)
+        return planes
 
-    def rows_at_once(self, planes: int, width: int, height: int) -> int:
-        """As many rows as fit the largest buffer that can be bound."""
-        room = min(self.limits["max-storage-buffer-binding-size"], 1 << 28)
-        return max(1, min(height, room // (4 * planes * width)))
+    def max_rows(self, planes: int, width: int, height: int) -> int:
+        """Number of rows whose planes fit in the largest buffer that can be bound."""
+        limit = min(self.limits["max-storage-buffer-binding-size"], 1 << 28)
+        return max(1, min(height, limit // (4 * planes * width)))
 
     def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
-        """Pipeline, buffers and bindings for running a program on pictures up to a size."""
-        return Job(self, self._ready(program), program, values, size)
+        """Job that runs a program on pictures up to a size: pipeline, buffers and bindings."""
+        return Job(self, self._pipeline_of(program), program, values, size)
 
     def prepare_text(
         self,
@@ -161,26 +161,30 @@ class GpuEngine:
         program: Program,
         values: Mapping[str, Any],
         size: tuple[int, int],
-        needed: list[Binding] | None = None,
+        resource_bindings: list[Binding] | None = None,
     ) -> Job:
-        """The same for WGSL from elsewhere, to compare it; it binds what the program does, or what
-        is `needed`."""
-        needed = bindings(program.module.entry) if needed is None else needed
-        return Job(self, self._pipeline(code, needed, "from elsewhere"), program, values, size)
+        """The same for other WGSL, to compare it with the program.
+
+        Its resource bindings are those of the program, or `resource_bindings`.
+        """
+        if resource_bindings is None:
+            resource_bindings = bindings(program.module.entry)
+        pipeline = self._pipeline(code, resource_bindings, "other WGSL")
+        return Job(self, pipeline, program, values, size)
 
     @property
     def has_timestamps(self) -> bool:
-        """Whether the adapter can time what it does."""
+        """Whether the adapter has timestamps."""
         return "timestamp-query" in self.gpu.features
 
     def seconds(self, job: Job, rows: int, times: int = 1) -> float:
-        """How long a dispatch takes by the GPU's own timestamps: the mean of `times` in a row."""
+        """Mean duration of a dispatch in seconds by GPU timestamps, over `times` in a row."""
         import wgpu
 
         stamps = self.gpu.create_query_set(type="timestamp", count=2)
         usage = wgpu.BufferUsage.QUERY_RESOLVE | wgpu.BufferUsage.COPY_SRC
         place = self.gpu.create_buffer(size=16, usage=usage)
-        job.dispatch(0, rows)  # the GPU is busy just before, or its clocks are not up
+        job.dispatch(0, rows)  # warms up the clocks of the GPU
         writes = {
             "query_set": stamps,
             "beginning_of_pass_write_index": 0,
@@ -193,18 +197,20 @@ class GpuEngine:
         first, last = np.frombuffer(self.gpu.queue.read_buffer(place), np.uint64)
         return float(last - first) * 1e-9 / times
 
-    def _ready(self, program: Program) -> _Pipeline:
+    def _pipeline_of(self, program: Program) -> _Pipeline:
         with self._lock:
             if program.key not in self._pipelines:
                 code = print_wgsl(program.module, program.edge)
-                needed = bindings(program.module.entry)
-                self._pipelines[program.key] = self._pipeline(code, needed, program.entry.name)
+                resource_bindings = bindings(program.module.entry)
+                self._pipelines[program.key] = self._pipeline(
+                    code, resource_bindings, program.entry.name
+                )
             return self._pipelines[program.key]
 
-    def _pipeline(self, code: str, needed: list[Binding], label: str) -> _Pipeline:
+    def _pipeline(self, code: str, resource_bindings: list[Binding], label: str) -> _Pipeline:
         import wgpu
 
-        if self.spares_uniforms:
+        if self.avoids_uniform_buffers:
             code = code.replace("var<uniform>", "var<storage, read>")
         try:
             module = self.gpu.create_shader_module(code=code, label=label)
@@ -213,26 +219,27 @@ class GpuEngine:
             raise DeviceError(f"{label}: the GPU's driver refuses the program: {reason}") from None
         layout = self.gpu.create_bind_group_layout(
             entries=[
-                _layout_entry(number, b, self.spares_uniforms) for number, b in enumerate(needed)
+                _layout_entry(number, b, self.avoids_uniform_buffers)
+                for number, b in enumerate(resource_bindings)
             ]
         )
         pipeline = self.gpu.create_compute_pipeline(
             layout=self.gpu.create_pipeline_layout(bind_group_layouts=[layout]),
             compute={"module": module, "entry_point": "main"},
         )
-        return _Pipeline(pipeline, layout, needed)
+        return _Pipeline(pipeline, layout, resource_bindings)
 
     def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
-        """The resource on the GPU; uploaded once while it lives."""
+        """Resource on the GPU, uploaded once in its lifetime."""
         if value not in self._uploaded:
             if isinstance(value, Buffer):
-                self._uploaded[value] = self.buffer(_pack_list(value), "STORAGE")
+                self._uploaded[value] = self.buffer(_pack_buffer(value), "STORAGE")
             else:
                 self._uploaded[value] = self._texture(value)
         return self._uploaded[value]
 
     def buffer(self, data: NDArray[Any], *usage: str) -> Any:
-        """A buffer on the GPU that holds data."""
+        """Buffer on the GPU with a copy of the data."""
         import wgpu
 
         flags = 0
@@ -241,7 +248,7 @@ class GpuEngine:
         return self.gpu.create_buffer_with_data(data=np.ascontiguousarray(data), usage=flags)
 
     def edge_sampler(self, edge: Edge) -> Any:
-        """A sampler that filters nothing and sees to what lies beyond a map."""
+        """Sampler that applies the edge of maps, without filtering."""
         modes: dict[Edge, str] = {"wrap": "repeat", "clamp": "clamp-to-edge"}
         mode = modes[edge]
         return self.gpu.create_sampler(address_mode_u=mode, address_mode_v=mode)
@@ -271,13 +278,13 @@ class GpuEngine:
                 {"bytes_per_row": columns * (4 if heights else 8), "rows_per_image": rows},
                 (columns, rows, 1),
             )
-            # what is on its way is held twice until it is submitted
+            # submit each level: pending uploads are in memory twice
             self.gpu.queue.submit([])
         return texture.create_view()
 
 
 def _rounding(info: Mapping[str, Any]) -> str:
-    """What division, square roots and contraction go by: the chip, and all that compiles for it."""
+    """Identity of the arithmetic: the chip, and the compilers for it."""
     import wgpu
 
     parts = ("backend_type", "vendor", "device", "description")
@@ -292,7 +299,7 @@ class _Pipeline:
 
 
 class Job:
-    """A program with its values in place, to be dispatched once or many times."""
+    """A program with its values on the GPU, to dispatch once or many times."""
 
     def __init__(
         self,
@@ -315,36 +322,36 @@ class Job:
             size=4 * self.plane_count * size[0] * size[1],
             usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC,
         )
-        self._owned = [self._run, self.planes]
+        self._buffers = [self._run, self.planes]
         entries = [
-            {"binding": number, "resource": self._bound(b, program, values)}
+            {"binding": number, "resource": self._resource(b, program, values)}
             for number, b in enumerate(pipeline.bindings)
         ]
         self.group = gpu.create_bind_group(layout=pipeline.layout, entries=entries)
 
-    def _bound(self, binding: Binding, program: Program, values: Mapping[str, Any]) -> Any:
+    def _resource(self, binding: Binding, program: Program, values: Mapping[str, Any]) -> Any:
         name = binding.name
         match binding.kind:
             case "run":
-                return _whole(self._run)
+                return _whole_buffer(self._run)
             case "planes":
-                return _whole(self.planes)
+                return _whole_buffer(self.planes)
             case "sampler":
                 return self.engine.edge_sampler(program.edge)
             case "uniform":
                 value = value_of(program, name, values)
                 buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM", "STORAGE")
-                self._owned.append(buffer)
-                return _whole(buffer)
+                self._buffers.append(buffer)
+                return _whole_buffer(buffer)
             case "map":
                 return self.engine.resident(value_of(program, name, values))
             case "buffer":
-                return _whole(self.engine.resident(value_of(program, name, values)))
+                return _whole_buffer(self.engine.resident(value_of(program, name, values)))
             case _:
                 assert_never(binding.kind)
 
     def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
-        """Compute rows first … last − 1, `times` over, between `timestamps` (WebGPU's writes)."""
+        """Compute rows first … last − 1, `times` times; `timestamps`: WebGPU timestamp writes."""
         width = self.size[0]
         words = np.array([width, first, last, width * self.size[1]], np.uint32)
         gpu = self.engine.gpu
@@ -361,21 +368,21 @@ class Job:
         gpu.queue.submit([encoder.finish()])
 
     def read(self, rows: int) -> NDArray[np.int32]:
-        """The planes of the last dispatch, (planes, rows, width), as 32-bit words."""
+        """Planes of the last dispatch, (planes, rows, width), as 32-bit words."""
         width, stride = self.size[0], self.size[0] * self.size[1]
         raw = np.frombuffer(self.engine.gpu.queue.read_buffer(self.planes), np.int32)
-        whole = raw.reshape(self.plane_count, stride)
-        return whole[:, : rows * width].reshape(self.plane_count, rows, width)
+        planes = raw.reshape(self.plane_count, stride)
+        return planes[:, : rows * width].reshape(self.plane_count, rows, width)
 
     def __enter__(self) -> Job:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for buffer in self._owned:
+        for buffer in self._buffers:
             buffer.destroy()
 
 
-def _layout_entry(number: int, binding: Binding, spares_uniforms: bool) -> dict[str, Any]:
+def _layout_entry(number: int, binding: Binding, avoids_uniform_buffers: bool) -> dict[str, Any]:
     import wgpu
 
     entry: dict[str, Any] = {"binding": number, "visibility": wgpu.ShaderStage.COMPUTE}
@@ -386,7 +393,7 @@ def _layout_entry(number: int, binding: Binding, spares_uniforms: bool) -> dict[
         case "sampler":
             entry["sampler"] = {"type": "non-filtering"}
         case "run" | "uniform":
-            entry["buffer"] = {"type": "read-only-storage" if spares_uniforms else "uniform"}
+            entry["buffer"] = {"type": "read-only-storage" if avoids_uniform_buffers else "uniform"}
         case "planes":
             entry["buffer"] = {"type": "storage"}
         case "buffer":
@@ -396,13 +403,13 @@ def _layout_entry(number: int, binding: Binding, spares_uniforms: bool) -> dict[
     return entry
 
 
-def _whole(buffer: Any) -> dict[str, Any]:
-    """A whole buffer, as a bind group takes it."""
+def _whole_buffer(buffer: Any) -> dict[str, Any]:
+    """Bind group resource of a whole buffer."""
     return {"buffer": buffer, "offset": 0, "size": buffer.size}
 
 
-def _pack_list(buffer: Buffer[Any]) -> NDArray[np.int32]:
-    """A buffer's count, padded to its items' alignment, and its items; at least one of zeros."""
+def _pack_buffer(buffer: Buffer[Any]) -> NDArray[np.int32]:
+    """Count of a buffer, padded to the alignment of items, and items; zeros if empty."""
     align, size = align_and_size(buffer.record)
     items = [pack(item, buffer.record) for item in buffer.items]
     head = np.zeros(align // 4, np.int32)

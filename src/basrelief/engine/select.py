@@ -1,4 +1,4 @@
-"""The engine that runs programs on a device."""
+"""Choice of the engine for a device."""
 
 from __future__ import annotations
 
@@ -12,10 +12,23 @@ DEVICES = ("auto", "cpu", "gpu")
 
 @functools.cache
 def choose_device(name: str = "auto") -> Engine:
-    """The engine for a device: "cpu", "gpu" or "auto".
+    """Choose the engine for a device.
 
-    "auto" is a real GPU where there is one, and otherwise the CPU. Raises DeviceError for another
-    name, and for "gpu" where there is none.
+    Parameters
+    ----------
+    name
+        "cpu", "gpu" or "auto": a GPU that is not a software adapter if there is one, otherwise the
+        CPU.
+
+    Returns
+    -------
+    Engine
+        The same object for the same name.
+
+    Raises
+    ------
+    DeviceError
+        For another name, and for "gpu" if no GPU can be used.
     """
     if name == "cpu":
         from basrelief.engine.cpu import CpuEngine
@@ -33,5 +46,5 @@ def choose_device(name: str = "auto") -> Engine:
 
 
 def engine_of(device: str | Engine) -> Engine:
-    """The engine for a device; an engine is returned as it is."""
+    """The engine for a device name; an engine is returned unchanged."""
     return choose_device(device) if isinstance(device, str) else device

@@ -1,7 +1,7 @@
-"""The gallery: every comparison that the five articles show, as pages with pictures.
+"""The gallery: the comparisons of the five articles, as pages with pictures.
 
-Each file of `examples` is one page, and an example of how to use the library from Python; a file
-that is put there is found. Read `page.py` first.
+Each file of `examples` is one page and an example of the library in Python; new files are found
+automatically. Read `page.py` first.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from basrelief.gallery.page import SOURCES, Headline, Page, Panel
 __all__ = ["PAGES", "SOURCES", "Headline", "Page", "Panel"]
 
 
-def _found() -> Iterator[Page]:
+def _example_pages() -> Iterator[Page]:
     for file in pkgutil.iter_modules(examples.__path__):
         page: Page = importlib.import_module(f"{examples.__name__}.{file.name}").PAGE
         yield page
 
 
-def _place(page: Page) -> tuple[int, int, str]:
-    """Where a page stands: by its source, and there by its first row."""
+def _sort_key(page: Page) -> tuple[int, int, str]:
+    """Sort key of a page: its source, then its first row."""
     first = next(iter(page.rows))
     return [*SOURCES].index(page.source), int(first[1:]), page.name
 
 
-PAGES: dict[str, Page] = {page.name: page for page in sorted(_found(), key=_place)}
+PAGES: dict[str, Page] = {page.name: page for page in sorted(_example_pages(), key=_sort_key)}
 """The pages by name, in the order of the articles."""

@@ -1,4 +1,4 @@
-"""Drawing the panels of a page, and finding out what each costs."""
+"""Drawing the panels of a page, and measuring their costs."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from basrelief.rendering.render import render
 from basrelief.scene import Scene
 
 FRAMES = 5
-"""How many frames a time is the median of."""
+"""Number of frames of which a time is the median."""
 TEXELS = 512
-"""Texels a side of the samples that pages show."""
+"""Size of the procedural samples, in texels."""
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """A panel with its picture, the frame that it is made of, and its cost.
+class DrawnPanel:
+    """A panel with its frame, its picture and its cost.
 
-    `reads` is how many heights each covered pixel reads, on average; `seconds` the median time of
-    frames of one sample at the picture's size, `headline_seconds` at that of the page's headline.
+    `reads` is the mean number of heights read in a covered pixel. `seconds` is the median time of
+    frames with one sample at the picture's size, `headline_seconds` at the headline's size.
     """
 
     panel: Panel
@@ -37,32 +37,32 @@ class Drawn:
     headline_seconds: float | None
 
 
-def drawn(
+def draw_panels(
     page: Page,
     size: tuple[int, int],
     samples: int,
     engine: Engine,
     progress: Callable[[float], None] = lambda share: None,
-) -> Iterator[Drawn]:
-    """The panels of a page, one after the other; `progress` hears the share of those drawn."""
+) -> Iterator[DrawnPanel]:
+    """Draw the panels of a page one by one; `progress` is called with the finished share."""
     panels = [*page.panels(TEXELS)]
     for number, panel in enumerate(panels):
         frame = render(panel.scene, size=size, samples=samples, device=engine)
         picture = picture_of(panel, frame, engine)
         headline = _headline_seconds(page, panel.scene, engine)
         seconds = seconds_of(panel.scene, size, engine)
-        yield Drawn(panel, frame, picture, frame.mean_reads, seconds, headline)
+        yield DrawnPanel(panel, frame, picture, frame.mean_reads, seconds, headline)
         progress((number + 1) / len(panels))
 
 
 def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
-    """What a page shows of a panel that is drawn; what colours mean is said of debug pictures."""
+    """The picture that a page shows of a drawn panel; debug pictures explain their colours."""
     if panel.shown == "color":
         return DebugPicture(frame.image, "")
     height, width = frame.distance.shape
-    needed = panel.shown != "reads"
-    true = truth(panel.scene, (width, height), device=engine) if needed else None
-    return debug_picture(panel.shown, frame, true)
+    needs_truth = panel.shown != "reads"
+    reference = truth(panel.scene, (width, height), device=engine) if needs_truth else None
+    return debug_picture(panel.shown, frame, reference)
 
 
 def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:
@@ -70,7 +70,7 @@ def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:
 
 
 def seconds_of(scene: Scene, size: tuple[int, int], engine: Engine) -> float:
-    """The median time of some frames of one sample, as `render` takes it, after one to warm up."""
+    """Median seconds of `render` for a frame of one sample, after one frame to warm up."""
     times = []
     for _ in range(FRAMES + 1):
         before = time.perf_counter()

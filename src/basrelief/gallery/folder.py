@@ -1,4 +1,4 @@
-"""The gallery as a folder: pictures, pages, and an index of the pages that are there."""
+"""The gallery as a folder: pictures, pages, and an index of its pages."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from pathlib import Path
 from basrelief.engine import Engine
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES
-from basrelief.gallery.drawing import Drawn, drawn
+from basrelief.gallery.drawing import DrawnPanel, draw_panels
 from basrelief.gallery.html import GENERATOR, index_html, page_html, picture_name
 from basrelief.gallery.page import Page
-from basrelief.pages import check_ours, is_ours, write_page
+from basrelief.pages import check_overwritable, is_generated_by, write_page
 
 Progress = Callable[[str, float], None]
-"""Hears what is being drawn, and the share of the whole that is done."""
+"""Progress callback: the current page and the finished share, 0 to 1."""
 
 
 def chosen(names: Sequence[str] = (), source: str | None = None) -> list[Page]:
-    """Pages by name and by source; all of them where neither is asked for.
+    """Select pages by name and by source; all of them without either.
 
-    Raises InputError for a name or a source that is not there, and where nothing is left.
+    Raises InputError for an unknown name or source, and where no page is left.
     """
     for name in names:
         if name not in PAGES:
@@ -46,51 +46,51 @@ def write(
     samples: int = 4,
     progress: Progress = lambda what, share: None,
 ) -> Path:
-    """Draw pages into a folder and return the path of its index, which lists all pages there.
+    """Draw pages into a folder and return the path of its index, which lists all its pages.
 
-    Only files of the gallery are written over. Raises InputError for a folder that cannot be
-    written to, and for one with pages of the same names that are not ours.
+    Only files of the gallery are overwritten. Raises InputError for a folder that cannot be
+    written to, and for one with other files of the same names.
     """
     _check_ours(folder, pages)
-    here = _beside(folder, pages)
+    in_folder = _folder_pages(folder, pages)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for number, page in enumerate(pages):
             progress(page.title, number / len(pages))
-            heard = functools.partial(_passed_on, progress, page.title, number, len(pages))
-            panels = _pictures(folder, page, drawn(page, size, samples, engine, heard))
-            write_page(folder / f"{page.name}.html", page_html(page, panels, here))
+            report = functools.partial(_report_page, progress, page.title, number, len(pages))
+            panels = _pictures(folder, page, draw_panels(page, size, samples, engine, report))
+            write_page(folder / f"{page.name}.html", page_html(page, panels, in_folder))
         index = folder / "index.html"
-        write_page(index, index_html(here))
+        write_page(index, index_html(in_folder))
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
     return index
 
 
-def _passed_on(progress: Progress, what: str, before: int, count: int, share: float) -> None:
-    """A page's own progress as a share of all pages."""
+def _report_page(progress: Progress, what: str, before: int, count: int, share: float) -> None:
+    """Report the progress of a page as a share of all pages."""
     progress(what, (before + share) / count)
 
 
-def _pictures(folder: Path, page: Page, panels: Iterable[Drawn]) -> list[Drawn]:
-    """Write each picture as soon as it is drawn."""
-    made = []
-    for number, each in enumerate(panels, 1):
-        each.picture.image.save(folder / picture_name(page, number))
-        made.append(each)
-    return made
+def _pictures(folder: Path, page: Page, panels: Iterable[DrawnPanel]) -> list[DrawnPanel]:
+    """Write each picture when it is drawn."""
+    drawn = []
+    for number, panel in enumerate(panels, 1):
+        panel.picture.image.save(folder / picture_name(page, number))
+        drawn.append(panel)
+    return drawn
 
 
-def _beside(folder: Path, pages: Sequence[Page]) -> list[Page]:
-    """The pages that the folder will have: those about to be drawn, and ours from before."""
+def _folder_pages(folder: Path, pages: Sequence[Page]) -> list[Page]:
+    """Pages that the folder will have: those to be drawn, and those drawn earlier."""
     return [
         page
         for page in PAGES.values()
-        if page in pages or is_ours(folder / f"{page.name}.html", GENERATOR)
+        if page in pages or is_generated_by(folder / f"{page.name}.html", GENERATOR)
     ]
 
 
 def _check_ours(folder: Path, pages: Sequence[Page]) -> None:
     for name in ("index.html", *(f"{page.name}.html" for page in pages)):
-        check_ours(folder / name, GENERATOR, "a page of the gallery")
+        check_overwritable(folder / name, GENERATOR, "a page of the gallery")

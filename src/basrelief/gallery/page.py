@@ -1,4 +1,4 @@
-"""What a page of the gallery is: pictures side by side, and what to look at."""
+"""Records of the gallery: pages of pictures side by side, with texts."""
 
 from __future__ import annotations
 
@@ -16,23 +16,22 @@ SOURCES = {
     "gamedev": "GameDev.net: A Closer Look at Parallax Occlusion Mapping",
     "halliwell": "S. Halliwell: Parallax Offset",
     "habrador": "Habrador, Advanced shaders in Unity: 3. Parallax mapping",
-    "beyond": "What the five articles do not have, after the literature",
+    "beyond": "Beyond the five articles, after the literature",
 }
-"""The articles by the short names that pages use, in the order of the index; then what goes beyond
-them."""
+"""Titles of the articles by short name, in the order of the index, and of the pages beyond them."""
 
 
 def heading(source: str) -> str:
-    """What stands above the pages of a source."""
+    """Heading of the pages of a source."""
     return "Beyond the articles" if source == "beyond" else f"After {source}"
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One picture of a page: a short caption, what is drawn, and what else its settings say.
+    """One picture of a page: a short caption and a scene.
 
-    Most settings are told by the scene itself; `settings` is for those that it does not show.
-    `shown` is its "color", or a debug picture by name, as of `basrelief render --show`.
+    The settings in the caption are derived from the scene; `settings` adds others. `shown` is
+    "color" or the name of a debug picture, as in `basrelief render --show`.
     """
 
     caption: str
@@ -43,7 +42,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Headline:
-    """A figure that an article gives, and the picture size at which its page is timed beside it."""
+    """A performance figure of an article, and the picture size at which its page is timed."""
 
     size: tuple[int, int]
     figure: str
@@ -53,10 +52,10 @@ class Headline:
 class Page:
     """One comparison of an article.
 
-    `rows` are the rows of docs/contributing/features.md that the page shows, each with how; the
-    first says where the page stands among its source's. `look` is one sentence on what to look at.
-    `article` is what the article says is to be seen, `ours` what these pictures show, and why they
-    differ where they do. `panels` makes the pictures, with samples of so many texels a side.
+    `rows` are the rows of docs/contributing/features.md that the page shows, with details; the
+    first one sets the page's place within its source. `look` is one sentence on what to look at.
+    `article` describes the article's pictures, `ours` these pictures and their differences.
+    `panels` makes the panels, with procedural samples of a size in texels.
     """
 
     name: str
@@ -72,5 +71,5 @@ class Page:
 
 @functools.cache
 def sample(name: str, texels: int) -> Material:
-    """`basrelief.sample`, drawn once for all the pages that show it."""
+    """`basrelief.sample`, cached for all pages."""
     return drawn_sample(name, texels)

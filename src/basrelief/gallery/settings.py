@@ -1,4 +1,4 @@
-"""The settings of a scene in one line, for the caption of its picture."""
+"""Settings of a scene in one line, for the caption of its picture."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from basrelief.shading.brdf import Shading
 
 
 def settings_of(scene: Scene) -> str:
-    """What the first object and the scene say that is not taken for granted."""
+    """Settings of the scene and its first object that differ from the defaults."""
     return " · ".join([*_of_object(scene.objects[0]), *_of_scene(scene)])
 
 
 def _of_object(obj: Object) -> Iterator[str]:
-    yield f"{obj.drawn_with.name}, {obj.material.name} on a {obj.shape}"
+    yield f"{obj.selected_technique.name}, {obj.material.name} on a {obj.shape}"
     if obj.has_relief:
         yield f"scale {obj.relief_scale:.3g}"
         yield from _numbers(obj.settings)
@@ -32,11 +32,11 @@ def _of_object(obj: Object) -> Iterator[str]:
 
 
 def _of_ray(obj: Object) -> Iterator[str]:
-    """How the view ray is projected, where it enters, and what it reads."""
+    """Projection of the view ray, reference height, and filter of the heights."""
     if obj.relief_projection != "full":
         with_bias = f" {obj.bias:g}" if obj.relief_projection == "biased" else ""
         yield f"projection {obj.relief_projection}{with_bias}"
-    if obj.relief_reference_height != obj.drawn_with.reference_height:
+    if obj.relief_reference_height != obj.selected_technique.reference_height:
         yield f"reference height {obj.relief_reference_height:g}"
     if obj.heights != "sharp":
         yield f"{obj.heights} heights"
@@ -52,7 +52,7 @@ def _of_scene(scene: Scene) -> Iterator[str]:
     if scene.shadows != "none":
         yield f"{scene.shadows} shadows"
     if scene.casts and scene.shadows_on != "relief":
-        yield f"shadows of others on the {scene.shadows_on}"
+        yield f"shadows of other objects on the {scene.shadows_on}"
     if scene.occlusion_kind != "ambient":
         yield f"{scene.occlusion_kind} occlusion"
     if scene.fog_mode != "none":
@@ -60,22 +60,22 @@ def _of_scene(scene: Scene) -> Iterator[str]:
 
 
 def _numbers(record: Any) -> Iterator[str]:
-    for each in fields(record):
-        value = getattr(record, each.name)
-        # what is switched off is not worth a word
-        if not (each.name == "steps_per_texel" and value == 0.0):
-            yield _told(each.name, value)
+    for field in fields(record):
+        value = getattr(record, field.name)
+        # 0 switches steps by texels off
+        if not (field.name == "steps_per_texel" and value == 0.0):
+            yield _setting_text(field.name, value)
 
 
-def _changed(record: Any, plain: Any) -> Iterator[str]:
-    for each in fields(record):
-        value = getattr(record, each.name)
-        if _told("", value) != _told("", getattr(plain, each.name)):
-            yield _told(each.name, value)
+def _changed(record: Any, default: Any) -> Iterator[str]:
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if _setting_text("", value) != _setting_text("", getattr(default, field.name)):
+            yield _setting_text(field.name, value)
 
 
-def _told(name: str, value: Any) -> str:
+def _setting_text(name: str, value: Any) -> str:
     numbers = [*value] if isinstance(value, Vec3) else [value]
-    if len({float(each) for each in numbers}) == 1:
+    if len({float(number) for number in numbers}) == 1:
         numbers = numbers[:1]
-    return f"{name.replace('_', ' ')} {'/'.join(f'{each:.3g}' for each in numbers)}"
+    return f"{name.replace('_', ' ')} {'/'.join(f'{number:.3g}' for number in numbers)}"

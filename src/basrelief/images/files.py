@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Atomic writing of files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from basrelief.errors import InputError
 
 
 def check_writable(path: Path) -> None:
-    """Raise InputError where no file of that name can be made."""
+    """Raise InputError if a file cannot be written at a path."""
     folder = path.parent
     if not os.path.isdir(folder):
         raise InputError(f"{path}: the folder {folder} does not exist; make it first")
@@ -22,9 +22,9 @@ def check_writable(path: Path) -> None:
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` make a file beside `path`, then move it there: the old file or the new, whole.
+    """Write a file atomically: `write` makes a temporary file beside `path`, which replaces it.
 
-    Raises InputError where the place, or an OSError of `write`, does not let it.
+    Raises InputError if the path cannot be written or `write` raises an OSError.
     """
     check_writable(path)
     partial = path.parent / f".{path.stem[:40]}-{secrets.token_hex(4)}{path.suffix}"

@@ -1,7 +1,7 @@
-"""Reading pictures: values as their files store them.
+"""Reading of picture files, without changes to the stored values.
 
-Arrays are (height, width, channels), row 0 at the top. Reading never changes a value: no colour
-transform, no division by alpha.
+Arrays are (height, width, channels), row 0 at the top. There is no colour transform and no division
+by alpha.
 """
 
 from __future__ import annotations
@@ -18,24 +18,30 @@ from numpy.typing import NDArray
 from basrelief.errors import InputError
 
 LOSSY = frozenset({".jfif", ".jp2", ".jpeg", ".jpg", ".webp"})
-"""Suffixes of formats that usually lose something."""
+"""Suffixes of formats with lossy compression."""
 
 READABLE = LOSSY | frozenset(
     {".bmp", ".dds", ".dpx", ".exr", ".gif", ".hdr", ".jxl", ".pbm", ".pfm", ".pgm", ".png"}
     | {".pnm", ".ppm", ".psd", ".sgi", ".tga", ".tif", ".tiff", ".tx"}
 )
-"""Suffixes that are taken for pictures when a folder is searched."""
+"""Suffixes of pictures, for the search of a folder."""
 
 Pixels = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture as its file stores it.
+    """Picture with the values that its file stores.
 
-    `pixels` is (height, width, channels) of uint8, uint16 or float32; half floats and other
-    widths arrive as float32. `channels` names the last axis, for instance ("R", "G", "B", "A") or
-    ("Y",); an alpha is never multiplied into the colours, nor divided out of them.
+    Attributes
+    ----------
+    pixels
+        (height, width, channels) of uint8, uint16 or float32; half floats and integers of other
+        widths become float32. Colours are neither multiplied nor divided by alpha.
+    channels
+        Names along the last axis, such as ("R", "G", "B", "A") or ("Y",).
+    path
+        The file.
     """
 
     pixels: Pixels
@@ -47,8 +53,8 @@ class Picture:
         """The alpha channel, (height, width, 1), or None."""
         if "A" not in self.channels:
             return None
-        at = self.channels.index("A")
-        return self.pixels[:, :, at : at + 1]
+        index = self.channels.index("A")
+        return self.pixels[:, :, index : index + 1]
 
     @property
     def opaque(self) -> Pixels:
@@ -62,7 +68,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class PictureSize:
-    """What a picture's header says: size in pixels, channels, bits per channel (32: float)."""
+    """Header of a picture file: size in pixels, channels, bits per channel (32 for floats)."""
 
     width: int
     height: int
@@ -71,7 +77,7 @@ class PictureSize:
 
 
 def picture_size(path: str | os.PathLike[str]) -> PictureSize:
-    """Read a picture's header alone. Raises InputError like `read_picture`."""
+    """Read only the header of a picture. Raises InputError as `read_picture` does."""
     path = Path(path)
     source = _open(path)
     spec = source.spec()
@@ -80,11 +86,11 @@ def picture_size(path: str | os.PathLike[str]) -> PictureSize:
 
 
 def read_picture(path: str | os.PathLike[str]) -> Picture:
-    """Read one picture: its first part, at full size, upright.
+    """Read the first picture of a file, at full size and upright.
 
-    Palettes are expanded, 8 and 16 bits stay as they are, everything else becomes float32 (other
-    integers divided by their largest value). The `Orientation` of a camera is applied.
-    Raises InputError, naming the file, when it is missing, no picture, damaged or cut off.
+    Palettes are expanded. 8- and 16-bit integers are unchanged; other values become float32, where
+    integers are divided by their largest value. The `Orientation` tag of cameras is applied.
+    Raises InputError if the file is missing, is not a picture, is damaged or cut off.
     """
     path = Path(path)
     source = _open(path)
@@ -94,10 +100,10 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
     except MemoryError as error:
         size = f"{spec.width}×{spec.height}×{spec.nchannels}"
         raise InputError(f"{path}: {size} does not fit in memory; scale it down") from error
-    trouble = complaint(source)
+    problem = take_error(source)
     source.close()
-    if pixels is None or trouble:
-        raise InputError(_damaged(path, trouble))
+    if pixels is None or problem:
+        raise InputError(_damaged_message(path, problem))
     if pixels.ndim == 2:
         pixels = pixels[:, :, None]
     return Picture(_upright(pixels, spec), _channel_names(spec), path)
@@ -111,16 +117,18 @@ def _open(path: Path) -> Any:
     if os.path.isdir(path):
         raise InputError(f"{path}: is a folder, not a picture; name a file in it")
     try:
-        trouble = _png_trouble(path)
+        problem = _png_problem(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its rights") from error
-    if trouble:
-        raise InputError(_damaged(path, trouble))
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); check its permissions"
+        ) from error
+    if problem:
+        raise InputError(_damaged_message(path, problem))
     as_stored = OpenImageIO.ImageSpec()
     as_stored.attribute("oiio:UnassociatedAlpha", 1)
     source = OpenImageIO.ImageInput.open(str(path), as_stored)
     if source is None:
-        why = first_line(complaint(OpenImageIO))
+        why = first_line(take_error(OpenImageIO))
         raise InputError(f"{path}: is not a picture that can be read ({why}); replace the file")
     spec = source.spec()
     if min(spec.width, spec.height, spec.nchannels) < 1 or spec.deep:
@@ -133,7 +141,7 @@ def _bits(spec: Any) -> int:
 
 
 def _channel_names(spec: Any) -> tuple[str, ...]:
-    """Names as stored, with "A" for the alpha, also where a two-channel file calls it otherwise."""
+    """Channel names as stored, with "A" for alpha, which two-channel files may name differently."""
     try:
         names = [str(name) for name in spec.channelnames]
     except UnicodeDecodeError:
@@ -144,7 +152,7 @@ def _channel_names(spec: Any) -> tuple[str, ...]:
 
 
 def _upright(pixels: Pixels, spec: Any) -> Pixels:
-    """Turn and mirror as the `Orientation` tag (TIFF 6.0, 1992, p. 36) asks: 1 is upright."""
+    """Rotate and mirror by the `Orientation` tag (TIFF 6.0, 1992, p. 36); 1 is upright."""
     orientation = spec.get_int_attribute("Orientation", 1)
     if orientation in (5, 6, 7, 8):
         pixels = pixels.transpose(1, 0, 2)
@@ -155,8 +163,8 @@ def _upright(pixels: Pixels, spec: Any) -> Pixels:
     return np.ascontiguousarray(pixels)
 
 
-def _png_trouble(path: Path) -> str | None:
-    """What is wrong with the chunks of a PNG file, before libpng complains on standard error."""
+def _png_problem(path: Path) -> str | None:
+    """Problem with the chunks of a PNG file, found before libpng prints to standard error."""
     with path.open("rb") as file:
         if file.read(8) != b"\x89PNG\r\n\x1a\n":
             return None
@@ -171,17 +179,18 @@ def _png_trouble(path: Path) -> str | None:
                 return None
 
 
-def _damaged(path: Path, why: str) -> str:
+def _damaged_message(path: Path, why: str) -> str:
     return f"{path}: the picture is damaged or cut off ({first_line(why)}); get the file again"
 
 
-def complaint(source: Any) -> str:
-    """Fetch, and so clear, what OpenImageIO holds against a file; it may quote the file's bytes."""
+def take_error(source: Any) -> str:
+    """Take the pending error message of OpenImageIO, which clears it."""
     try:
         return str(source.geterror())
     except UnicodeDecodeError:
-        return "its header makes no sense"
+        return "its header is invalid"
 
 
 def first_line(text: str) -> str:
+    """First line of a message, without a full stop at its end."""
     return text.strip().splitlines()[0].rstrip(".") if text.strip() else "no reason given"

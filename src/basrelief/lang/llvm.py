@@ -177,8 +177,8 @@ class _InstructionPrinter:
             )
         integer = self.define(f"fptosi {floats} {clamped} to {self.out.names[int]}")
         # no float lies between the largest one below 2³¹ and 2³¹
-        beyond = self.compare(">", x, self.out.constant(most, float), float)
-        return self.select(beyond, self.out.constant(2**31 - 1, int), integer, int)
+        too_large = self.compare(">", x, self.out.constant(most, float), float)
+        return self.select(too_large, self.out.constant(2**31 - 1, int), integer, int)
 
     def to_float(self, x: str) -> str:
         return self.define(f"sitofp {self.out.names[int]} {x} to {self.out.names[float]}")
@@ -497,9 +497,9 @@ class _FunctionPrinter(_InstructionPrinter):
                 p, q = self.value(left)[0], self.value(right)[0]
                 return [self.operation(symbol, p, q, bool)]
             case tree.Select(t, test, then, otherwise):
-                chosen, a, b = map(self.value, (test, then, otherwise))
+                condition, a, b = map(self.value, (test, then, otherwise))
                 kinds = [leaf for _, leaf in leaves(t)]
-                return [self.select(chosen[0], *each) for each in zip(a, b, kinds, strict=True)]
+                return [self.select(condition[0], *args) for args in zip(a, b, kinds, strict=True)]
             case tree.Swizzle(_, operand, indices):
                 values = self.value(operand)
                 if operand.type is Mat3:

@@ -1,4 +1,4 @@
-"""Materials: from files, by the conventions of their makers, or procedural."""
+"""Materials: loaded from files by their naming conventions, or procedural."""
 
 from basrelief.material.hole import hole
 from basrelief.material.load import load

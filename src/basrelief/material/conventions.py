@@ -1,9 +1,9 @@
-"""What a texture's file name says about it.
+"""Map types and conventions inferred from the file names of textures.
 
-Names are cut into words at `_`, `-`, `.`, spaces, changes of case and numbers; resolutions and
-file formats are dropped. The last words that are known decide, so `rough_wood_diff_1k` is a base
-colour. Covered are the habits of ambientCG, Poly Haven, Substance, Unity, Unreal, Megascans and
-Blender users, and the usual packed maps.
+Names are split into words at `_`, `-`, `.`, spaces, changes of case and numbers; resolutions and
+file formats are dropped. The last known words decide, so `rough_wood_diff_1k` is a base colour.
+The naming of ambientCG, Poly Haven, Substance, Unity, Unreal, Megascans and Blender users is
+covered, and the usual packed maps.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Green = Literal["gl", "dx"]
 
 @dataclass(frozen=True)
 class Part:
-    """One map that a file holds: its name, the channel it lies in ("" for its own), its sense."""
+    """One map in a file: its name, its channel ("" for the file's own), whether it is inverted."""
 
     map: str
     channel: str = ""
@@ -27,11 +27,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a file holds, by its name.
+    """Contents of a file, by its name.
 
-    No `parts`: a picture that is not used. `second` marks a second choice beside a better name.
-    `green` is the direction of a normal map's green, where the name gives it. `bump` marks a name
-    that some use for heights and others for normals.
+    Without `parts` the picture is not used. `second` marks a name that yields to the usual one.
+    `green` is the direction of a normal map's green, where the name states it. `bump` marks a name
+    that stands for heights with some tools and for normals with others.
     """
 
     parts: tuple[Part, ...]
@@ -42,19 +42,19 @@ class Meaning:
 
 @dataclass(frozen=True)
 class Name:
-    """A file name taken apart: the words before the part that is known, and its meaning."""
+    """A parsed file name: its words, those before the map type, and its meaning."""
 
     words: tuple[str, ...]
     prefix: tuple[str, ...]
     meaning: Meaning | None
 
 
-def _one(map: str, *, inverted: bool = False, second: bool = False) -> Meaning:
+def _single(map: str, *, inverted: bool = False, second: bool = False) -> Meaning:
     return Meaning((Part(map, inverted=inverted),), second=second)
 
 
 def _packed(**channels: str) -> Meaning:
-    """`_packed(r="occlusion")`; "gloss" stands for an inverted roughness."""
+    """`_packed(r="occlusion")`; "gloss" is an inverted roughness."""
     return Meaning(
         tuple(
             Part("roughness", channel, inverted=True) if map == "gloss" else Part(map, channel)
@@ -74,21 +74,21 @@ _MASK_MAP = _packed(r="metallic", g="occlusion", a="gloss")
 _UNUSED = Meaning(())
 
 _SPELLINGS: Mapping[str, Meaning] = {
-    "albedo alb basecolor basecolour basecol base color colour col maintex": _one("base_color"),
-    "diffuse diff dif": _one("base_color", second=True),
-    "normal normals nor norm nrm nrml nml": _one("normal"),
-    "height heights hgt displacement displace displ disp dis parallax relief elevation": _one(
+    "albedo alb basecolor basecolour basecol base color colour col maintex": _single("base_color"),
+    "diffuse diff dif": _single("base_color", second=True),
+    "normal normals nor norm nrm nrml nml": _single("normal"),
+    "height heights hgt displacement displace displ disp dis parallax relief elevation": _single(
         "height"
     ),
     "bump bmp": Meaning((Part("height"),), second=True, bump=True),
-    "depth dpt cavitydepth parallaxdepth": _one("height", inverted=True, second=True),
-    "occlusion ambientocclusion ambientocc ao mixedao occ": _one("occlusion"),
-    "roughness rough rgh": _one("roughness"),
-    "gloss glossiness smoothness": _one("roughness", inverted=True, second=True),
-    "metallic metalness metal metall metalic mtl": _one("metallic"),
-    "emission emissive emit emissivecolor emissioncolor glow": _one("emission"),
-    "opacity alpha transparency cutout": _one("opacity"),
-    "detailmask layermask": _one("layer_mask"),
+    "depth dpt cavitydepth parallaxdepth": _single("height", inverted=True, second=True),
+    "occlusion ambientocclusion ambientocc ao mixedao occ": _single("occlusion"),
+    "roughness rough rgh": _single("roughness"),
+    "gloss glossiness smoothness": _single("roughness", inverted=True, second=True),
+    "metallic metalness metal metall metalic mtl": _single("metallic"),
+    "emission emissive emit emissivecolor emissioncolor glow": _single("emission"),
+    "opacity alpha transparency cutout": _single("opacity"),
+    "detailmask layermask": _single("layer_mask"),
     "normalheight normalh nh nrmh normaldisplacement normaldisp": _NORMAL_HEIGHT,
     "albedotransparency albedoalpha albedoopacity coloropacity coloralpha": _COLOR_OPACITY,
     "basecoloralpha basecoloropacity diffusealpha": _COLOR_OPACITY,
@@ -107,7 +107,7 @@ _SPELLINGS: Mapping[str, Meaning] = {
 
 
 def _table() -> dict[str, Meaning]:
-    """Each spelling alone and with "map" or "tex" behind it; "mask" alone would say too little."""
+    """Meanings by spelling, each also with the suffixes "map", "tex" and "texture"."""
     table = {"maskmap": _MASK_MAP}
     for spellings, meaning in _SPELLINGS.items():
         for spelling in spellings.split():
@@ -127,7 +127,7 @@ UNREAL = {
     "m": "metallic",
     "e": "emission",
 }
-"""Last letters of names that begin with T_, after Epic's naming guide."""
+"""Suffixes of names that begin with T_, after Epic's naming guide."""
 
 GREEN: Mapping[str, Green] = {
     "gl": "gl",
@@ -137,7 +137,8 @@ GREEN: Mapping[str, Green] = {
     "directx": "dx",
 }
 INVERTED = frozenset({"inv", "inverted", "inverse", "invert"})
-LONGEST = 4
+MAX_WORDS = 4
+"""Most words that form one map type."""
 
 WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+[kK](?![a-z])|\d+")
 SIZES = re.compile(
@@ -148,7 +149,7 @@ RESOLUTIONS = frozenset(str(2**power) for power in range(7, 15))
 
 
 def words(stem: str) -> tuple[str, ...]:
-    """The words of a file name without its suffix, lower case, sizes and formats left out."""
+    """The words of a file name without its suffix, in lower case, without sizes and formats."""
     text = re.sub(r"(?i)d3d", "Directx", SIZES.sub(" ", stem))
     return tuple(
         word.lower()
@@ -157,29 +158,33 @@ def words(stem: str) -> tuple[str, ...]:
     )
 
 
-def read_name(stem: str) -> Name:
-    """What one file name says by itself."""
+def parse_name(stem: str) -> Name:
+    """Parse one file name by itself."""
     return _read(words(stem))
 
 
-def read_names(stems: Iterable[str]) -> dict[str, Name]:
-    """What the names of one folder say together.
+def parse_names(stems: Iterable[str]) -> dict[str, Name]:
+    """Parse the file names of one folder together.
 
-    The words that all of them begin with name the material, not the map: beside
-    `rusty_metal_normal`, `rusty_metal` is no metal map. They are set aside, unless that would take
-    their meaning from more names than the one that is nothing but these words.
+    Words that all names begin with belong to the material, not to the map: next to
+    `rusty_metal_normal`, `rusty_metal` is no metal map. They are ignored, unless names other than
+    the one that consists of these words alone would lose their meaning.
     """
-    all_words = {stem: words(stem) for stem in stems}
-    alone = {stem: _read(each) for stem, each in all_words.items()}
-    shared = _shared_prefix(list(all_words.values()))
-    within: dict[str, Name] = {}
-    for stem, each in all_words.items():
-        rest = _read(each[len(shared) :])
-        within[stem] = Name(each, shared + rest.prefix, rest.meaning)
-    robbed = [stem for stem in within if alone[stem].meaning and not within[stem].meaning]
-    bare = len(robbed) == 1 and all_words[robbed[0]] == shared
-    others = any(name.meaning and name.meaning.parts for name in within.values())
-    return within if not robbed or (bare and others) else alone
+    words_of = {stem: words(stem) for stem in stems}
+    separate = {stem: _read(name_words) for stem, name_words in words_of.items()}
+    shared = _shared_prefix(list(words_of.values()))
+    without_prefix: dict[str, Name] = {}
+    for stem, name_words in words_of.items():
+        rest = _read(name_words[len(shared) :])
+        without_prefix[stem] = Name(name_words, shared + rest.prefix, rest.meaning)
+    lost = [
+        stem
+        for stem in without_prefix
+        if separate[stem].meaning and not without_prefix[stem].meaning
+    ]
+    is_name_of_set = len(lost) == 1 and words_of[lost[0]] == shared
+    others = any(name.meaning and name.meaning.parts for name in without_prefix.values())
+    return without_prefix if not lost or (is_name_of_set and others) else separate
 
 
 def _shared_prefix(names: list[tuple[str, ...]]) -> tuple[str, ...]:
@@ -194,11 +199,11 @@ def _shared_prefix(names: list[tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def _read(name: tuple[str, ...]) -> Name:
-    """Look for the last run of words that is known, the longest first."""
+    """Find the last known run of words, the longest first."""
     if len(name) > 2 and name[0] == "t" and name[-1] in UNREAL:
         return Name(name, name[:-1], MEANINGS[UNREAL[name[-1]]])
     for end in range(len(name), 0, -1):
-        for start in range(max(end - LONGEST, 0), end):
+        for start in range(max(end - MAX_WORDS, 0), end):
             meaning = MEANINGS.get("".join(name[start:end])) or _with_green(name[start:end])
             if meaning is not None:
                 prefix, tail = name[:start], name[end:]
@@ -207,7 +212,7 @@ def _read(name: tuple[str, ...]) -> Name:
 
 
 def _with_green(name: tuple[str, ...]) -> Meaning | None:
-    """Words written together, such as "normalgl"."""
+    """Meaning of a normal map with its convention in the same word, such as "normalgl"."""
     for spelling, green in GREEN.items():
         stem = "".join(name).removesuffix(spelling)
         if stem != "".join(name) and stem in MEANINGS:
@@ -217,12 +222,12 @@ def _with_green(name: tuple[str, ...]) -> Meaning | None:
     return None
 
 
-def _qualified(meaning: Meaning, around: tuple[str, ...]) -> Meaning:
-    """Add what the neighbouring words say: the direction of green, or that values are inverted."""
+def _qualified(meaning: Meaning, neighbours: tuple[str, ...]) -> Meaning:
+    """The meaning with the green direction and the inversion that neighbouring words state."""
     if any(part.map == "normal" for part in meaning.parts):
-        for word in around:
+        for word in neighbours:
             meaning = replace(meaning, green=meaning.green or GREEN.get(word))
-    if any(word in INVERTED for word in around):
+    if any(word in INVERTED for word in neighbours):
         meaning = replace(
             meaning,
             parts=tuple(

@@ -1,8 +1,8 @@
-"""Do a normal map and a height map tell of the same relief, and which way round?
+"""Height polarity and green direction, from the correlation of height and normal slopes.
 
-Where heights rise to the right, the normals of a surface lean to the left; where heights rise
-towards the top of the picture, they lean down, if green is up. So the slopes of both maps,
-compared over the picture, show a green that points down, and heights that are depths.
+Where heights rise to the right, normals lean to the left. Where heights rise towards the top of the
+picture, normals lean down, if green is up. A negative correlation along x therefore shows that
+the heights are depths; opposite signs along x and y show that green is down.
 """
 
 from __future__ import annotations
@@ -14,60 +14,64 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGEST = 512
-"""Both maps are shrunk to this many texels a side at most: slopes of single texels are noise."""
+"""Largest side, in texels, at which maps are compared: slopes between single texels are noise."""
 
-CLEAR = 0.25
-"""A correlation beyond this is taken for a fact; unrelated maps stay within a few hundredths."""
+SIGNIFICANT = 0.25
+"""Correlations beyond this are significant; those of unrelated maps are a few hundredths."""
 
 
 @dataclass(frozen=True)
-class Agreement:
-    """Correlations, −1 to 1, of the slopes along x and along y, if heights and green are up."""
+class SlopeCorrelation:
+    """Correlations, −1 to 1, of height and normal slopes along x and along y.
+
+    Both are positive where white is high and green is up.
+    """
 
     x: float
     y: float
 
     @property
-    def clear(self) -> bool:
-        """Do both maps tell of the same relief at all, whichever way round?"""
-        return abs(self.x) > CLEAR and abs(self.y) > CLEAR
+    def is_significant(self) -> bool:
+        """Whether both maps describe the same relief, in whatever convention."""
+        return abs(self.x) > SIGNIFICANT and abs(self.y) > SIGNIFICANT
 
     @property
     def heights_are_depths(self) -> bool:
-        """The slopes along x, which no convention of green touches, run against each other."""
-        return self.clear and self.x < 0
+        """Whether the slopes along x, which do not depend on green, are opposite."""
+        return self.is_significant and self.x < 0
 
     @property
     def green_is_down(self) -> bool:
-        """The slopes along y disagree with those along x."""
-        return self.clear and self.x * self.y < 0
+        """Whether the correlation along y has the opposite sign of that along x."""
+        return self.is_significant and self.x * self.y < 0
 
     def __str__(self) -> str:
         return f"slopes correlate by {self.x:+.2f} along x and {self.y:+.2f} along y"
 
 
-def agreement(height: NDArray[Any], normal: NDArray[Any]) -> Agreement | None:
-    """Compare heights (h, w, 1) with normals (h, w, 3), stored 0 to 1; sizes may differ.
+def slope_correlation(height: NDArray[Any], normal: NDArray[Any]) -> SlopeCorrelation | None:
+    """Correlation of heights (h, w, 1) with normals (h, w, 3), stored 0 to 1.
 
-    Any unit of the heights and any integer or float scale of both will do. None where either is
-    flat or too small to judge.
+    Sizes, types and units may differ. None where a map is flat or smaller than 4 texels.
     """
     rows = min(height.shape[0], normal.shape[0], LARGEST)
     columns = min(height.shape[1], normal.shape[1], LARGEST)
     if min(rows, columns) < 4:
         return None
-    heights = _shrink(height[:, :, 0], rows, columns)
+    heights = _block_means(height[:, :, 0], rows, columns)
     most = {"uint8": 255, "uint16": 65535}.get(str(normal.dtype), 1)
-    lean = [_shrink(normal[:, :, axis], rows, columns) / most * 2 - 1 for axis in (0, 1)]
+    slopes_of_normals = [
+        _block_means(normal[:, :, axis], rows, columns) / most * 2 - 1 for axis in (0, 1)
+    ]
     rise_right = (np.roll(heights, -1, 1) - np.roll(heights, 1, 1))[1:-1, 1:-1]
     rise_up = (np.roll(heights, 1, 0) - np.roll(heights, -1, 0))[1:-1, 1:-1]
-    x = _correlation(lean[0][1:-1, 1:-1], -rise_right)
-    y = _correlation(lean[1][1:-1, 1:-1], -rise_up)
-    return None if x is None or y is None else Agreement(x, y)
+    x = _correlation(slopes_of_normals[0][1:-1, 1:-1], -rise_right)
+    y = _correlation(slopes_of_normals[1][1:-1, 1:-1], -rise_up)
+    return None if x is None or y is None else SlopeCorrelation(x, y)
 
 
-def _shrink(values: NDArray[Any], rows: int, columns: int) -> NDArray[np.float64]:
-    """Means over blocks of texels, (rows, columns), blocks as even as can be."""
+def _block_means(values: NDArray[Any], rows: int, columns: int) -> NDArray[np.float64]:
+    """Means over nearly equal blocks of texels, (rows, columns)."""
     row_starts = np.arange(rows) * values.shape[0] // rows
     column_starts = np.arange(columns) * values.shape[1] // columns
     sums = np.add.reduceat(values, row_starts, axis=0, dtype=np.float64)
@@ -78,7 +82,7 @@ def _shrink(values: NDArray[Any], rows: int, columns: int) -> NDArray[np.float64
     return means
 
 
-def _correlation(one: NDArray[np.float64], other: NDArray[np.float64]) -> float | None:
-    one, other = one - one.mean(), other - other.mean()
-    spread = float(np.sqrt((one * one).sum() * (other * other).sum()))
-    return None if spread < 1e-12 else float((one * other).sum()) / spread
+def _correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float | None:
+    a, b = a - a.mean(), b - b.mean()
+    spread = float(np.sqrt((a * a).sum() * (b * b).sum()))
+    return None if spread < 1e-12 else float((a * b).sum()) / spread

@@ -1,15 +1,15 @@
-"""Which file becomes which map.
+"""Assignment of image files to maps.
 
 Where several files of a set fit one map, these preferences decide, in this order:
 
-1. the usual name before the second choice (height before bump or depth, albedo before diffuse,
-   roughness before gloss), and a file of its own before a channel of a packed one;
-2. normals with green up (GL) before green down (DX), unless DX is asked for;
+1. the usual name before the fallback (height before bump or depth, albedo before diffuse,
+   roughness before gloss), and a separate file before a channel of a packed one;
+2. normals with green up (GL) before green down (DX), unless DX is requested;
 3. more bits before fewer: float, 16, 8;
 4. lossless formats before lossy ones;
 5. more pixels before fewer.
 
-What still ties is the user's to decide: InputError names the files and the way out.
+A remaining tie is an InputError that names the files and the option that decides.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from pathlib import Path
 
 from basrelief.errors import InputError
 from basrelief.images import LOSSY, READABLE, picture_size, read_picture
-from basrelief.material.conventions import Green, Meaning, Name, Part, read_name, read_names
+from basrelief.material.conventions import Green, Meaning, Name, Part, parse_name, parse_names
 from basrelief.material.material import MAPS, Note
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A file taken for a map, the part of it that is meant, and what its name means as a whole."""
+    """A file chosen for a map, the part of it that holds the map, and the meaning of its name."""
 
     path: Path
     part: Part
@@ -35,73 +35,73 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The files chosen for a material, and the notes of the search."""
+class FileSet:
+    """Files chosen for a material, and the notes of the search."""
 
     name: str
     choices: dict[str, Choice]
     notes: tuple[Note, ...]
 
 
-def search(path: Path, green: Green | None, settled: frozenset[str]) -> Found:
-    """Choose the files of the set that `path`, a folder or one picture of the set, stands for.
+def search(path: Path, green: Green | None, assigned: frozenset[str]) -> FileSet:
+    """Choose the files of a set; `path` is its folder or one of its pictures.
 
-    Maps in `settled` are given by the user and not chosen. Raises InputError when the path is
-    missing, holds no picture, says of no picture which map it is, or leaves a true tie.
+    Maps in `assigned` are set by the user and skipped. Raises InputError for a path that does not
+    exist, a folder without pictures, file names that identify no map, and ties.
     """
     if os.path.isdir(path):
-        return _search_folder(path, green, settled)
+        return _search_folder(path, green, assigned)
     if os.path.exists(path):
-        return _search_set(path, green, settled)
+        return _search_set(path, green, assigned)
     raise InputError(f"{path}: there is no such file or folder; check the name")
 
 
-def _search_folder(folder: Path, green: Green | None, settled: frozenset[str]) -> Found:
+def _search_folder(folder: Path, green: Green | None, assigned: frozenset[str]) -> FileSet:
     name = folder.resolve().name or "material"
     notes: list[Note] = []
     pictures = _pictures(folder)
     if not pictures:
-        inner = [each for each in _entries(folder) if each.is_dir() and _pictures(each)]
+        inner = [file for file in _entries(folder) if file.is_dir() and _pictures(file)]
         if len(inner) != 1:
-            raise InputError(f"{folder}: there is no picture in this folder; name another")
-        notes.append(Note(f"looked into {inner[0].name}", "the only folder within with pictures"))
+            raise InputError(f"{folder}: no picture in this folder; name another")
+        notes.append(Note(f"searched {inner[0].name}", "the only subfolder with pictures"))
         folder, pictures = inner[0], _pictures(inner[0])
-    by_stem = read_names(path.stem for path in pictures)
+    by_stem = parse_names(path.stem for path in pictures)
     names = {path: by_stem[path.stem] for path in pictures}
-    if "base_color" not in settled:
+    if "base_color" not in assigned:
         names = _with_unnamed_color(names, notes)
-    if not settled and not any(_parts(each) for each in names.values()):
+    if not assigned and not any(_parts(file) for file in names.values()):
         raise InputError(
-            f"{folder}: no file name says which map it is ({_listed(pictures)});"
+            f"{folder}: no file name identifies a map ({_listed(pictures)});"
             " name one: --base-color FILE, --height FILE"
         )
-    notes += _left_out(names)
-    return Found(name, _choose(names, green, settled, notes), tuple(notes))
+    notes += _ignored_notes(names)
+    return FileSet(name, _choose(names, green, assigned, notes), tuple(notes))
 
 
-def _search_set(path: Path, green: Green | None, settled: frozenset[str]) -> Found:
-    """One picture: with the files beside it whose names say that they belong to it, or alone."""
-    own = read_name(path.stem)
-    beside = {each: read_name(each.stem) for each in _pictures(path.parent) if each != path}
-    named = {each: name for each, name in beside.items() if _parts(name)}
-    of_its_name = {each: name for each, name in named.items() if name.prefix == own.words}
-    of_its_set = {each: name for each, name in named.items() if name.prefix == own.prefix}
+def _search_set(path: Path, green: Green | None, assigned: frozenset[str]) -> FileSet:
+    """One picture, with the files in its folder that belong to the same set by their names."""
+    own = parse_name(path.stem)
+    neighbours = {file: parse_name(file.stem) for file in _pictures(path.parent) if file != path}
+    named = {file: name for file, name in neighbours.items() if _parts(name)}
+    of_its_name = {file: name for file, name in named.items() if name.prefix == own.words}
+    of_its_set = {file: name for file, name in named.items() if name.prefix == own.prefix}
     if of_its_name or not _parts(own):
         own = Name(own.words, own.words, Meaning((Part("base_color"),)))
         of_its_set = of_its_name
-        why = "it was named, and nothing says that it is another map"
+        why = "the picture that was named, with no other map in its name"
     else:
-        why = "it was named, and its name says so"
-    notes = [Note(f"{path.name} taken for {' and '.join(_maps(own))}", why)]
-    mine = _choose({path: own}, green, settled, notes)
-    rest = _choose(of_its_set, green, settled | mine.keys(), notes)
-    others = sorted({choice.path for choice in rest.values()} - {path})
+        why = "by its name"
+    notes = [Note(f"{path.name} used as {' and '.join(_maps(own))}", why)]
+    own_choices = _choose({path: own}, green, assigned, notes)
+    other_choices = _choose(of_its_set, green, assigned | own_choices.keys(), notes)
+    others = sorted({choice.path for choice in other_choices.values()} - {path})
     if others:
-        listed = ", ".join(each.name for each in others)
-        notes.append(Note(f"{listed} taken along", "the name is that of the same set"))
-    stems = [each.stem for each in (path, *others)]
-    shared = os.path.commonprefix(stems).strip(" _-.")  # noqa: RUF071, by characters is meant
-    return Found(shared or path.stem, {**mine, **rest}, tuple(notes))
+        listed = ", ".join(file.name for file in others)
+        notes.append(Note(f"{listed} loaded too", "the same set, by its name"))
+    stems = [file.stem for file in (path, *others)]
+    shared = os.path.commonprefix(stems).strip(" _-.")  # noqa: RUF071, compared by characters on purpose
+    return FileSet(shared or path.stem, {**own_choices, **other_choices}, tuple(notes))
 
 
 def _entries(folder: Path) -> list[Path]:
@@ -114,7 +114,7 @@ def _entries(folder: Path) -> list[Path]:
 
 
 def _pictures(folder: Path) -> list[Path]:
-    """Pictures by their suffix, hidden files left out."""
+    """Pictures by their suffix, without hidden files."""
     return [
         path
         for path in _entries(folder)
@@ -136,7 +136,7 @@ def _listed(paths: Iterable[Path]) -> str:
 
 
 def _with_unnamed_color(names: dict[Path, Name], notes: list[Note]) -> dict[Path, Name]:
-    """Take a picture whose name is the material's for the base colour, where no other says so."""
+    """Use a picture that is named after the material as base colour, where no other file is one."""
     if any("base_color" in _maps(name) for name in names.values()):
         return names
     unnamed = [path for path, name in names.items() if name.meaning is None]
@@ -146,95 +146,97 @@ def _with_unnamed_color(names: dict[Path, Name], notes: list[Note]) -> dict[Path
         return names
     path = candidates[0]
     notes.append(
-        Note(f"{path.name} taken for base_color", "the one picture whose name says no map")
+        Note(f"{path.name} used as base_color", "the only picture without a map in its name")
     )
     color = Name(names[path].words, names[path].words, Meaning((Part("base_color"),)))
     return {**names, path: color}
 
 
-def _left_out(names: dict[Path, Name]) -> list[Note]:
+def _ignored_notes(names: dict[Path, Name]) -> list[Note]:
     unknown = [path for path, name in names.items() if name.meaning is None]
     unused = [path for path, name in names.items() if name.meaning and not _parts(name)]
     notes = []
     if unknown:
-        notes.append(Note(f"left out {_listed(unknown)}", "the name says no map"))
+        notes.append(Note(f"ignored {_listed(unknown)}", "no map in the name"))
     if unused:
-        notes.append(Note(f"left out {_listed(unused)}", "this kind of map is not used"))
+        notes.append(Note(f"ignored {_listed(unused)}", "maps of this kind are not used"))
     return notes
 
 
 def _choose(
-    names: dict[Path, Name], green: Green | None, settled: frozenset[str], notes: list[Note]
+    names: dict[Path, Name], green: Green | None, assigned: frozenset[str], notes: list[Note]
 ) -> dict[str, Choice]:
     """The preferred file for each map that is not settled, with a note where several fit."""
     candidates: dict[str, list[Choice]] = {kind: [] for kind in MAPS}
     prefixes = {path: name.prefix for path, name in names.items()}
     for path, name in names.items():
-        meaning = _bump_by_its_looks(path, name.meaning)
+        meaning = _classified_bump(path, name.meaning)
         if meaning != name.meaning:
-            notes.append(Note(f"{path.name} taken for normal", "a bump map, but a coloured one"))
+            notes.append(
+                Note(f"{path.name} used as normal", "a bump map by its name, but coloured")
+            )
         for part in meaning.parts if meaning else ():
             candidates[part.map].append(Choice(path, part, meaning))
     return {
-        kind: _best(kind, fitting, prefixes, green, notes)
-        for kind, fitting in candidates.items()
-        if fitting and kind not in settled
+        kind: _best(kind, fits, prefixes, green, notes)
+        for kind, fits in candidates.items()
+        if fits and kind not in assigned
     }
 
 
 def _best(
     kind: str,
-    fitting: list[Choice],
+    fits: list[Choice],
     prefixes: dict[Path, tuple[str, ...]],
     green: Green | None,
     notes: list[Note],
 ) -> Choice:
-    if len(fitting) == 1:
-        return fitting[0]
-    ranks = {choice.path: _rank(choice, green) for choice in fitting}
-    best, second = sorted(fitting, key=lambda choice: (ranks[choice.path], choice.path.name))[:2]
-    one, other = best.path, second.path
-    if ranks[one] == ranks[other]:
+    if len(fits) == 1:
+        return fits[0]
+    ranks = {choice.path: _rank(choice, green) for choice in fits}
+    best, second = sorted(fits, key=lambda choice: (ranks[choice.path], choice.path.name))[:2]
+    first, other = best.path, second.path
+    if ranks[first] == ranks[other]:
         option = f"--{kind.replace('_', '-')} FILE"
-        if prefixes[one] != prefixes[other]:
-            option = f"one picture of the set in place of the folder, or {option}"
+        if prefixes[first] != prefixes[other]:
+            option = f"one picture of the set instead of the folder, or {option}"
         raise InputError(
-            f"{one.parent}: {one.name} and {other.name} both fit the {kind} map; name {option}"
+            f"{first.parent}: {first.name} and {other.name} both fit the {kind} map; name {option}"
         )
-    pairs = zip(ranks[one], ranks[other], _reasons(green), strict=True)
+    pairs = zip(ranks[first], ranks[other], _reasons(green), strict=True)
     why = next(reason for left, right, reason in pairs if left != right)
-    notes.append(Note(f"{one.name} before {other.name} for {kind}", why))
+    notes.append(Note(f"{first.name} before {other.name} for {kind}", why))
     return best
 
 
 def _reasons(green: Green | None) -> tuple[str, ...]:
-    """Why a file is preferred, in words, in the order of `_rank`."""
+    """Reasons for a preference, in the order of `_rank`."""
     return (
-        "it is the usual name, or a file of its own",
+        "the usual name, or a separate file",
         f"{'DX' if green == 'dx' else 'GL'} is preferred",
-        "it has more bits",
-        "its format loses nothing",
-        "it has more pixels",
+        "more bits",
+        "a lossless format",
+        "more pixels",
     )
 
 
-def _rank(choice: Choice, wanted: Green | None) -> tuple[int, ...]:
-    """The preferences of this module, as numbers: smaller is better."""
-    wanted = wanted or "gl"
+def _rank(choice: Choice, preferred: Green | None) -> tuple[int, ...]:
+    """Rank of a choice by the preferences of this module; smaller is better."""
+    preferred = preferred or "gl"
     size = picture_size(choice.path)
     green = choice.meaning.green if choice.meaning else None
     second = choice.meaning.second if choice.meaning else False
     return (
         2 * second + (choice.part.channel != ""),
-        0 if green == wanted else 1 if green is None else 2,
+        0 if green == preferred else 1 if green is None else 2,
         -size.bits,
         choice.path.suffix.lower() in LOSSY,
         -size.width * size.height,
     )
 
 
-def _bump_by_its_looks(path: Path, meaning: Meaning | None) -> Meaning | None:
-    """Unity calls a normal map "bump", others a height map: coloured ones are normals."""
+def _classified_bump(path: Path, meaning: Meaning | None) -> Meaning | None:
+    """The meaning of a "bump" map by its pixels: normals if coloured (Unity), heights if grey."""
     if meaning is None or not meaning.bump or picture_size(path).channels < 3:
         return meaning
     pixels = read_picture(path).pixels

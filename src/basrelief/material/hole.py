@@ -1,9 +1,9 @@
-"""A hole that opens in a surface: a map of cracks and one of dust, merged into one of heights.
+"""A hole that opens in a surface: a crack map and a dust map merged into a height map.
 
-After E. Nordeus (habrador, *Parallax mapping*, Unity tutorial), who merges two textures and turns
-one number, the strength of the dust. Here the merging is a threshold: the ground gives way where
-crack and dust together are more than it bears. So cracks open first, along their middles and from
-the middle of the dust outwards; what stands between them falls in later.
+After E. Nordeus (habrador, *Parallax mapping*, Unity tutorial), who merges two textures and varies
+the strength of the dust. Here a threshold merges them: the ground sinks where crack and dust
+together exceed a limit. Cracks therefore open first, along their centre lines and from the middle
+of the dust outwards; the ground between them sinks later.
 """
 
 from __future__ import annotations
@@ -17,37 +17,40 @@ from basrelief.errors import InputError
 from basrelief.material.material import Map, Material, Note
 
 DEPTH = 0.3
-"""How deep the hole is, as a fraction of the tile's width: about half as deep as it is wide."""
+"""Depth of the hole as a fraction of the tile's width: about half its own width."""
 
 STRENGTH = 2.8
-"""The dust's strength when the hole is open; from 1 on full dust breaks even what has no crack."""
+"""Strength of the dust in an open hole; from 1 on, full dust sinks ground without a crack too."""
 
 SOFTNESS = 0.45
-"""How far beyond its limit the ground is when it has sunk to 1/e: less makes steeper walls."""
+"""Excess over the limit at which heights have fallen to 1/e; less makes steeper walls."""
 
 
 def hole(cracks: Material, dust: Material, opening: float) -> Material:
-    """The surface of `cracks` with a hole where `dust` lies, from 0, whole, to 1, open.
+    """The surface of `cracks` with a hole where `dust` lies; `opening` is 0 (whole) to 1 (open).
 
-    At 0 all heights are 1, and the cracks are in the colour alone; as the opening grows heights
-    fall and never rise. Where the height map of the cracks is h and that of the dust d, it is
-    exp(−max(STRENGTH · opening · d − h, 0) ÷ SOFTNESS).
+    With the crack heights h and the dust heights d, the heights are
+    exp(−max(STRENGTH · opening · d − h, 0) ÷ SOFTNESS). At 0 they are all 1, and the cracks show in
+    the colour alone. Heights never rise as the opening grows.
 
-    Colour is darkened inside. There are no normals and no occlusion: those of the cracks would be
-    wrong, and the renderer makes normals from the heights, at the relief's scale. Cheap enough for
-    each picture of a film. Raises InputError for an opening beyond 0…1, and for height maps that
-    are missing or differ in size.
+    The base colour is darkened inside. Normals and occlusion are omitted, since those of the cracks
+    would be wrong; the renderer derives normals from the heights. Raises InputError for an opening
+    outside 0 to 1, and for height maps that are missing or differ in size.
     """
     if not 0 <= opening <= 1:
         raise InputError(f"a hole's opening is 0 (whole) to 1 (open), not {opening}")
-    whole, speckle = _heights(cracks), _heights(dust)
-    if whole.shape != speckle.shape:
-        one, other = (" × ".join(map(str, m.shape[1::-1])) for m in (whole, speckle))
-        raise InputError(f"a hole needs cracks and dust of one size, not {one} and {other} texels")
-    sunk = speckle * np.float32(STRENGTH * opening) - whole
-    np.maximum(sunk, 0, out=sunk)
-    sunk *= np.float32(-1 / SOFTNESS)
-    height = np.exp(sunk, out=sunk)
+    crack_heights, dust_heights = _heights(cracks), _heights(dust)
+    if crack_heights.shape != dust_heights.shape:
+        first, second = (
+            " × ".join(map(str, m.shape[1::-1])) for m in (crack_heights, dust_heights)
+        )
+        raise InputError(
+            f"a hole needs cracks and dust of one size, not {first} and {second} texels"
+        )
+    excess = dust_heights * np.float32(STRENGTH * opening) - crack_heights
+    np.maximum(excess, 0, out=excess)
+    excess *= np.float32(-1 / SOFTNESS)
+    height = np.exp(excess, out=excess)
     codes = np.rint(height * np.float32(65535)).astype(np.uint16)
     return replace(
         cracks,
@@ -70,7 +73,7 @@ def _heights(material: Material) -> NDArray[np.float32]:
 def _darkened(color: Map, height: NDArray[np.float32]) -> Map:
     """A colour map times powers of the height: 1½ for red, 2 for green, 2½ for blue.
 
-    So the ground is brown where it breaks, and black in the depth.
+    The rim turns brown, and the bottom black.
     """
     root = np.sqrt(height)
     square = height * height

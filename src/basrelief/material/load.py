@@ -1,4 +1,4 @@
-"""Files → Material: choose, read, bring into one convention, and say what was decided."""
+"""Loading of materials: choose files, read them, convert them to one convention, note decisions."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from basrelief.errors import InputError
 from basrelief.images import Picture, read_picture
 from basrelief.material import channels
 from basrelief.material.channels import NormalPacking
-from basrelief.material.conventions import Part, read_name
-from basrelief.material.evidence import Agreement, agreement
-from basrelief.material.files import Choice, Found, search
+from basrelief.material.conventions import Part, parse_name
+from basrelief.material.evidence import SlopeCorrelation, slope_correlation
+from basrelief.material.files import Choice, FileSet, search
 from basrelief.material.material import MAPS, Map, Material, Note
 from basrelief.material.samples import sample
 
@@ -26,15 +26,15 @@ Packing = Literal["rgb", "ag", "rg", "ag_or_rgb"]
 PathLike = str | os.PathLike[str]
 
 SAMPLE = "sample:"
-"""`load` takes names of procedural samples with this in front."""
+"""Prefix by which `load` recognises the name of a procedural sample."""
 
-USED_WELL = 0.9
-"""Height maps that use less of their range than this get a note."""
+WELL_USED_RANGE = 0.9
+"""Height maps that use a smaller part of their range get a note."""
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How files are read where their names leave it open: the options of `load`."""
+class ReadOptions:
+    """Options of `load` for what file names leave open."""
 
     normal_convention: NormalConvention = "auto"
     height_polarity: HeightPolarity = "auto"
@@ -75,62 +75,89 @@ def load(
     opacity: PathLike | None = None,
     layer_mask: PathLike | None = None,
 ) -> Material:
-    """Load a material.
+    """Load a material from files.
 
-    `path` is a folder with one set of maps; or one picture, which brings along the files beside it
-    that belong to it by their names; or `sample:` and the name of a procedural sample; or None
-    when all maps are named. The last nine arguments name a file for one map, whatever names say, or
-    `sample:NAME` for that map of a sample.
+    Maps are recognised by the file names of ambientCG, Poly Haven, Substance, Unity, Unreal and
+    Blender users. Colours of 8 and 16 bits are decoded from sRGB, heights and other data never.
+    A missing height map is no error.
 
-    `normal_convention`: is green up ("gl") or down ("dx")? "auto" asks the name, then compares
-    with the heights. `height_polarity`: is white high ("height") or deep ("depth")? "auto" asks
-    the name, then compares with the normals. `height_channel`: "auto" is the only channel of a
-    grey picture, green otherwise; "a_or_r" the alpha where it varies, red otherwise.
-    `normal_packing`: see `channels.normals`; "ag_or_rgb" is "ag" where the alpha varies, "rgb"
-    otherwise. `stretch_height` lets heights that use a part of their range fill 0 to 1. `depth` (of
-    the full height range) and `tile` (width) are metres.
+    Parameters
+    ----------
+    path : path or str, optional
+        A folder with one set of maps; or one picture, which loads the other files of its set too;
+        or "sample:NAME" for a procedural sample. Omit it to name every map.
+    normal_convention : {"auto", "gl", "dx"}, default "auto"
+        Whether green is up ("gl") or down ("dx"). "auto" goes by the file name, and then by a
+        comparison with the heights.
+    height_polarity : {"auto", "height", "depth"}, default "auto"
+        Whether white is high ("height") or deep ("depth"). "auto" goes by the file name, and then
+        by a comparison with the normals.
+    height_channel : {"auto", "r", "g", "b", "a", "luminance", "a_or_r"}, default "auto"
+        Channel that holds the heights. "auto" is the channel of a grey picture, and green of
+        others; "a_or_r" is alpha where it varies, and red elsewhere.
+    normal_packing : {"rgb", "ag", "rg", "ag_or_rgb"}, default "rgb"
+        Channels that hold the normals. "ag" and "rg" hold x and y, and z is reconstructed;
+        "ag_or_rgb" is "ag" where the alpha varies, and "rgb" elsewhere.
+    stretch_height : bool, default False
+        Stretch heights that use a part of their range to 0 to 1.
+    depth : float, optional
+        Full height range in metres, above 0.
+    tile : float, optional
+        Width of the maps in metres, above 0.
+    base_color, normal, height, occlusion, roughness : path or str, optional
+        File of one map, to override what the file names imply, or "sample:NAME" for the map of a
+        sample.
+    metallic, emission, opacity, layer_mask : path or str, optional
+        The same for the other maps.
 
-    Heights and other data are never decoded from sRGB, colours of 8 and 16 bits are. No height
-    map is no error. What was decided stands in the material's `notes`.
-    Raises InputError for what cannot be used: see `files.search`, `read_picture`, `Material`.
+    Returns
+    -------
+    Material
+        Its `notes` list every decision and the reason for it.
+
+    Raises
+    ------
+    InputError
+        For paths that do not exist, pictures that cannot be read, file names that identify no map
+        or leave a tie, options out of range, and maps that do not fit together.
     """
-    reading = Reading(
+    options = ReadOptions(
         normal_convention, height_polarity, height_channel, normal_packing, stretch_height
     )
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
     )  # fmt: skip
-    given = {kind: os.fspath(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
-    drawn = {kind: f for kind, f in given.items() if f.startswith(SAMPLE)}
-    named = {kind: Path(f) for kind, f in given.items() if kind not in drawn}
-    if path is None and not given:
+    map_files = {kind: os.fspath(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
+    samples = {kind: f for kind, f in map_files.items() if f.startswith(SAMPLE)}
+    named_files = {kind: Path(f) for kind, f in map_files.items() if kind not in samples}
+    if path is None and not map_files:
         raise InputError("nothing to load: name a folder, a picture or a map")
     if path is not None and os.fspath(path).startswith(SAMPLE):
         material = sample(os.fspath(path).removeprefix(SAMPLE))
-        builder = _Builder(reading, material.name, list(material.notes), dict(material.maps()))
+        builder = _Builder(options, material.name, list(material.notes), dict(material.maps()))
         depth = material.depth if depth is None else depth
         tile = material.tile if tile is None else tile
         choices: dict[str, Choice] = {}
     else:
-        found = _find(path, reading, given)
-        builder = _Builder(reading, found.name, list(found.notes))
-        choices = {kind: each for kind, each in found.choices.items() if kind not in drawn}
-    builder.add_samples(drawn)
-    return builder.build({**choices, **_named(named)}, depth, tile)
+        file_set = _file_set(path, options, map_files)
+        builder = _Builder(options, file_set.name, list(file_set.notes))
+        choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in samples}
+    builder.add_sample_maps(samples)
+    return builder.build({**choices, **_named_choices(named_files)}, depth, tile)
 
 
-def _find(path: PathLike | None, reading: Reading, named: dict[str, str]) -> Found:
+def _file_set(path: PathLike | None, options: ReadOptions, named_files: dict[str, str]) -> FileSet:
     if path is None:
-        return Found(Path(next(iter(named.values())).removeprefix(SAMPLE)).stem, {}, ())
-    green = None if reading.normal_convention == "auto" else reading.normal_convention
-    return search(Path(path), green, frozenset(named))
+        return FileSet(Path(next(iter(named_files.values())).removeprefix(SAMPLE)).stem, {}, ())
+    green = None if options.normal_convention == "auto" else options.normal_convention
+    return search(Path(path), green, frozenset(named_files))
 
 
-def _named(named: dict[str, Path]) -> dict[str, Choice]:
-    """Files that the user names: the map is given, their names may still tell channel and sense."""
+def _named_choices(named_files: dict[str, Path]) -> dict[str, Choice]:
+    """Choices for the files that the user names; channel and polarity still follow their names."""
     choices = {}
-    for kind, path in named.items():
-        meaning = read_name(path.stem).meaning
+    for kind, path in named_files.items():
+        meaning = parse_name(path.stem).meaning
         parts = [part for part in meaning.parts if part.map == kind] if meaning else []
         choices[kind] = Choice(path, parts[0] if parts else Part(kind), meaning)
     return choices
@@ -138,9 +165,9 @@ def _named(named: dict[str, Path]) -> dict[str, Choice]:
 
 @dataclass
 class _Builder:
-    """Reads the chosen files, each once, and gathers the maps and the notes."""
+    """Builds a material: reads each chosen file once, and collects maps and notes."""
 
-    reading: Reading
+    options: ReadOptions
     name: str
     notes: list[Note] = field(default_factory=list)
     maps: dict[str, Map] = field(default_factory=dict)
@@ -160,9 +187,9 @@ class _Builder:
             self.add_normal(choices["normal"])
         if "height" in choices:
             self.add_height(choices["height"])
-        self.take_alphas(choices)
-        self.settle_directions(choices)
-        self.finish_height()
+        self.add_alpha_channels(choices)
+        self.resolve_conventions(choices)
+        self.check_height_range()
         return Material(self.name, **self.maps, depth=depth, tile=tile, notes=tuple(self.notes))
 
     def note(self, what: str, why: str) -> None:
@@ -173,28 +200,28 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
-    def add_samples(self, drawn: dict[str, str]) -> None:
-        """Maps that are those of samples, each `sample:NAME`."""
-        for kind, name in drawn.items():
-            each = getattr(sample(name.removeprefix(SAMPLE)), kind)
-            if each is None:
+    def add_sample_maps(self, samples: dict[str, str]) -> None:
+        """Add maps of procedural samples, each named `sample:NAME`."""
+        for kind, name in samples.items():
+            sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
+            if sample_map is None:
                 raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
-            self.maps[kind] = each
-            self.note(f"{kind} from {name}", "asked for")
+            self.maps[kind] = sample_map
+            self.note(f"{kind} from {name}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:
-        pixels = channels.three_channels(self.picture(choice))
+        pixels = channels.extract_rgb(self.picture(choice))
         encoded = pixels.dtype != np.float32
         self.maps[kind] = Map(pixels, encoded, choice.path.name)
-        why = "whole numbers, so sRGB" if encoded else "floats, so linear already"
+        why = "integers are sRGB" if encoded else "floats are linear"
         self.note(f"{kind} from {choice.path.name}", why)
 
     def add_scalar(self, kind: str, choice: Choice) -> None:
         channel = choice.part.channel or "r"
         picture = self.picture(choice)
         if kind == "opacity" and not choice.part.channel and picture.alpha is not None:
-            channel = "a"  # a cut-out is often stored as the alpha of a plain picture
-        pixels = channels.one_channel(picture, channel)
+            channel = "a"  # a cut-out is often stored as the alpha of an otherwise empty picture
+        pixels = channels.extract_channel(picture, channel)
         source = choice.path.name
         if choice.part.channel:
             source += f" ({channel.upper()})"
@@ -202,61 +229,65 @@ class _Builder:
             pixels = channels.inverted(pixels)
             source = f"1 − {source}"
         self.maps[kind] = Map(pixels, False, source)
-        why = "the name says that it is packed" if choice.part.channel else "read as linear data"
+        why = "a packed map, by its name" if choice.part.channel else "read as linear data"
         if choice.part.inverted:
-            why = "the name says gloss, the opposite of roughness"
+            why = "gloss by its name, the inverse of roughness"
         self.note(f"{kind} from {source}", why)
 
     def add_normal(self, choice: Choice) -> None:
         packing = self.packing(choice)
-        pixels = channels.normals(self.picture(choice), packing)
+        pixels = channels.extract_normals(self.picture(choice), packing)
         self.maps["normal"] = Map(pixels, False, choice.path.name)
-        why = "x, y, z as stored" if packing == "rgb" else f"x, y from {packing.upper()}, z rebuilt"
+        why = (
+            "x, y, z as stored"
+            if packing == "rgb"
+            else f"x, y from {packing.upper()}, z reconstructed"
+        )
         self.note(f"normal from {choice.path.name}", why)
 
     def packing(self, choice: Choice) -> NormalPacking:
-        """How this picture's normals are stored."""
-        wanted = self.reading.normal_packing
-        if wanted != "ag_or_rgb":
-            return wanted
+        """The packing of this picture's normals."""
+        requested = self.options.normal_packing
+        if requested != "ag_or_rgb":
+            return requested
         return "ag" if self.alpha_varies(choice) else "rgb"
 
     def alpha_varies(self, choice: Choice) -> bool:
         alpha = self.picture(choice).alpha
-        return alpha is not None and not channels.constant(alpha)
+        return alpha is not None and not channels.is_constant(alpha)
 
     def add_height(self, choice: Choice) -> None:
         picture = self.picture(choice)
-        wanted = self.reading.height_channel
+        requested = self.options.height_channel
         channel: str
-        if wanted == "a_or_r":
+        if requested == "a_or_r":
             channel = "a" if self.alpha_varies(choice) else "r"
-            why = "its alpha varies" if channel == "a" else "its alpha holds nothing"
-        elif wanted != "auto":
-            channel, why = wanted, "asked for"
+            why = "its alpha varies" if channel == "a" else "its alpha is constant"
+        elif requested != "auto":
+            channel, why = requested, "requested"
         elif choice.part.channel:
-            channel, why = choice.part.channel, "the name says that it is packed"
+            channel, why = choice.part.channel, "a packed map, by its name"
         elif picture.opaque.shape[2] == 1:
-            channel, why = "g", "its one channel"
+            channel, why = "g", "its only channel"
         else:
-            channel, why = "g", "green, by default, of a picture with several channels"
-        pixels = channels.one_channel(picture, channel)
+            channel, why = "g", "green, the default for pictures with several channels"
+        pixels = channels.extract_channel(picture, channel)
         grey = picture.opaque.shape[2] == 1 and channel != "a"
         source = choice.path.name if grey else f"{choice.path.name} ({channel.upper()})"
         self.maps["height"] = Map(pixels, False, source)
         self.note(f"height from {source}", f"{why}; {self.maps['height'].bits} bits, linear")
 
-    def take_alphas(self, choices: dict[str, Choice]) -> None:
-        """Heights in the alpha of the normal map, opacity in that of the base colour."""
+    def add_alpha_channels(self, choices: dict[str, Choice]) -> None:
+        """Add heights from the normal map's alpha, and opacity from the base colour's."""
         carrier = choices.get("normal")
         if carrier is None or self.packing(carrier) != "ag":
-            self.take_alpha("height", "normal", choices)
-        self.take_alpha("opacity", "base_color", choices)
+            self.add_alpha_channel("height", "normal", choices)
+        self.add_alpha_channel("opacity", "base_color", choices)
 
-    def take_alpha(self, kind: str, carrier: str, choices: dict[str, Choice]) -> None:
+    def add_alpha_channel(self, kind: str, carrier: str, choices: dict[str, Choice]) -> None:
         choice = choices.get(carrier)
         alpha = self.picture(choice).alpha if choice else None
-        if choice is None or alpha is None or channels.constant(alpha):
+        if choice is None or alpha is None or channels.is_constant(alpha):
             return
         source = f"{choice.path.name} (A)"
         if kind not in self.maps:
@@ -264,71 +295,72 @@ class _Builder:
             self.maps[kind] = Map(np.ascontiguousarray(alpha), False, source)
             self.note(f"{kind} from {source}", f"the alpha of the {carrier} map varies")
         elif self.maps[kind].source != source:
-            self.note(f"left out {source}", f"there is a {kind} map of its own")
+            self.note(f"ignored {source}", f"a separate {kind} map exists")
 
-    def settle_directions(self, choices: dict[str, Choice]) -> None:
-        """Turn depths to heights and green up: as told, as named, or as the maps show."""
-        found = None
+    def resolve_conventions(self, choices: dict[str, Choice]) -> None:
+        """Convert depths to heights and green to up: by option, by name, or by correlation."""
+        correlation = None
         if "height" in self.maps and "normal" in self.maps:
-            found = agreement(self.maps["height"].pixels, self.maps["normal"].pixels)
+            correlation = slope_correlation(self.maps["height"].pixels, self.maps["normal"].pixels)
         if "height" in choices:
-            self.settle_polarity(choices["height"], found)
+            self.resolve_polarity(choices["height"], correlation)
         if "normal" in choices:
-            self.settle_green(choices["normal"], found)
+            self.resolve_green(choices["normal"], correlation)
 
-    def settle_polarity(self, choice: Choice, found: Agreement | None) -> None:
-        wanted = self.reading.height_polarity
-        if wanted != "auto":
-            deep, why = wanted == "depth", f"asked for {wanted}"
+    def resolve_polarity(self, choice: Choice, correlation: SlopeCorrelation | None) -> None:
+        requested = self.options.height_polarity
+        if requested != "auto":
+            deep, why = requested == "depth", f"requested: {requested}"
         elif choice.part.inverted:
-            deep, why = True, "the name says depth"
-        elif found is not None and found.heights_are_depths:
-            deep, why = True, f"the normals show it: {found}"
+            deep, why = True, "depth by its name"
+        elif correlation is not None and correlation.heights_are_depths:
+            deep, why = True, f"by comparison with the normals: {correlation}"
         else:
             deep, why = False, "the default"
         if deep:
             pixels = channels.inverted(self.maps["height"].pixels)
             self.maps["height"] = replace(self.maps["height"], pixels=pixels)
-        self.note("white is deep, turned round" if deep else "white is high", why)
+        self.note("white is deep, so inverted" if deep else "white is high", why)
 
-    def settle_green(self, choice: Choice, found: Agreement | None) -> None:
-        wanted, named = self.reading.normal_convention, choice.meaning and choice.meaning.green
-        shown_down = found is not None and found.green_is_down
-        if wanted != "auto":
-            down, why = wanted == "dx", f"asked for {wanted.upper()}"
-        elif named:
-            down, why = named == "dx", f"the name says {named.upper()}"
-            if found is not None and found.clear and shown_down != down:
-                why += f", though the heights speak against it: {found}"
+    def resolve_green(self, choice: Choice, correlation: SlopeCorrelation | None) -> None:
+        requested = self.options.normal_convention
+        named_green = choice.meaning and choice.meaning.green
+        shown_down = correlation is not None and correlation.green_is_down
+        if requested != "auto":
+            down, why = requested == "dx", f"requested: {requested.upper()}"
+        elif named_green:
+            down, why = named_green == "dx", f"{named_green.upper()} by its name"
+            if correlation is not None and correlation.is_significant and shown_down != down:
+                why += f", although the heights contradict it: {correlation}"
         elif shown_down:
-            down, why = True, f"the heights show DX: {found}"
-        elif found is not None and found.clear:
-            down, why = False, f"the heights agree: {found}"
+            down, why = True, f"DX by comparison with the heights: {correlation}"
+        elif correlation is not None and correlation.is_significant:
+            down, why = False, f"confirmed by the heights: {correlation}"
         else:
-            down, why = False, "GL by default; nothing says otherwise"
+            down, why = False, "GL is the default"
         if down:
-            pixels = channels.with_green_turned(self.maps["normal"].pixels)
+            pixels = channels.with_green_flipped(self.maps["normal"].pixels)
             self.maps["normal"] = replace(self.maps["normal"], pixels=pixels)
-        self.note("normals with green down, turned up" if down else "normals with green up", why)
+        self.note("normals with green down, so inverted" if down else "normals with green up", why)
 
-    def finish_height(self) -> None:
-        """See that heights lie within 0 to 1, and say how much of that they use."""
+    def check_height_range(self) -> None:
+        """Bring heights into 0 to 1, and note a poorly used range."""
         if "height" not in self.maps:
-            self.note("no height map", "no file for it; there is no relief to draw")
+            self.note("no height map", "no file for it, so the material is drawn flat")
             return
         height = self.maps["height"]
         low, high = height.range()
         uses = f"{height.source} uses {low:.3g} to {high:.3g}"
         if low == high:
-            self.note("the relief is flat", f"{height.source} is {low:.3g} everywhere")
+            self.note("the heights are constant", f"{height.source} is {low:.3g} everywhere")
         if low < 0 or high > 1:
-            self.stretch("heights lie within 0 to 1", uses)
-        elif self.reading.stretch_height and low < high:
-            self.stretch("asked for", uses)
-        elif low < high and high - low < USED_WELL:
-            share = f"{100 * (high - low):.0f} % of the range"
-            fill = "stretch_height (--stretch-height) fills it"
-            self.note(f"the relief is {share}", f"{uses}; {fill}")
+            self.stretch("heights have to be 0 to 1", uses)
+        elif self.options.stretch_height and low < high:
+            self.stretch("requested", uses)
+        elif low < high and high - low < WELL_USED_RANGE:
+            percent = f"{100 * (high - low):.0f} %"
+            advice = "stretch them with stretch_height (--stretch-height)"
+            self.note(f"the heights use {percent} of the range", f"{uses}; {advice}")
 
     def stretch(self, why: str, uses: str) -> None:
         height = self.maps["height"]

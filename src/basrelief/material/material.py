@@ -1,7 +1,7 @@
-"""What a surface is made of: its maps, checked, in one convention, with the decisions behind them.
+"""Materials: checked maps in one convention, with notes of how they came about.
 
-Arrays are (height, width, channels), row 0 on top. Normals have green up (OpenGL, glTF); a height
-of 1 is the highest; base colour and emission are the only maps that may be encoded in sRGB.
+Arrays are (height, width, channels), row 0 at the top. Normals have green up (OpenGL, glTF). A
+height of 1 is the highest. Only base colour and emission may be encoded in sRGB.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ MAPS = {
     "opacity": 1,
     "layer_mask": 1,
 }
-"""The maps of a material, and how many channels each has."""
+"""The maps of a material, with their number of channels."""
 
-_MOST = {"uint8": 255, "uint16": 65535}
+_MAX_CODES = {"uint8": 255, "uint16": 65535}
 
 
 @dataclass(frozen=True)
 class Note:
-    """One decision: `what` was done, and `why`."""
+    """One decision taken while loading: `what` was done, and `why`."""
 
     what: str
     why: str
@@ -46,11 +46,21 @@ class Note:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Map:
-    """One map: `pixels` (height, width, channels) of uint8, uint16 or float32.
+    """One map of a material.
 
-    Integers stand for 0 to 1, the largest for 1. With `srgb` they are sRGB code values of colours.
-    `source` says where the map comes from, for people. Raises InputError for any other array, for
-    one without pixels, and for floats that are not finite.
+    Parameters
+    ----------
+    pixels : ndarray of uint8, uint16 or float32, shape (height, width, channels)
+        Row 0 at the top. Integers represent 0 to 1, the largest code 1.
+    srgb : bool
+        Whether the values are colours encoded in sRGB; otherwise they are linear.
+    source : str
+        Where the map comes from, for messages.
+
+    Raises
+    ------
+    InputError
+        For arrays of another shape or type, without pixels, or with values that are not finite.
     """
 
     pixels: NDArray[Any]
@@ -59,7 +69,7 @@ class Map:
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.size == 0:
-            shape = "×".join(str(each) for each in self.pixels.shape)
+            shape = "×".join(str(side) for side in self.pixels.shape)
             raise InputError(f"{self.source}: a map is (height, width, channels), not {shape}")
         if str(self.pixels.dtype) not in ("uint8", "uint16", "float32"):
             kind = self.pixels.dtype
@@ -67,7 +77,7 @@ class Map:
         if self.pixels.dtype == np.float32 and not np.isfinite(self.pixels).all():
             bad = int((~np.isfinite(self.pixels)).any(axis=2).sum())
             raise InputError(
-                f"{self.source}: {bad} of its texels are NaN or infinite; mend the picture"
+                f"{self.source}: {bad} of its texels are NaN or infinite; repair the picture"
             )
 
     def __repr__(self) -> str:
@@ -75,41 +85,41 @@ class Map:
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """Number of rows."""
         return int(self.pixels.shape[0])
 
     @property
     def width(self) -> int:
-        """Columns."""
+        """Number of columns."""
         return int(self.pixels.shape[1])
 
     @property
     def channels(self) -> int:
-        """Numbers per texel."""
+        """Number of channels."""
         return int(self.pixels.shape[2])
 
     @property
     def bits(self) -> int:
-        """Bits per number: 8, 16, or 32 for floats."""
+        """Bits per channel: 8, 16, or 32 for floats."""
         return int(self.pixels.dtype.itemsize * 8)
 
     @property
     def flat(self) -> bool:
-        """Is this a single texel, which fits any other map's proportions?"""
+        """Whether the map is a single texel, which fits maps of any proportions."""
         return self.height == self.width == 1
 
     def range(self) -> tuple[float, float]:
-        """The least and the greatest stored value, integers as 0 to 1."""
-        most = _MOST.get(str(self.pixels.dtype), 1)
-        return float(self.pixels.min()) / most, float(self.pixels.max()) / most
+        """The smallest and the largest stored value, integers as 0 to 1."""
+        max_code = _MAX_CODES.get(str(self.pixels.dtype), 1)
+        return float(self.pixels.min()) / max_code, float(self.pixels.max()) / max_code
 
     def linear(self) -> NDArray[np.float32]:
-        """The map as linear float32, (height, width, channels): what the shaders read."""
-        most = _MOST.get(str(self.pixels.dtype))
-        if most is None:
+        """The map as linear float32, (height, width, channels), as shaders read it."""
+        max_code = _MAX_CODES.get(str(self.pixels.dtype))
+        if max_code is None:
             values = srgb_decode(self.pixels) if self.srgb else self.pixels
             return values.astype(np.float32)
-        codes = np.arange(most + 1, dtype=np.float64) / most
+        codes = np.arange(max_code + 1, dtype=np.float64) / max_code
         table = (srgb_decode(codes) if self.srgb else codes).astype(np.float32)
         linear: NDArray[np.float32] = table[self.pixels]
         return linear
@@ -117,17 +127,37 @@ class Map:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Material:
-    """A surface as up to nine maps that lie over each other, each stretched over the whole tile.
+    """A surface described by up to nine maps, each stretched over the whole tile.
 
-    `base_color` and `emission` (3 channels, colours), `normal` (3: x, y, z from −1…1 stored as
-    0…1, green up), `height` (1: 0…1, 1 the highest), `occlusion`, `roughness`, `metallic`,
-    `opacity`, and `layer_mask`, how much there is of a second layer (1: 0…1). A map that is missing
-    is None. `depth` is how far the heights reach, from 0 to 1, and `tile` how wide the maps are
-    (along u), both in metres. `notes` are the decisions taken on the way. Maps may differ in size,
-    not in proportions; single texels fit everywhere.
+    Maps may differ in size but not in proportions; single texels fit any map. A missing map is
+    None.
 
-    Raises InputError, naming the map's source, when a map has the wrong number of channels, when
-    heights leave 0…1, when proportions disagree, and when depth or tile is not positive.
+    Parameters
+    ----------
+    name : str
+        Name of the material, used in messages and file names.
+    base_color, emission : Map, optional
+        Colours, 3 channels; emission may exceed 1.
+    normal : Map, optional
+        Unit normals, 3 channels; x, y, z from −1 to 1 are stored as 0 to 1, with green up.
+    height : Map, optional
+        Heights, 1 channel, 0 (lowest) to 1 (highest).
+    occlusion, roughness, metallic, opacity : Map, optional
+        1 channel each, 0 to 1.
+    layer_mask : Map, optional
+        Weight of a second layer, 1 channel, 0 to 1.
+    depth : float, optional
+        Full height range in metres, above 0.
+    tile : float, optional
+        Width of the maps along u in metres, above 0.
+    notes : tuple of Note
+        Decisions taken while the material was loaded.
+
+    Raises
+    ------
+    InputError
+        For a map with another number of channels, heights outside 0 to 1, maps of different
+        proportions, and a depth or tile that is not positive.
     """
 
     name: str
@@ -145,10 +175,10 @@ class Material:
     notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
-        for kind, each in self.maps():
-            if each.channels != MAPS[kind]:
+        for kind, map in self.maps():
+            if map.channels != MAPS[kind]:
                 raise InputError(
-                    f"{each.source}: the {kind} map has {each.channels} channels, not {MAPS[kind]}"
+                    f"{map.source}: the {kind} map has {map.channels} channels, not {MAPS[kind]}"
                 )
         self._check_heights()
         self._check_proportions()
@@ -161,29 +191,29 @@ class Material:
         return f"<Material {self.name}: {kinds or 'no maps'}>"
 
     def maps(self) -> Iterator[tuple[str, Map]]:
-        """The maps that are there, by name."""
+        """Names and values of the maps that are present."""
         for kind in MAPS:
-            each = getattr(self, kind)
-            if each is not None:
-                yield kind, each
+            map = getattr(self, kind)
+            if map is not None:
+                yield kind, map
 
     @property
     def scale(self) -> float | None:
-        """The whole height range as a fraction of the tile's width; None unless both are known."""
+        """Height range as a fraction of the tile's width; None unless both lengths are known."""
         if self.depth is None or self.tile is None:
             return None
         return self.depth / self.tile
 
     @property
     def proportion(self) -> float:
-        """Width ÷ height of the maps in texels; 1 where there is none but single texels."""
-        shaped = [each for _, each in self.maps() if not each.flat]
-        largest = max(shaped, key=lambda each: each.width * each.height, default=None)
+        """Width ÷ height of the maps in texels; 1 if all are single texels."""
+        shaped = [map for _, map in self.maps() if not map.flat]
+        largest = max(shaped, key=lambda map: map.width * map.height, default=None)
         return 1.0 if largest is None else largest.width / largest.height
 
     @property
     def height_range(self) -> tuple[float, float] | None:
-        """The lowest and the highest height in use, within 0 to 1."""
+        """The lowest and the highest height, within 0 to 1; None without a height map."""
         return None if self.height is None else self.height.range()
 
     def _check_heights(self) -> None:
@@ -197,18 +227,18 @@ class Material:
             )
 
     def _check_proportions(self) -> None:
-        shaped = [(kind, each) for kind, each in self.maps() if not each.flat]
-        for kind, each in shaped[1:]:
+        shaped = [(kind, map) for kind, map in self.maps() if not map.flat]
+        for kind, map in shaped[1:]:
             first_kind, first = shaped[0]
-            if not _same_proportions(first, each):
+            if not _same_proportions(first, map):
                 raise InputError(
-                    f"{each.source}: the {kind} map, {each.width}×{each.height}, has other"
+                    f"{map.source}: the {kind} map, {map.width}×{map.height}, has other"
                     f" proportions than the {first_kind} map, {first.width}×{first.height};"
                     " scale or crop one of them"
                 )
 
 
-def _same_proportions(one: Map, other: Map) -> bool:
-    """Could one be the other scaled, each side rounded up or down to whole texels?"""
-    difference = abs(one.width * other.height - other.width * one.height)
-    return difference <= max(one.width, one.height, other.width, other.height)
+def _same_proportions(a: Map, b: Map) -> bool:
+    """Whether one map could be the other one scaled, sides rounded to whole texels."""
+    difference = abs(a.width * b.height - b.width * a.height)
+    return difference <= max(a.width, a.height, b.width, b.height)

@@ -1,4 +1,4 @@
-"""A material told: as data for `info --json`, as lines of text for `info`."""
+"""Reports on a material: a dictionary for `info --json`, lines of text for `info`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from basrelief.material.material import MAPS, Map, Material
 
 
 def describe(material: Material) -> dict[str, Any]:
-    """The material as plain data, ready for JSON.
+    """The material as a dictionary for JSON.
 
-    `maps` has an entry for each map of `MAPS`, null where it is missing: `source`, `width`,
-    `height`, `channels`, `bits` (32: floats), `srgb`, and `range`, the least and the greatest
-    stored value. `depth` and `tile` are metres, `scale` their ratio. `decisions` are the notes.
+    `maps` has an entry for each map of `MAPS`, None where it is missing: `source`, `width`,
+    `height`, `channels`, `bits` (32: floats), `srgb`, and `range`, the smallest and the largest
+    stored value. `depth` and `tile` are metres, `scale` is their ratio. `decisions` are the notes.
     """
     maps = dict(material.maps())
     return {
@@ -26,30 +26,30 @@ def describe(material: Material) -> dict[str, Any]:
     }
 
 
-def _describe_map(each: Map) -> dict[str, Any]:
+def _describe_map(item: Map) -> dict[str, Any]:
     return {
-        "source": each.source,
-        "width": each.width,
-        "height": each.height,
-        "channels": each.channels,
-        "bits": each.bits,
-        "srgb": each.srgb,
-        "range": list(each.range()),
+        "source": item.source,
+        "width": item.width,
+        "height": item.height,
+        "channels": item.channels,
+        "bits": item.bits,
+        "srgb": item.srgb,
+        "range": list(item.range()),
     }
 
 
 def report(material: Material) -> str:
-    """The material as text: its maps as a table, its lengths, and each decision with its reason."""
+    """The material as text: a table of its maps, its lengths, and each decision with its reason."""
     rows = [
         (
             kind.replace("_", " "),
-            each.source,
-            f"{each.width}×{each.height}",
-            "float" if each.bits == 32 else f"{each.bits} bit",
-            "sRGB" if each.srgb else "linear",
-            "{:.3g} to {:.3g}".format(*each.range()),
+            item.source,
+            f"{item.width}×{item.height}",
+            "float" if item.bits == 32 else f"{item.bits} bit",
+            "sRGB" if item.srgb else "linear",
+            "{:.3g} to {:.3g}".format(*item.range()),
         )
-        for kind, each in material.maps()
+        for kind, item in material.maps()
     ]
     missing = [kind.replace("_", " ") for kind in MAPS if kind not in dict(material.maps())]
     lines = [material.name, "", *_aligned(rows)]

@@ -1,7 +1,7 @@
-"""Procedural samples: materials with all their maps, seamless, from a seed.
+"""Procedural samples: seamless materials with all their maps, drawn from a seed.
 
-The same name, size and seed give the same maps on one machine; between machines single codes may
-differ by one, since elementary functions are rounded differently.
+The same name, size and seed give the same maps on one machine. Between machines, codes may differ
+by one, since elementary functions are rounded differently.
 """
 
 from __future__ import annotations
@@ -19,21 +19,40 @@ from basrelief.material.patterns import PATTERNS, Canvas, Relief
 from basrelief.material.patterns.canvas import to_unit
 
 SAMPLES = (*PATTERNS, "hole")
-"""The names that `sample` knows."""
+"""Names of the procedural samples."""
 
 OPENING = 0.6
-"""How far the sample `hole` is open."""
+"""Opening of the sample `hole`, 0 to 1."""
 
 LARGEST = 16384
+"""Largest side of a sample, in texels."""
 
 
 def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Material:
-    """Draw a procedural material: base colour, normal, height, occlusion, roughness, some metallic.
+    """Draw a procedural material.
 
-    `size` is a side, or (height, width), in texels; the pattern keeps its proportions, and a
-    larger picture shows the same stones, finer. All maps repeat without a seam. Heights and
-    normals have 16 bits. `depth` and `tile` are set, and the normals fit their `scale`.
-    Raises InputError for an unknown name, or a size that is not 1 to 16384.
+    It has base colour, normal, height, occlusion and roughness maps, some also metallic or opacity.
+    All maps repeat without a seam. Heights and normals have 16 bits. `depth` and `tile` are set,
+    and the normals match the resulting `scale`.
+
+    Parameters
+    ----------
+    name : str
+        One of `basrelief.material.SAMPLES`, such as "bricks", "cobbles" or "terrain".
+    size : int or (int, int), default 512
+        Side of a square, or (height, width), in texels, 1 to 16384. A larger size shows the same
+        pattern in finer detail.
+    seed : int, default 0
+        Seed of the random numbers, 0 or above.
+
+    Returns
+    -------
+    Material
+
+    Raises
+    ------
+    InputError
+        For an unknown name, and for a size or a seed out of range.
     """
     if name not in SAMPLES:
         raise InputError(f"there is no sample {name!r}; choose one of {', '.join(SAMPLES)}")
@@ -41,7 +60,7 @@ def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Mater
     if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
         raise InputError(f"sample {name}: a side has 1 to {LARGEST} texels, not {height}×{width}")
     if seed < 0:
-        raise InputError(f"sample {name}: a seed is a whole number from 0 up, not {seed}")
+        raise InputError(f"sample {name}: a seed is a whole number from 0, not {seed}")
     if name == "hole":
         cracks, dust = (sample(part, (height, width), seed) for part in ("cracks", "dust"))
         return replace(hole(cracks, dust, OPENING), name=name)
@@ -81,7 +100,7 @@ def _material(name: str, seed: int, relief: Relief) -> Material:
 def normals(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
     """Unit normals (h, w, 3), x right, y up in the picture, of periodic heights (h, w) in 0…1.
 
-    `scale` is the full height range as a fraction of the picture's width. Central differences.
+    By central differences; `scale` is the height range as a fraction of the picture's width.
     """
     per_texel = heights * (scale * heights.shape[1] / 2)
     rise_right = np.roll(per_texel, -1, axis=1) - np.roll(per_texel, 1, axis=1)
@@ -91,26 +110,26 @@ def normals(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
 
 
 def occlusion(heights: NDArray[np.floating], scale: float) -> NDArray[np.float32]:
-    """How open each texel is, 0 to 1, (h, w), of periodic heights (h, w) in 0…1.
+    """Approximate ambient occlusion, 1 unoccluded, (h, w), of periodic heights (h, w) in 0…1.
 
-    Not a ray-traced occlusion but a likeness of one, in four sizes: the mean height around a texel,
-    less its own, over the radius, is the slope under which the surroundings stand.
+    Not ray-traced: at four radii, the mean height around a texel less its own, divided by the
+    radius, gives the slope of the surroundings above it.
     """
     width = heights.shape[1]
     spectrum = np.fft.rfft2(heights)
     along_y = np.fft.fftfreq(heights.shape[0])[:, None] ** 2
     along_x = np.fft.rfftfreq(width)[None, :] ** 2
-    closed = np.zeros_like(heights, dtype=np.float64)
+    occluded = np.zeros_like(heights, dtype=np.float64)
     for radius in (1 / 256, 1 / 128, 1 / 64, 1 / 32):
         if radius * width < 0.75:  # finer than a texel: the blur would ring
             continue
         blur = np.exp(-2 * (np.pi * radius * width) ** 2 * (along_x + along_y))
         mean = np.fft.irfft2(spectrum * blur, s=heights.shape)
-        closed += np.maximum(mean - heights, 0) * scale / radius
-    return (1 / (1 + 0.6 * closed)).astype(np.float32)
+        occluded += np.maximum(mean - heights, 0) * scale / radius
+    return (1 / (1 + 0.6 * occluded)).astype(np.float32)
 
 
 def _codes(values: NDArray[Any], bits: int) -> NDArray[Any]:
-    most = 2**bits - 1
-    codes: NDArray[Any] = np.rint(np.clip(values, 0, 1) * most)
+    max_code = 2**bits - 1
+    codes: NDArray[Any] = np.rint(np.clip(values, 0, 1) * max_code)
     return codes.astype(np.uint8 if bits == 8 else np.uint16)

@@ -1,1 +1,1 @@
-"""How wrong a technique is: the exact answer in float64, and errors against it."""
+"""Errors and costs of techniques: the exact hits in float64, and errors against them."""

@@ -1,4 +1,4 @@
-"""Every technique on one material, from head-on to grazing: errors, costs, pictures.
+"""Comparison of techniques on one material, from head-on to grazing: errors, costs, pictures.
 
     basrelief.compare("FOLDER").save("OUT")
 
@@ -34,16 +34,16 @@ from basrelief.techniques import TECHNIQUES, Technique, exact
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 
 VERSION = 2
-"""Of `compare.json`; raised when a key is renamed, removed or changes its meaning."""
+"""Version of `compare.json`; raised when a key is renamed, removed or changes its meaning."""
 Progress = Callable[[str, float], None]
-"""Hears what is being measured, and the share of the whole that is done."""
+"""Progress callback: the current task and the finished share, 0 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A technique with settings, under a name of its own within a comparison.
+    """A technique with settings, under a name that is unique within a comparison.
 
-    `spelled` is how it is asked for: its name, or FILE.py:NAME.
+    `spelled` is the technique as it was requested: its name, or FILE.py:NAME.
     """
 
     name: str
@@ -54,14 +54,40 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Results):
-    """Errors and costs of techniques on one material, and the technique to ship."""
+    """Errors and costs of techniques on one material, and the technique to ship.
+
+    Attributes
+    ----------
+    material : str
+        Name of the material.
+    texels : (int, int)
+        Width and height of its height map.
+    scale : float
+        Height range as a fraction of a tile's width.
+    device : str
+        Engine and adapter that ran the shaders.
+    size : (int, int)
+        Width and height of the pictures, in pixels.
+    samples : int
+        Samples a pixel.
+    timing : Timing
+        Picture size and clock of the times.
+    runs : int
+        Runs of which each time is the median.
+    angles : tuple of float
+        Angles between view and normal, in degrees.
+    objects : dict of str to Object
+        Objects by the technique's name, the fastest first.
+    results : tuple of Result
+        Measurements by angle, then by technique, the fastest first.
+    """
 
     def summary(self) -> str:
-        """What to ship, in a sentence or two of plain text."""
+        """The recommended technique, in one or two sentences of plain text."""
         return advice(self).sentence(max(self.angles))
 
     def to_dict(self) -> dict[str, Any]:
-        """What `compare.json` holds; docs/compare.md describes the keys."""
+        """The content of `compare.json`; docs/compare.md describes the keys."""
         return {
             "format": "basrelief compare",
             "version": VERSION,
@@ -75,15 +101,28 @@ class Comparison(Results):
             "time": {"size": list(self.timing.size), "by": self.timing.by, "runs": self.runs},
             "angles": list(self.angles),
             "visible": VISIBLE,
-            "techniques": [_described(name, each) for name, each in self.objects.items()],
-            "results": [_result(each) for each in self.results],
+            "techniques": [_technique(name, obj) for name, obj in self.objects.items()],
+            "results": [_result(result) for result in self.results],
             "advice": advice(self).to_dict(),
         }
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Write `index.html`, its pictures and `compare.json`; returns the page's path.
+        """Write `index.html`, its pictures and `compare.json` to a folder.
 
-        Raises InputError for a folder that cannot be written to, or with another `index.html`.
+        Parameters
+        ----------
+        folder : path
+            The folder; it is made if missing.
+
+        Returns
+        -------
+        Path
+            The path of `index.html`.
+
+        Raises
+        ------
+        InputError
+            For a folder that cannot be written to, or that has another `index.html`.
         """
         return write(Path(folder), self, to_json(self))
 
@@ -101,15 +140,46 @@ def compare(
     progress: Progress = lambda what, share: None,
     **options: Any,
 ) -> Comparison:
-    """Measure techniques on a material, or on what is in a folder, at some angles.
+    """Measure errors and costs of techniques on a material, at several angles.
 
-    `techniques` are names, "FILE.py:NAME", techniques or `Candidate`s, all of the library's without
-    it; "relief,max_steps=64" is one with settings of its own. `exact` is always among them: FLIP
-    is measured against its picture. `angles` are degrees from the normal, `size` (width, height).
-    `settings` go to every technique that has them. `options` are those of `Object` and `Scene`
-    (`scale`, `level`, `projection`, `lights` …). `progress` hears what is being measured, and the
-    share that is done.
-    Raises InputError for a material without a height map, and for what `render` would refuse.
+    Parameters
+    ----------
+    what : Material or path
+        A material, or a folder of maps, a picture or "sample:NAME".
+    techniques : sequence of str, Technique or Candidate, optional
+        Names, "FILE.py:NAME" or techniques; by default all of the library's. Settings may follow
+        a name: "relief,max_steps=64". `exact` is always added, as FLIP is measured against its
+        picture.
+    angles : sequence of float
+        Angles between view and normal, in degrees, 0 to 89.
+    size : (int, int)
+        Width and height of the pictures, in pixels.
+    samples : int
+        Samples a pixel.
+    device : str or Engine
+        "auto", "cpu" or "gpu", or an engine.
+    runs : int
+        Runs of which each time is the median.
+    settings : mapping, optional
+        Settings for every technique that has them.
+    progress : callable
+        Called with the current task and the finished share, 0 to 1.
+    **options
+        Fields of `Object` and `Scene` that do not set the view: `scale`, `reference_height`,
+        `projection`, `lights` and so on.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        For a material without a height map, and whatever `render` refuses.
+
+    References
+    ----------
+    P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, 2020.
     """
     size = check_picture(size, samples)
     material = what if isinstance(what, Material) else load(what)
@@ -118,15 +188,15 @@ def compare(
     engine = engine_of(device)
     angles = tuple(dict.fromkeys(float(angle) for angle in angles))
     if not angles:
-        raise InputError("there are no angles; give one, as 60")
-    # all views are made before the first is measured, so that what is wrong is told at once
+        raise InputError("there are no angles; give one, for example 60")
+    # all scenes are made before the first measurement, so that errors are reported at once
     views = {
         angle: {
-            each.name: at_angle(
+            candidate.name: at_angle(
                 material, angle, size,
-                {**options, "technique": each.technique, "settings": each.settings},
+                {**options, "technique": candidate.technique, "settings": candidate.settings},
             )
-            for each in chosen
+            for candidate in chosen
         }
         for angle in angles
     }  # fmt: skip
@@ -134,16 +204,16 @@ def compare(
     results: list[Result] = []
     for number, (angle, scenes) in enumerate(views.items()):
 
-        def heard(share: float, angle: float = angle, number: int = number) -> None:
+        def report(share: float, angle: float = angle, number: int = number) -> None:
             progress(f"measuring {material.name} at {angle:g}°", (number + share) / len(views))
 
-        results += _at_one_angle(angle, scenes, size, samples, timing, runs, engine, heard)
+        results += _at_one_angle(angle, scenes, size, samples, timing, runs, engine, report)
     first = views[angles[0]]
     cost = {
-        name: float(np.mean([each.seconds for each in results if each.technique == name]))
+        name: float(np.mean([result.seconds for result in results if result.technique == name]))
         for name in first
     }
-    results.sort(key=lambda each: (angles.index(each.angle), cost[each.technique]))
+    results.sort(key=lambda result: (angles.index(result.angle), cost[result.technique]))
     height = material.height
     assert height is not None
     return Comparison(
@@ -162,16 +232,16 @@ def compare(
 
 
 def check_measurable(material: Material, options: Mapping[str, Any]) -> None:
-    """Raise InputError for a material without heights, and for options that fix the view."""
+    """Raise InputError for a material without heights, and for options that set the view."""
     if material.height is None:
         raise InputError(
-            f"{material.name} has no height map, so no technique has anything to do; add one, "
+            f"{material.name} has no height map, which techniques need; add one, "
             "for example --height FILE"
         )
-    ours = ("shape", "tiling", "transform", "camera", "technique", "alpha", "edge", "fade")
-    for name in (*ours, "heights"):
+    reserved = ("shape", "tiling", "transform", "camera", "technique", "alpha", "edge", "fade")
+    for name in (*reserved, "heights"):
         if name in options:
-            raise InputError(f"{name}: a comparison sets it itself; leave it away")
+            raise InputError(f"{name}: a comparison sets it itself; omit it")
 
 
 def _at_one_angle(
@@ -184,15 +254,17 @@ def _at_one_angle(
     engine: Engine,
     progress: Callable[[float], None],
 ) -> Iterable[Result]:
-    """One angle, all techniques: they fill the same space, so one truth holds for all."""
+    """Results of all techniques at one angle, whose reliefs fill the same space: one truth."""
     progress(0.0)
     true = truth(scenes["exact"], size, device=engine)
     reference = render(scenes["exact"], size=size, samples=samples, device=engine)
     progress(0.5)
     seconds = seconds_of(scenes, timing, engine, runs)
     for number, (name, scene) in enumerate(scenes.items()):
-        drawn = name != "exact"
-        frame = render(scene, size=size, samples=samples, device=engine) if drawn else reference
+        is_reference = name == "exact"
+        frame = (
+            reference if is_reference else render(scene, size=size, samples=samples, device=engine)
+        )
         yield Result(
             angle=angle,
             technique=name,
@@ -205,48 +277,50 @@ def _at_one_angle(
         progress(0.6 + 0.4 * (number + 1) / len(scenes))
 
 
-# --- which techniques ----------------------------------------------------------------------------
+# --- candidates ----------------------------------------------------------------------------------
 
 
 def candidates(
     techniques: Sequence[str | Technique[..., Any] | Candidate] | None,
     settings: Mapping[str, Any],
 ) -> list[Candidate]:
-    """What is to be compared, `exact` among it, each under a name of its own.
+    """The techniques to compare, `exact` included, under unique names.
 
-    Raises InputError for techniques that there are not, and for settings that none of them has.
+    Raises InputError for unknown techniques, and for settings that none of them has.
     """
-    named = techniques
-    if named is None:
-        # those draw another surface, which the truth knows nothing of
-        named = [name for name, each in TECHNIQUES.items() if not each.columns]
-    found = [_candidate(each, settings) for each in named]
-    for each in found:
-        if each.technique.columns:
+    requested = techniques
+    if requested is None:
+        # techniques of columns draw another surface than the truth's
+        requested = [name for name, technique in TECHNIQUES.items() if not technique.columns]
+    chosen = [_candidate(technique, settings) for technique in requested]
+    for candidate in chosen:
+        if candidate.technique.columns:
             raise InputError(
-                f"{each.name} draws heights as boxes, and is exact on them; compare techniques "
-                "that draw the bilinear surface"
+                f"{candidate.name} draws columns, not the bilinear surface; compare techniques "
+                "that draw that"
             )
-    if not any(each.technique is exact and each.name == "exact" for each in found):
-        found.append(Candidate("exact", exact, {}, "exact"))
-    known = {name for each in found for name in each.technique.settings.__dataclass_fields__}
+    if not any(candidate.technique is exact and candidate.name == "exact" for candidate in chosen):
+        chosen.append(Candidate("exact", exact, {}, "exact"))
+    known = {
+        name for candidate in chosen for name in candidate.technique.settings.__dataclass_fields__
+    }
     for name in settings:
         if name not in known:
-            hint = new_name(name, known) or "none of these techniques has such a setting"
+            hint = new_name(name, known) or "none of these techniques has this setting"
             raise InputError(f"{name}: {hint}")
-    names = [each.name for each in found]
+    names = [candidate.name for candidate in chosen]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"{name} is there twice; give one of them other settings")
-    return found
+            raise InputError(f"{name} appears twice; give one of them other settings")
+    return chosen
 
 
 def _candidate(
-    given: str | Technique[..., Any] | Candidate, settings: Mapping[str, Any]
+    requested: str | Technique[..., Any] | Candidate, settings: Mapping[str, Any]
 ) -> Candidate:
-    if isinstance(given, Candidate):
-        return given
-    text, own = (given, {}) if not isinstance(given, str) else _own_settings(given)
+    if isinstance(requested, Candidate):
+        return requested
+    text, own = (requested, {}) if not isinstance(requested, str) else _own_settings(requested)
     technique = technique_named(text)
     known = technique.settings.__dataclass_fields__
     for name in own:
@@ -254,14 +328,14 @@ def _candidate(
             hint = suggestion(name, known, "it has")
             raise InputError(f"{technique.name} has no setting {name!r}; {hint}")
     name = " ".join([technique.name, *(f"{key}={value:g}" for key, value in own.items())])
-    usual = {key: value for key, value in settings.items() if key in known}
+    shared = {key: value for key, value in settings.items() if key in known}
     return Candidate(
-        name, technique, {**usual, **own}, text if isinstance(text, str) else technique.name
+        name, technique, {**shared, **own}, text if isinstance(text, str) else technique.name
     )
 
 
 def _own_settings(text: str) -> tuple[str, dict[str, float]]:
-    """Name and settings of "relief,max_steps=64"."""
+    """Name and settings from text such as "relief,max_steps=64"."""
     name, *parts = text.split(",")
     own = {}
     for part in parts:
@@ -271,37 +345,39 @@ def _own_settings(text: str) -> tuple[str, dict[str, float]]:
         except ValueError:
             sign = ""
         if not sign:
-            raise InputError(f"{text}: write a technique and its settings as relief,max_steps=64")
+            raise InputError(
+                f"{text}: write a technique and its settings, for example relief,max_steps=64"
+            )
     return name.strip(), own
 
 
 # --- as JSON -------------------------------------------------------------------------------------
 
 
-def _described(name: str, obj: Object) -> dict[str, Any]:
+def _technique(name: str, obj: Object) -> dict[str, Any]:
     return {
         "name": name,
-        "technique": obj.drawn_with.name,
+        "technique": obj.selected_technique.name,
         "settings": settings_of(obj),
         "reference_height": obj.relief_reference_height,
         "projection": obj.relief_projection,
     }
 
 
-def _result(each: Result) -> dict[str, Any]:
-    found = each.errors
+def _result(result: Result) -> dict[str, Any]:
+    errors = result.errors
     return {
-        "angle": each.angle,
-        "technique": each.technique,
-        "pixels": found.pixels,
-        "missed": found.missed,
-        "passed": found.passed,
-        "short": found.short,
-        "uv_error": asdict(found.uv),
-        "depth_error": asdict(found.depth),
-        "flip": each.flip,
-        "reads": found.reads,
-        "seconds": each.seconds,
+        "angle": result.angle,
+        "technique": result.technique,
+        "pixels": errors.pixels,
+        "missed": errors.missed,
+        "passed": errors.passed,
+        "short": errors.short,
+        "uv_error": asdict(errors.uv),
+        "depth_error": asdict(errors.depth),
+        "flip": result.flip,
+        "reads": errors.reads,
+        "seconds": result.seconds,
     }
 
 

@@ -1,8 +1,8 @@
-"""Debug pictures: what a frame hides, as colours, each with its scale.
+"""Debug pictures: reads and errors of a frame as colours, with a scale.
 
     debug_picture("missed", frame, truth(scene, size)).image.save("missed.png")
 
-Dark is as it should be in all of them; maps of colour are even to the eye (`measure.colors`).
+Dark means few reads or no error; colour maps are perceptually even (`measure.colors`).
 """
 
 from __future__ import annotations
@@ -24,34 +24,50 @@ __all__ = ["SHOWN", "DebugPicture", "Shown", "debug_picture"]
 Shown = Literal["reads", "missed", "overshoot", "depth-error"]
 SHOWN: tuple[str, ...] = get_args(Shown)
 _DIMMED = 0.25
-"""How bright the picture behind missed hits is."""
-_NOTHING = 0.03
+"""Brightness of the picture behind missed hits."""
+_BACKGROUND = 0.03
 """The grey, linear, of pixels that show no object."""
 
 
 @dataclass(frozen=True, eq=False)
 class DebugPicture:
-    """A picture with its scale along the lower edge, and in words what its colours mean."""
+    """A picture with its scale along the lower edge, and the meaning of its colours in words."""
 
     image: Image
     meaning: str
 
 
 def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -> DebugPicture:
-    """How many heights each pixel `reads`, or against the truth its `missed` hit, `overshoot` or
-    `depth-error`.
+    """Draw reads or errors of a frame as colours.
 
-    Overshoot is in texels, depth error in world units, both signed and by square roots: orange is
-    too far, blue not far enough. The scale reaches from 0, or to both sides of it, up to a round
-    number that holds 99 of 100 pixels. Raises InputError for anything else, and where a truth is
-    needed and not given.
+    Parameters
+    ----------
+    what : {"reads", "missed", "overshoot", "depth-error"}
+        Quantity to draw: heights read in each pixel, missed hits, overshoot in texels, or depth
+        error in world units. The last two are signed and on a scale of square roots: orange is
+        too far, blue too short.
+    frame : Frame
+        The frame, as `render` returns it.
+    truth : Truth, optional
+        The truth of the same scene and size; "reads" does not need it.
+
+    Returns
+    -------
+    DebugPicture
+        Its scale starts at 0, or spans both signs, and ends at a round number that 99 of 100
+        pixels do not exceed.
+
+    Raises
+    ------
+    InputError
+        For another quantity, a missing truth, and a truth of another size.
     """
     if not is_shown(what):
-        raise InputError(_not_shown(what))
+        raise InputError(_unknown_picture(what))
     if what == "reads":
         return _reads(frame)
     if truth is None:
-        raise InputError(f"{what} is measured against the truth; give it, as truth(scene, size)")
+        raise InputError(f"{what} is measured against the truth; give it: truth(scene, size)")
     match what:
         case "missed":
             return _missed(frame, truth)
@@ -64,73 +80,75 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
 
 
 def is_shown(what: str) -> TypeGuard[Shown]:
-    """Whether there is a debug picture of that name."""
+    """Whether a debug picture has this name."""
     return what in SHOWN
 
 
 def check_shown(what: str) -> None:
-    """Raise InputError for what there is no debug picture of."""
+    """Raise InputError for a name that no debug picture has."""
     if not is_shown(what):
-        raise InputError(_not_shown(what))
+        raise InputError(_unknown_picture(what))
 
 
-def _not_shown(what: str) -> str:
-    return f"nothing is shown as {what!r}; use color, {', '.join(SHOWN)}"
+def _unknown_picture(what: str) -> str:
+    return f"there is no debug picture {what!r}; use color, {', '.join(SHOWN)}"
 
 
 def _reads(frame: Frame) -> DebugPicture:
     reads = np.where(frame.hit, frame.reads, np.nan)
     most = _round_up(reads)
-    image = _with_scale(_over(colors.heat(reads / most), ~frame.hit), colors.heat, 0.0)
+    image = _with_scale(_with_background(colors.heat(reads / most), ~frame.hit), colors.heat, 0.0)
     mean = f"{frame.mean_reads:.1f} on average"
-    return DebugPicture(image, f"heights read a pixel, from 0 (dark) to {most:g} (pale): {mean}")
+    return DebugPicture(image, f"heights read in a pixel, from 0 (dark) to {most:g} (pale): {mean}")
 
 
 def _missed(frame: Frame, truth: Truth) -> DebugPicture:
-    lost, behind = missed(frame, truth), overshoot(frame, truth) > 0.0
+    is_missed, behind = missed(frame, truth), overshoot(frame, truth) > 0.0
     dim = frame.color[:, :, :3] * frame.color[:, :, 3:]
     pixels = np.repeat(dim.mean(-1, keepdims=True) * _DIMMED, 3, axis=-1)
-    pixels[lost & behind] = colors.PASSED
-    pixels[lost & ~behind] = colors.SHORT
-    found = errors(frame, truth)
-    told = (
-        f"missed hits: {found.missed:.2%} of the pixels that show the object; orange passed "
-        f"through a feature ({found.passed:.2%}), blue stopped short or is not drawn "
-        f"({found.missed - found.passed:.2%})"
+    pixels[is_missed & behind] = colors.PASSED
+    pixels[is_missed & ~behind] = colors.SHORT
+    totals = errors(frame, truth)
+    meaning = (
+        f"missed hits: {totals.missed:.2%} of the pixels that show the object; orange: passed "
+        f"through a feature ({totals.passed:.2%}), blue: stopped short or not drawn "
+        f"({totals.missed - totals.passed:.2%})"
     )
-    return DebugPicture(_opaque(pixels), told)
+    return DebugPicture(_opaque(pixels), meaning)
 
 
 def _signed(values: NDArray[np.float64], what: str, unit: str) -> DebugPicture:
     most = _round_up(np.abs(values))
-    # by square roots, or a few that are far off would hide the many that are a little
+    # square roots, or a few large errors would hide the many small ones
     share = np.copysign(np.sqrt(np.abs(values) / most), values)
-    pixels = _over(colors.signed(share), np.isnan(values))
+    pixels = _with_background(colors.signed(share), np.isnan(values))
     image = _with_scale(pixels, colors.signed, -1.0)
-    told = (
-        f"{what}, from {-most:g} {unit} (pale blue: not far enough) over 0 (dark) to {most:g} "
-        f"(pale orange: too far); half-way to either end is {most / 4.0:g}"
+    meaning = (
+        f"{what}, from {-most:g} {unit} (pale blue: too short) over 0 (dark) to {most:g} "
+        f"(pale orange: too far); the middle of either half is {most / 4.0:g}"
     )
-    return DebugPicture(image, told)
+    return DebugPicture(image, meaning)
 
 
 def _round_up(values: NDArray[np.float64]) -> float:
     """A round number that 99 of 100 values do not exceed."""
-    there = values[~np.isnan(values)]
-    held = float(np.quantile(there, 0.99)) if there.size else 0.0
-    if held <= 0.0:
+    finite = values[~np.isnan(values)]
+    quantile = float(np.quantile(finite, 0.99)) if finite.size else 0.0
+    if quantile <= 0.0:
         return 1.0
-    power = 10.0 ** np.floor(np.log10(held))
-    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= held))
+    power = 10.0 ** np.floor(np.log10(quantile))
+    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= quantile))
 
 
-def _over(pixels: NDArray[np.float32], nothing: NDArray[np.bool_]) -> NDArray[np.float32]:
-    pixels[nothing] = _NOTHING
+def _with_background(
+    pixels: NDArray[np.float32], background: NDArray[np.bool_]
+) -> NDArray[np.float32]:
+    pixels[background] = _BACKGROUND
     return pixels
 
 
 def _with_scale(pixels: NDArray[np.float32], ramp: Any, first: float) -> Image:
-    """The picture with its colours from `first` to 1 in a bar along the lower edge."""
+    """The picture with a bar of the colours from `first` to 1 along its lower edge."""
     height, width = pixels.shape[:2]
     bar = max(height // 40, 1)
     pixels[height - bar :] = ramp(np.linspace(first, 1.0, width))

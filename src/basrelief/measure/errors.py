@@ -1,10 +1,9 @@
-"""How far a technique's frame is from the truth: what is missed, by how much, and how it looks.
+"""Errors of a technique's frame against the truth: missed hits, distances, visible difference.
 
-A hit is **missed** where a pixel does not show the place at which its ray first meets the surface,
-give or take a texel: where the displaced texture coordinates are more than one texel from the true
-ones, or nothing is drawn. Missed hits are of two kinds. The ray **passed** through a feature where
-it ended further along than the surface; it stopped **short** where it ended in the air before it,
-as the techniques of one read do, which look for no hit at all, and marches that ran out of steps.
+A hit is **missed** where the displaced texture coordinates are more than one texel from those of
+the true first hit, or where nothing is drawn. Missed hits are of two kinds. The ray **passed**
+through a feature where it ended behind the true hit. It stopped **short** where it ended before it,
+as techniques of one read do, which search for no hit, and marches that ran out of steps.
 """
 
 from __future__ import annotations
@@ -23,13 +22,13 @@ from basrelief.rendering.frame import Frame, Image
 __all__ = ["Errors", "Spread", "depth_error", "errors", "flip", "missed", "overshoot", "uv_error"]
 
 Floats = NDArray[np.float64]
-WITHIN = 1.0
-"""Texels by which a hit may be off before it counts as missed."""
+MISS_TOLERANCE = 1.0
+"""Largest uv error, in texels, of a hit that does not count as missed."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """The median of some errors, the 99th percentile and the worst."""
+    """Median, 99th percentile and maximum of some errors."""
 
     median: float
     percentile_99: float
@@ -38,12 +37,26 @@ class Spread:
 
 @dataclass(frozen=True)
 class Errors:
-    """The errors of a frame over the pixels that show the object.
+    """Errors of a frame over the pixels that show the object.
 
-    `missed`, `passed` and `short` are shares of these pixels, 0 to 1; `missed` is the sum of the
-    other two and of the pixels that are not drawn. `uv` is in texels, the shortest way round where
-    the map repeats, `depth` in world units along the ray; both are magnitudes, over the pixels that
-    are drawn. `reads` is the mean number of heights read for a pixel.
+    Attributes
+    ----------
+    pixels : int
+        Number of pixels that show the object.
+    missed : float
+        Share of these pixels whose hit is missed, 0 to 1: `passed`, `short` and pixels that are
+        not drawn.
+    passed : float
+        Share of pixels whose ray ended behind the true hit, 0 to 1.
+    short : float
+        Share of pixels whose ray ended before the true hit, 0 to 1.
+    uv : Spread
+        Magnitudes of the uv errors of drawn pixels, in texels, by the shortest way where the map
+        repeats.
+    depth : Spread
+        Magnitudes of the depth errors of drawn pixels, in world units along the ray.
+    reads : float
+        Mean number of heights read in a covered pixel.
     """
 
     pixels: int
@@ -56,16 +69,16 @@ class Errors:
 
 
 def errors(frame: Frame, truth: Truth) -> Errors:
-    """All of them; raises InputError where frame and truth are of different sizes."""
-    lost = missed(frame, truth)
+    """All errors of a frame; raises InputError where frame and truth have different sizes."""
+    is_missed = missed(frame, truth)
     count = max(int(truth.there.sum()), 1)
     behind = overshoot(frame, truth) > 0.0
     drawn = frame.hit & truth.there
     return Errors(
         pixels=int(truth.there.sum()),
-        missed=float(lost.sum() / count),
-        passed=float((lost & drawn & behind).sum() / count),
-        short=float((lost & drawn & ~behind).sum() / count),
+        missed=float(is_missed.sum() / count),
+        passed=float((is_missed & drawn & behind).sum() / count),
+        short=float((is_missed & drawn & ~behind).sum() / count),
         uv=_spread(uv_error(frame, truth)[drawn]),
         depth=_spread(np.abs(depth_error(frame, truth)[drawn])),
         reads=frame.mean_reads,
@@ -73,58 +86,64 @@ def errors(frame: Frame, truth: Truth) -> Errors:
 
 
 def missed(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
-    """Which pixels miss their hit, (height, width): off by more than a texel, or not drawn."""
+    """Mask of missed hits, (height, width): off by more than a texel, or not drawn."""
     _check(frame, truth)
-    off = np.nan_to_num(uv_error(frame, truth), nan=np.inf) > WITHIN
-    lost: NDArray[np.bool_] = truth.there & off
-    return lost
+    is_off = np.nan_to_num(uv_error(frame, truth), nan=np.inf) > MISS_TOLERANCE
+    is_missed: NDArray[np.bool_] = truth.there & is_off
+    return is_missed
 
 
 def uv_error(frame: Frame, truth: Truth) -> Floats:
-    """How many texels lie between displaced and true coordinates, (height, width).
+    """Distance from true to displaced texture coordinates in texels, (height, width).
 
-    Where the map repeats, the shortest way round. NaN where the object is not, or is not drawn.
+    The shortest distance where the map repeats. NaN where there is no object, or it is not drawn.
     """
-    off = _apart(frame, truth)
+    difference = _uv_difference(frame, truth)
     if truth.wraps:
-        off = off - np.rint(off)
-    length: Floats = np.linalg.norm(off * truth.texels, axis=-1)
+        difference = difference - np.rint(difference)
+    length: Floats = np.linalg.norm(difference * truth.texels, axis=-1)
     return length
 
 
 def overshoot(frame: Frame, truth: Truth) -> Floats:
-    """How many texels further than the true hit a pixel's ray ends, along it, (height, width).
+    """Signed distance from the true hit to the end of the ray in texels, (height, width).
 
-    Below 0 it stops short. A ray that falls straight has no way to be late on: 0. NaN as above.
+    Measured along the ray over the map; below 0 the ray stopped short. 0 for a ray along the
+    normal, which does not move over the map. NaN where there is no object, or it is not drawn.
     """
-    way = truth.travel * truth.texels
-    length = np.linalg.norm(way, axis=-1, keepdims=True)
-    unit = way / np.where(length > 0.0, length, 1.0)
-    along: Floats = (_apart(frame, truth) * truth.texels * unit).sum(-1)
+    travel = truth.travel * truth.texels
+    length = np.linalg.norm(travel, axis=-1, keepdims=True)
+    unit = travel / np.where(length > 0.0, length, 1.0)
+    along: Floats = (_uv_difference(frame, truth) * truth.texels * unit).sum(-1)
     return along
 
 
 def depth_error(frame: Frame, truth: Truth) -> Floats:
-    """How much further a frame's depth is than the truth's, in world units, (height, width)."""
-    both = _drawn(frame, truth)
-    # not infinite less something where nothing is
-    seen = np.where(both, frame.distance, 0.0).astype(np.float64)
-    return np.where(both, seen - truth.distance, np.nan)
+    """A frame's distance less the truth's, in world units along the ray, (height, width).
+
+    NaN where there is no object, or it is not drawn.
+    """
+    both = _is_drawn(frame, truth)
+    # the distance is infinite where nothing is drawn
+    distance = np.where(both, frame.distance, 0.0).astype(np.float64)
+    return np.where(both, distance - truth.distance, np.nan)
 
 
 def flip(reference: Image | Frame, picture: Image | Frame) -> float:
-    """The mean FLIP error between two pictures as the eye sees them side by side, 0 to 1.
+    """Mean FLIP error between two pictures that alternate on a screen, 0 to 1.
 
     P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, 2020, by NVIDIA's own
-    code at its usual 67 pixels a degree. Raises InputError where that is not installed.
+    code at its default of 67 pixels a degree. Raises InputError where that is not installed.
     """
     evaluate = _evaluator()
-    _, mean, _ = evaluate(_for_eyes(reference), _for_eyes(picture), "LDR", applyMagma=False)
+    _, mean, _ = evaluate(
+        _display_colors(reference), _display_colors(picture), "LDR", applyMagma=False
+    )
     return float(mean)
 
 
 def has_flip() -> bool:
-    """Whether FLIP can be measured here."""
+    """Whether NVIDIA's flip-evaluator is installed."""
     try:
         _evaluator()
     except InputError:
@@ -142,21 +161,21 @@ def _evaluator() -> Any:
     return evaluate
 
 
-def _for_eyes(picture: Image | Frame) -> NDArray[np.float32]:
-    """sRGB codes, 0 to 1, over black where nothing is."""
+def _display_colors(picture: Image | Frame) -> NDArray[np.float32]:
+    """The picture over black, in sRGB, 0 to 1."""
     pixels = (picture.image if isinstance(picture, Frame) else picture).pixels
     light = np.clip(pixels[:, :, :3] * pixels[:, :, 3:], 0.0, 1.0)
     return np.ascontiguousarray(srgb_encode(light), np.float32)
 
 
-def _apart(frame: Frame, truth: Truth) -> Floats:
-    """Displaced less true coordinates, (height, width, 2), NaN where either is missing."""
-    both = _drawn(frame, truth)
-    off: Floats = np.where(both[:, :, None], frame.uv.astype(np.float64) - truth.uv, np.nan)
-    return off
+def _uv_difference(frame: Frame, truth: Truth) -> Floats:
+    """Displaced less true texture coordinates, (height, width, 2), NaN where either is missing."""
+    both = _is_drawn(frame, truth)
+    difference: Floats = np.where(both[:, :, None], frame.uv.astype(np.float64) - truth.uv, np.nan)
+    return difference
 
 
-def _drawn(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
+def _is_drawn(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
     _check(frame, truth)
     both: NDArray[np.bool_] = frame.hit & truth.there
     return both
@@ -165,11 +184,13 @@ def _drawn(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
 def _check(frame: Frame, truth: Truth) -> None:
     if frame.hit.shape != truth.there.shape:
         (h, w), (high, wide) = frame.hit.shape, truth.there.shape
-        raise InputError(f"a frame of {w} × {h} and a truth of {wide} × {high}: make both alike")
+        raise InputError(
+            f"the frame is {w} × {h}, the truth {wide} × {high}: use one size for both"
+        )
 
 
 def _spread(values: Floats) -> Spread:
     if values.size == 0:
         return Spread(0.0, 0.0, 0.0)
-    median, late, worst = np.quantile(values, (0.5, 0.99, 1.0))
-    return Spread(float(median), float(late), float(worst))
+    median, percentile_99, worst = np.quantile(values, (0.5, 0.99, 1.0))
+    return Spread(float(median), float(percentile_99), float(worst))

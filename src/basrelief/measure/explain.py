@@ -1,7 +1,7 @@
-"""One ray explained: every height that a technique read for a pixel, in order, and the true hit.
+"""Explanation of one ray: the reads of a technique in a pixel, in order, and the true hit.
 
-The technique itself runs, as the plain Python function that it is, on the ray of that pixel; its
-reads are noted as they happen. `measure.section` draws them.
+The technique itself runs as plain Python on the pixel's ray while its reads are recorded;
+`measure.section` draws them.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ import numpy as np
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, watched
-from basrelief.measure.columns import first_column_hits
-from basrelief.measure.oracle import first_hits
+from basrelief.measure.columns import intersect_columns
+from basrelief.measure.oracle import intersect_height_field
 from basrelief.measure.section import write_section
 from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
 from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import Object, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
-from basrelief.shading.intersection import Meeting, footprint_at, meet
-from basrelief.shading.relief import faded_relief, height_range, lod_seen, relief_ray
+from basrelief.shading.intersection import Intersection, footprint_at, intersect
+from basrelief.shading.relief import faded_relief, height_lod, object_height_range, relief_ray
 from basrelief.techniques import displace
 from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
@@ -37,12 +37,55 @@ __all__ = ["Explanation", "Sample", "explain"]
 
 @dataclass(frozen=True, eq=False)
 class Explanation(TracedRay):
-    """A traced ray that draws itself."""
+    """The ray of one pixel, the reads of a technique along it, and the true hit.
+
+    Attributes
+    ----------
+    material, technique : str
+        Names of the material and the technique.
+    settings : mapping of str to float
+        Settings of the technique.
+    pixel : (int, int)
+        The pixel (x, y), from the top left.
+    uv : (float, float)
+        Texture coordinates at which the ray meets the polygon.
+    travel : (float, float)
+        Change of the texture coordinates while the ray falls from height 1 to 0.
+    reference_height : float
+        Height of the polygon, 0 to 1.
+    samples : tuple of Sample
+        Reads of the technique, in order.
+    hit : Hit
+        Hit of the technique.
+    true_uv : (float, float)
+        Texture coordinates of the true first hit.
+    true_height : float
+        Height of the true first hit, 0 to 1.
+    heights : ndarray of float64, shape (h, w)
+        The height map, 0 to 1.
+    edge : {"wrap", "clamp"}
+        Continuation beyond the map.
+    columns : bool
+        Whether the technique draws columns, not the bilinear surface.
+    """
 
     def save(self, path: str | Path) -> Path:
-        """Draw the cross-section as SVG, PNG or PDF, whole or not at all; needs matplotlib.
+        """Draw the cross-section along the ray; needs matplotlib.
 
-        Raises InputError for another suffix, a place that cannot be written, or no matplotlib.
+        Parameters
+        ----------
+        path : path
+            An SVG, PNG or PDF file; it is written atomically.
+
+        Returns
+        -------
+        Path
+            The path of the file.
+
+        Raises
+        ------
+        InputError
+            For another suffix, a file that cannot be written, or without matplotlib.
         """
         return write_section(self, Path(path))
 
@@ -50,10 +93,27 @@ class Explanation(TracedRay):
 def explain(
     what: Any, *, pixel: tuple[int, int], size: tuple[int, int] = (1280, 720), **options: Any
 ) -> Explanation:
-    """Run the technique of what a pixel shows in Python, and note each of its reads.
+    """Trace the view ray of one pixel in Python and record each read of the technique.
 
-    `what` and `options` are those of `render`; `pixel` is (x, y), from the top left, of a picture
-    of `size` (width, height). Raises InputError where that pixel shows no relief.
+    Parameters
+    ----------
+    what : Scene, Object, Material or path
+        The scene, or what to make it of, as in `render`.
+    pixel : (int, int)
+        The pixel (x, y), from the top left.
+    size : (int, int)
+        Width and height of the picture, in pixels.
+    **options
+        Options of `render` that describe the scene.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    InputError
+        For a pixel outside the picture, or one that shows no relief.
     """
     scene = scene_of(what, {"preset": None, **options})
     x, y = pixel
@@ -62,24 +122,26 @@ def explain(
             f"pixel {x},{y}: outside a picture of {size[0]} × {size[1]}; count from the top left"
         )
     scene.check_camera()
-    met = [each for obj in scene.objects if (each := _met(obj, scene, pixel, size)) is not None]
-    if not met:
-        raise InputError(f"pixel {x},{y} meets nothing; choose one on the object")
-    obj, meeting = min(met, key=lambda pair: float(pair[1].distance))
+    intersections = [
+        pair for obj in scene.objects if (pair := _met(obj, scene, pixel, size)) is not None
+    ]
+    if not intersections:
+        raise InputError(f"pixel {x},{y} shows no object; choose another")
+    obj, meeting = min(intersections, key=lambda pair: float(pair[1].distance))
     if not obj.has_relief:
         raise InputError(
-            f"pixel {x},{y} meets a {obj.shape} without relief, where nothing is read; "
+            f"pixel {x},{y} shows a {obj.shape} without relief, where nothing is read; "
             "give it heights and a technique other than flat"
         )
-    return _explained(obj, scene, meeting, pixel, size)
+    return _explanation(obj, scene, meeting, pixel, size)
 
 
 def _met(
     obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
-) -> tuple[Object, Meeting] | None:
-    """An object with where the ray through the middle of a pixel meets its shape."""
+) -> tuple[Object, Intersection] | None:
+    """An object and the intersection of its shape with the ray through a pixel's centre, if any."""
     ray = _camera_ray(scene, pixel, size)
-    meeting = meet(ray, obj.placement(), variant_of(obj, scene))
+    meeting = intersect(ray, obj.placement(), variant_of(obj, scene))
     return (obj, meeting) if meeting.found else None
 
 
@@ -87,163 +149,174 @@ def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> 
     return primary_ray(scene.shader_camera(size), Vec2(pixel[0] + 0.5, pixel[1] + 0.5))
 
 
-def _explained(
-    obj: Object, scene: Scene, met: Meeting, pixel: tuple[int, int], size: tuple[int, int]
+def _explanation(
+    obj: Object,
+    scene: Scene,
+    intersection: Intersection,
+    pixel: tuple[int, int],
+    size: tuple[int, int],
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(obj, scene, size, choose_device("cpu"))
-    field, technique = values["field"], obj.drawn_with
+    field, technique = values["field"], obj.selected_technique
     variant = variant_of(obj, scene)
-    seen = faded_relief(values["relief"], met.distance, variant)
+    seen = faded_relief(values["relief"], intersection.distance, variant)
     if seen.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()
-    footprint = footprint_at(camera, placement, met, met.distance)
-    lod = lod_seen(field, footprint, values["smoothing"])
-    deep = height_range(seen, placement, variant)
-    ray = relief_ray(met, seen, deep, lod, values["smoothing"].mip_fade, variant)
-    notes = _Notes(ray, field, technique.columns)
-    baked = values.get("baked") or _UNBAKED
-    with bound({displace: technique}), watched(notes.watch):
-        hit = displace(notes.noting(field), notes.noting(baked), ray, values["settings"])
-    travel = _numbers(ray.travel)
-    first = first_column_hits if technique.columns else first_hits
-    true = first(notes.heights, _numbers(ray.uv), travel, map_edge(obj))
+    footprint = footprint_at(camera, placement, intersection, intersection.distance)
+    lod = height_lod(field, footprint, values["smoothing"])
+    depth = object_height_range(seen, placement, variant)
+    ray = relief_ray(intersection, seen, depth, lod, values["smoothing"].mip_fade, variant)
+    recorder = _ReadRecorder(ray, field, technique.columns)
+    baked = values.get("baked") or _NO_BAKE
+    with bound({displace: technique}), watched(recorder.watch):
+        hit = displace(
+            recorder.recording(field), recorder.recording(baked), ray, values["settings"]
+        )
+    travel = _array(ray.travel)
+    first_hits = intersect_columns if technique.columns else intersect_height_field
+    true = first_hits(recorder.heights, _array(ray.uv), travel, map_edge(obj))
     return Explanation(
         material=obj.material.name,
         technique=technique.name,
         settings={f.name: getattr(obj.settings, f.name) for f in fields(obj.settings)},
         pixel=pixel,
-        uv=_pair(_numbers(met.uv)),
+        uv=_pair(_array(intersection.uv)),
         travel=_pair(travel),
         reference_height=float(ray.reference_height),
-        samples=tuple(notes.samples),
+        samples=tuple(recorder.samples),
         hit=hit,
         true_uv=_pair(true.uv[0]),
         true_height=float(1.0 - true.t[0]),
-        heights=notes.heights,
+        heights=recorder.heights,
         edge=map_edge(obj),
         columns=technique.columns,
     )
 
 
-_UNBAKED = Texture([np.zeros((1, 1, 4), np.uint16)])
+_NO_BAKE = Texture([np.zeros((1, 1, 4), np.uint16)])
 
 
-# --- taking notes ---------------------------------------------------------------------------------
+# --- recording reads ------------------------------------------------------------------------------
 
 
-class _Notes:
-    """What is read while a technique runs.
+class _ReadRecorder:
+    """Recorder of a technique's reads.
 
-    A shader says where it reads before it does: by `in_tile`, which takes texture coordinates, or
-    by `cells_in_map`, or once for each axis by `cell_in_map`. The heights read after that are one
-    read, however many texels it takes, and all that `surface_height` does is one; each record of
-    what is baked is one.
+    A shader calls `in_tile` (with texture coordinates), `cells_in_map` or, for each axis,
+    `cell_in_map` before it reads there. The heights read after such a call count as one read,
+    however many texels they take; so does a call of `surface_height`. Each baked record counts as
+    one read.
     """
 
     def __init__(self, ray: Ray, field: HeightField, columns: bool) -> None:
         self.ray, self.columns, self.edge = ray, columns, field.edge
         self.heights: Floats = field.levels[0].astype(np.float64)
         self.samples: list[Sample] = []
-        self.known: dict[bytes, float] = {}
-        self.place: Vec2 | None = None
+        self.ray_heights: dict[bytes, float] = {}
+        self.uv: Vec2 | None = None
         self.cell: list[int] = []
-        self.noted: set[type] = set()
-        self.within = 0
+        self.recorded_kinds: set[type] = set()
+        self.nesting = 0
 
     def watch(
-        self, shader: Shader[..., Any], given: Mapping[str, Any], run: Callable[[], Any]
+        self, shader: Shader[..., Any], arguments: Mapping[str, Any], run: Callable[[], Any]
     ) -> Any:
-        """Stand around the call of a shader."""
+        """Run the call of a shader and record what it reads, or where it will read."""
         if shader is surface_height:
-            self.within += 1
+            self.nesting += 1
             result = run()
-            self.within -= 1
-            if not self.within:
-                self._add("height", given["uv"], float(result))
+            self.nesting -= 1
+            if not self.nesting:
+                self._add("height", arguments["uv"], float(result))
             return result
         if shader is cell_in_map:
-            before = self.cell
+            previous_cell = self.cell
             result = run()
-            self._reads_at(None, [*before[-1:], int(given["cell"])])
+            self._set_location(None, [*previous_cell[-1:], int(arguments["cell"])])
             return result
         result = run()
         if shader is at:
-            self.known[_key(result)] = float(height_at(self.ray, given["t"]))
+            self.ray_heights[_key(result)] = float(height_at(self.ray, arguments["t"]))
         elif shader is in_tile:
-            self._reads_at(given["uv"], [])
+            self._set_location(arguments["uv"], [])
         elif shader is cells_in_map:
-            self._reads_at(None, [int(each) for each in given["cell"]])
+            self._set_location(None, [int(index) for index in arguments["cell"]])
         return result
 
-    def _reads_at(self, place: Vec2 | None, cell: list[int]) -> None:
-        self.place, self.cell, self.noted = place, cell, set()
+    def _set_location(self, uv: Vec2 | None, cell: list[int]) -> None:
+        self.uv, self.cell, self.recorded_kinds = uv, cell, set()
 
-    def noting(self, map: Any) -> Any:
-        """The same map, which tells when it is read."""
+    def recording(self, map: Any) -> Any:
+        """A copy of a map that reports its reads."""
         kind = type(map)
-        made = copy.copy(map)
-        notes = self
+        copied = copy.copy(map)
+        recorder = self
 
-        class Noting(kind):  # type: ignore[misc, valid-type]
+        class RecordingMap(kind):  # type: ignore[misc, valid-type]
             def texel_index(self, x: int, y: int, level: int) -> tuple[int, int, int]:
-                notes.read(kind, x, y)
-                found: tuple[int, int, int] = super().texel_index(x, y, level)
-                return found
+                recorder.read(kind, x, y)
+                index: tuple[int, int, int] = super().texel_index(x, y, level)
+                return index
 
-        made.__class__ = Noting
-        return made
+        copied.__class__ = RecordingMap
+        return copied
 
     def read(self, kind: type, x: int, y: int) -> None:
-        """A texel of a map is read, the first of those that make one read."""
-        if self.within or kind in self.noted:
+        """Record the read of a texel, if it is the first of those that count as one read."""
+        if self.nesting or kind in self.recorded_kinds:
             return
         if kind is not Texture:
-            self.noted.add(kind)
+            self.recorded_kinds.add(kind)
         of: Kind = "record" if kind is Texture else "height"
-        if self.place is not None:
-            self._add(of, self.place, None)
+        if self.uv is not None:
+            self._add(of, self.uv, None)
         elif len(self.cell) == 2:
-            whole: Kind = "height" if self.columns else "cell"
-            self._add_cell(whole if of == "height" else of, IVec2(*self.cell))
+            cell_kind: Kind = "height" if self.columns else "cell"
+            self._add_cell(cell_kind if of == "height" else of, IVec2(*self.cell))
         else:
-            # read by its texel alone, whose middle stands for it
+            # read by the index of its texel alone: take the texel's centre
             rows, columns = self.heights.shape
             self._add(of, Vec2((x + 0.5) / columns, (y + 0.5) / rows), None)
 
     def _add(self, kind: Kind, uv: Vec2, surface: float | None) -> None:
-        place = _numbers(uv)
+        point = _array(uv)
         if surface is None:
-            surface = float(surface_heights(self.heights, place[None], self.edge, self.columns)[0])
-        ray = self.known.get(_key(uv))
+            surface = float(surface_heights(self.heights, point[None], self.edge, self.columns)[0])
+        ray_height = self.ray_heights.get(_key(uv))
         self.samples.append(
-            Sample(kind, _pair(place), self._height_at(place) if ray is None else ray, surface)
+            Sample(
+                kind,
+                _pair(point),
+                self._height_at(point) if ray_height is None else ray_height,
+                surface,
+            )
         )
 
-    def _height_at(self, place: Floats) -> float:
-        """The ray's height over a place, by how far along its way it is."""
-        travel = _numbers(self.ray.travel)
-        moved = place - _numbers(self.ray.uv)
+    def _height_at(self, point: Floats) -> float:
+        """The ray's height over a point of the map, by its distance along the ray."""
+        travel = _array(self.ray.travel)
+        moved = point - _array(self.ray.uv)
         return float(1.0 - moved @ travel / max(float(travel @ travel), 1e-30))
 
     def _add_cell(self, kind: Kind, cell: IVec2) -> None:
-        """A read of a whole cell, or box: noted where the ray comes to it."""
+        """Record the read of a whole cell or column at the point where the ray enters it."""
         texels = np.array(self.heights.shape[::-1], np.float64)
         half = 0.0 if self.columns else 0.5
-        start, way = _numbers(self.ray.uv) * texels - half, _numbers(self.ray.travel) * texels
+        start, moved = _array(self.ray.uv) * texels - half, _array(self.ray.travel) * texels
         low = np.array([int(cell.x), int(cell.y)], np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
-            walls = np.divide(low + (way <= 0) - start, way)
-        enter = float(np.clip(np.nanmax(np.where(way == 0, -np.inf, walls)), 0.0, 1.0))
-        place = (start + way * enter + half) / texels
-        # a little further on, so that the box is the one behind the wall
-        inner = (np.clip(start + way * enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
-        surface = float(surface_heights(self.heights, inner[None], self.edge, self.columns)[0])
-        self.samples.append(Sample(kind, _pair(place), 1.0 - enter, surface))
+            walls = np.divide(low + (moved <= 0) - start, moved)
+        t_enter = float(np.clip(np.nanmax(np.where(moved == 0, -np.inf, walls)), 0.0, 1.0))
+        point = (start + moved * t_enter + half) / texels
+        # slightly further on, so that the column is the one behind the wall
+        inside = (np.clip(start + moved * t_enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
+        surface = float(surface_heights(self.heights, inside[None], self.edge, self.columns)[0])
+        self.samples.append(Sample(kind, _pair(point), 1.0 - t_enter, surface))
 
 
-def _numbers(v: Vec2) -> Floats:
+def _array(v: Vec2) -> Floats:
     return np.array([float(c) for c in v], np.float64)
 
 

@@ -1,7 +1,7 @@
 """Figures by matplotlib (the extra `plots`), which no other module imports.
 
-The same drawing makes the same file: without a date, without random ids, and without the settings
-that a user has made for figures of their own.
+Files are reproducible: they carry no date and no random ids, and ignore a user's own settings of
+matplotlib.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from basrelief.images import write_whole
 _SETTINGS: Mapping[str, Any] = {
     "font.family": "sans-serif",
     "svg.hashsalt": "basrelief",
-    # text as text: it can be searched and copied
+    # text stays text, which can be searched and copied
     "svg.fonttype": "none",
 }
 _OPTIONS: Mapping[str, Mapping[str, Any]] = {
@@ -24,11 +24,11 @@ _OPTIONS: Mapping[str, Mapping[str, Any]] = {
     ".png": {"dpi": 150},
     ".pdf": {"metadata": {"CreationDate": None}},
 }
-"""Options of matplotlib's `savefig` for each kind of file."""
+"""Options of matplotlib's `savefig` for each file type."""
 
 
 def has_matplotlib() -> bool:
-    """Whether figures can be drawn here."""
+    """Whether matplotlib is installed."""
     try:
         import matplotlib  # noqa: F401
     except ImportError:
@@ -37,7 +37,7 @@ def has_matplotlib() -> bool:
 
 
 def check_figure(path: Path, what: str) -> None:
-    """Raise InputError for a name that is not one of a figure; `what` names it in the message."""
+    """Raise InputError for a path that is not a figure's; the message calls the figure `what`."""
     if path.suffix.lower() not in _OPTIONS:
         raise InputError(f"{path}: {what} is written as {', '.join(_OPTIONS)}")
 
@@ -48,10 +48,10 @@ def write_figure(
     draw: Callable[[Any], None],
     settings: Mapping[str, Any],
 ) -> None:
-    """Write what `draw` draws on a figure of matplotlib, whole or not at all.
+    """Write the figure that `draw` draws with matplotlib, atomically.
 
-    `size` is in inches, `settings` are those of matplotlib (`rcParams`). Raises InputError where
-    the file cannot be written.
+    `size` is (width, height) in inches, `settings` are those of matplotlib (`rcParams`). Raises
+    InputError where the file cannot be written.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ def write_figure(
 
 
 def legend_mark(**style: Any) -> Any:
-    """A line that is in a legend alone, in the style of matplotlib's `Line2D`."""
+    """A legend entry that is not in the plot, in the style of matplotlib's `Line2D`."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], **style)

@@ -1,12 +1,12 @@
-"""The exact first hit of rays on the bilinear surface of a height map, in float64.
+"""The exact first hits of rays on the bilinear surface of a height map, in float64.
 
-It shares no code with the shaders: cells are walked one by one along each ray (J. Amanatides and
-A. Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), and in each the bilinear patch is
-solved as the quadratic that it is along a line. Rays are walked side by side in NumPy.
+It shares no code with the shaders. Rays traverse the grid cell by cell (J. Amanatides and A. Woo,
+A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), all of them at once in NumPy. Along a ray a
+bilinear patch is a quadratic, which is solved in each cell.
 
-A ray is a segment with t from 0 to 1: texture coordinates `uv + travel · t`, and the height
-`height − drop · t − bend · t (1 − t)`, a parabola. By default it falls straight from height 1
-to 0, as over a flat surface, where every ray ends on the surface or above it.
+A ray is a segment with t from 0 to 1. Its texture coordinates are `uv + travel · t`, its height is
+the parabola `height − drop · t − bend · t (1 − t)`. By default it falls straight from height 1 to
+0, as over a flat surface; such a ray always hits.
 """
 
 from __future__ import annotations
@@ -20,13 +20,24 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Edge = Literal["wrap", "clamp"]
-"""What lies beyond the map: the same again, or its border going on."""
+"""Continuation beyond the map: repeat it, or extend its border."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """Where rays meet the surface first: `t` (n,) from 0 to 1, texture coordinates `uv` (n, 2), the
-    ray's `height` there (n,), and whether it was `found` (n,): if not, the ray ends at t = 1."""
+    """First hits of n rays on a height field.
+
+    Attributes
+    ----------
+    t : ndarray of float64, shape (n,)
+        Position along the ray, 0 to 1; 1 for a ray without a hit.
+    uv : ndarray of float64, shape (n, 2)
+        Texture coordinates at `t`, not wrapped into one tile.
+    height : ndarray of float64, shape (n,)
+        Height of the ray at `t`.
+    found : ndarray of bool, shape (n,)
+        Whether the ray hits.
+    """
 
     t: Floats
     uv: Floats
@@ -34,7 +45,7 @@ class Hits:
     found: NDArray[np.bool_]
 
 
-def first_hits(
+def intersect_height_field(
     heights: ArrayLike,
     uv: ArrayLike,
     travel: ArrayLike,
@@ -44,100 +55,125 @@ def first_hits(
     drop: ArrayLike = 1.0,
     bend: ArrayLike = 0.0,
 ) -> Hits:
-    """The first place at which each ray is not above the surface.
+    """First points at which rays are not above the bilinear surface of a height map.
 
-    `heights` (h, w) within 0 to 1, texel centres at (i + ½) ÷ N; `uv` (n, 2) where the rays begin,
-    `travel` (n, 2) how far they move; `edge` what lies beyond the map; `height`, `drop` and `bend`,
-    one for all rays or (n,), what a ray's height is. Raises ValueError for heights outside 0 to 1,
-    for what is not finite, and for another edge.
+    Parameters
+    ----------
+    heights : array_like, shape (h, w)
+        Heights, 0 to 1; texel i of N has its centre at (i + ½) ÷ N.
+    uv : array_like, shape (n, 2)
+        Texture coordinates at which the rays start.
+    travel : array_like, shape (n, 2)
+        Change of the texture coordinates from t = 0 to 1.
+    edge : {"wrap", "clamp"}
+        Continuation beyond the map.
+    height, drop, bend : array_like, shape () or (n,)
+        Coefficients of the rays' heights, `height − drop · t − bend · t (1 − t)`.
+
+    Returns
+    -------
+    Hits
+
+    Raises
+    ------
+    ValueError
+        For heights outside 0 to 1, values that are not finite, and another edge.
+
+    References
+    ----------
+    J. Amanatides and A. Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
     """
     field = np.asarray(heights, np.float64)
-    start, way = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
-    falls = [np.broadcast_to(np.asarray(v, np.float64), len(start)) for v in (height, drop, bend)]
-    if not all(np.isfinite(v).all() for v in (field, start, way, *falls)):
+    start, moved = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
+    coefficients = [
+        np.broadcast_to(np.asarray(v, np.float64), len(start)) for v in (height, drop, bend)
+    ]
+    if not all(np.isfinite(v).all() for v in (field, start, moved, *coefficients)):
         raise ValueError("heights and rays must be finite")
     if field.min() < 0.0 or field.max() > 1.0:
         raise ValueError(f"heights from {field.min():g} to {field.max():g}: give 0 to 1")
     if edge not in get_args(Edge):
         raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     texels = np.array(field.shape[::-1], np.float64)
-    walk = _Walk(field, start * texels - 0.5, way * texels, edge, *falls)
-    met = walk.to_the_end()
-    t = np.where(np.isnan(met), 1.0, met)
-    return Hits(t, start + way * t[:, None], walk.height_at(np.arange(len(t)), t), ~np.isnan(met))
+    traversal = _Traversal(field, start * texels - 0.5, moved * texels, edge, *coefficients)
+    t_hit = traversal.first_hits()
+    t = np.where(np.isnan(t_hit), 1.0, t_hit)
+    return Hits(
+        t, start + moved * t[:, None], traversal.height_at(np.arange(len(t)), t), ~np.isnan(t_hit)
+    )
 
 
-class _Walk:
-    """Rays on their way, in texels: cell (i, j) lies between texel centres i and i + 1."""
+class _Traversal:
+    """Traversal state of rays, in texels: cell (i, j) lies between texel centres i and i + 1."""
 
     def __init__(
-        self, field: Floats, start: Floats, way: Floats, edge: Edge,
+        self, field: Floats, start: Floats, travel: Floats, edge: Edge,
         height: Floats, drop: Floats, bend: Floats,
     ) -> None:  # fmt: skip
         self.field = field
         self.edge: Edge = edge
-        self.start, self.way = start, way
+        self.start, self.travel = start, travel
         self.height, self.drop, self.bend = height, drop, bend
         count = len(start)
         self.cell: Ints = np.floor(start).astype(np.int64)
         self.t = np.zeros(count)
-        # towards which side of a cell each ray leaves it
-        self.sign: Ints = np.sign(way).astype(np.int64)
-        self.found = np.full(count, np.nan)
+        # the side of a cell through which each ray leaves it
+        self.sign: Ints = np.sign(travel).astype(np.int64)
+        self.t_hit = np.full(count, np.nan)
 
-    def to_the_end(self) -> Floats:
-        """Walk until each ray has met the surface, at the t that is returned, or ended: NaN."""
-        under_way = np.arange(len(self.t))
-        while len(under_way):
-            under_way = self._cross_one_cell(under_way)
-        return self.found
+    def first_hits(self) -> Floats:
+        """The t of each ray's first hit, NaN where there is none."""
+        active = np.arange(len(self.t))
+        while len(active):
+            active = self._cross_cell(active)
+        return self.t_hit
 
     def height_at(self, rays: Ints, t: Floats) -> Floats:
-        """The height of rays at t."""
-        lost: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
-        height: Floats = self.height[rays] - lost
+        """Heights of rays at t."""
+        fallen: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
+        height: Floats = self.height[rays] - fallen
         return height
 
-    def _cross_one_cell(self, rays: Ints) -> Ints:
-        """Take rays through their cells; returns those that go on."""
-        enter = self.t[rays]
-        leave, axis = self._exits(rays)
-        met = self._meeting(rays, enter, leave)
-        hit = ~np.isnan(met)
-        self.found[rays[hit]] = met[hit]
-        on = ~hit & (leave < 1.0)
-        self.t[rays[on]] = leave[on]
-        self.cell[rays[on], axis[on]] += self.sign[rays[on], axis[on]]
-        return rays[on]
+    def _cross_cell(self, rays: Ints) -> Ints:
+        """Move rays through one cell each; returns the rays that continue."""
+        t_enter = self.t[rays]
+        t_exit, axis = self._cell_exits(rays)
+        t_hit = self._patch_hits(rays, t_enter, t_exit)
+        hit = ~np.isnan(t_hit)
+        self.t_hit[rays[hit]] = t_hit[hit]
+        going = ~hit & (t_exit < 1.0)
+        self.t[rays[going]] = t_exit[going]
+        self.cell[rays[going], axis[going]] += self.sign[rays[going], axis[going]]
+        return rays[going]
 
-    def _exits(self, rays: Ints) -> tuple[Floats, Ints]:
-        """Where each ray leaves its cell, at most 1, and across which axis."""
-        way, sign = self.way[rays], self.sign[rays]
+    def _cell_exits(self, rays: Ints) -> tuple[Floats, Ints]:
+        """The t at which each ray leaves its cell, at most 1, and the axis of that wall."""
+        travel, sign = self.travel[rays], self.sign[rays]
         wall = self.cell[rays] + (sign > 0)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            times = np.where(sign == 0, np.inf, (wall - self.start[rays]) / way)
+            times = np.where(sign == 0, np.inf, (wall - self.start[rays]) / travel)
         axis = np.argmin(times, axis=1)
-        leave = np.take_along_axis(times, axis[:, None], 1)[:, 0]
-        return np.maximum(np.minimum(leave, 1.0), self.t[rays]), axis
+        t_exit = np.take_along_axis(times, axis[:, None], 1)[:, 0]
+        return np.maximum(np.minimum(t_exit, 1.0), self.t[rays]), axis
 
-    def _meeting(self, rays: Ints, enter: Floats, leave: Floats) -> Floats:
-        """The first t within a cell at which the ray is not above the patch, NaN where it is."""
+    def _patch_hits(self, rays: Ints, t_enter: Floats, t_exit: Floats) -> Floats:
+        """The first t in a cell at which a ray is not above the patch, NaN without one."""
         h00, h10, h01, h11 = self._corners(rays)
-        x, y = (self.start[rays] + self.way[rays] * enter[:, None] - self.cell[rays]).T
-        dx, dy = self.way[rays].T
+        x, y = (self.start[rays] + self.travel[rays] * t_enter[:, None] - self.cell[rays]).T
+        dx, dy = self.travel[rays].T
         right, down, twist = h10 - h00, h01 - h00, h11 - h10 - h01 + h00
-        # clearance(s) = a s² + b s + c for s = t − enter: the ray's height less the patch's
+        # clearance(s) = a s² + b s + c for s = t − t_enter: the ray's height less the patch's
         a = self.bend[rays] - twist * dx * dy
-        falling = self.drop[rays] + self.bend[rays] * (1.0 - 2.0 * enter)
-        b = -falling - (right * dx + down * dy + twist * (x * dy + y * dx))
-        c = self.height_at(rays, enter) - (h00 + right * x + down * y + twist * x * y)
+        slope = self.drop[rays] + self.bend[rays] * (1.0 - 2.0 * t_enter)
+        b = -slope - (right * dx + down * dy + twist * (x * dy + y * dx))
+        c = self.height_at(rays, t_enter) - (h00 + right * x + down * y + twist * x * y)
         s = _first_root(a, b, c)
-        span = leave - enter
-        past = c + span * (b + span * a) <= 0.0
+        span = t_exit - t_enter
+        ends_below = c + span * (b + span * a) <= 0.0
         within = s <= span
-        # where rounding hides the root of a ray that ends below, the far wall is the place
-        met = np.where(within, enter + s, np.where(past, leave, np.nan))
-        return np.where(c <= 0.0, enter, met)
+        # where rounding hides the root of a ray that ends below the patch, take the exit
+        t_hit = np.where(within, t_enter + s, np.where(ends_below, t_exit, np.nan))
+        return np.where(c <= 0.0, t_enter, t_hit)
 
     def _corners(self, rays: Ints) -> tuple[Floats, Floats, Floats, Floats]:
         height, width = self.field.shape
@@ -157,11 +193,11 @@ class _Walk:
 
 
 def _first_root(a: Floats, b: Floats, c: Floats) -> Floats:
-    """The least s ≥ 0 with a s² + b s + c = 0, for c > 0; infinite where there is none."""
-    inside = b * b - 4.0 * a * c
+    """The smallest s ≥ 0 with a s² + b s + c = 0, for c > 0; infinite where there is none."""
+    discriminant = b * b - 4.0 * a * c
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        half = -0.5 * (b + np.copysign(np.sqrt(np.maximum(inside, 0.0)), b))
+        half = -0.5 * (b + np.copysign(np.sqrt(np.maximum(discriminant, 0.0)), b))
         roots = np.stack([half / a, c / half])
-    roots = np.where((roots >= 0.0) & (inside >= 0.0), roots, np.inf)
-    least: Floats = roots.min(axis=0)
-    return least
+    roots = np.where((roots >= 0.0) & (discriminant >= 0.0), roots, np.inf)
+    smallest: Floats = roots.min(axis=0)
+    return smallest

@@ -1,4 +1,4 @@
-"""A comparison as a folder: one page for people, its pictures, and compare.json for programs."""
+"""Report of a comparison: a folder with a page, its pictures, and compare.json."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ from basrelief.measure.errors import Spread
 from basrelief.measure.figures import has_matplotlib
 from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
 from basrelief.measure.results import Result, Results, settings_of
-from basrelief.pages import check_ours, fill, write_page
+from basrelief.pages import check_overwritable, fill, write_page
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
 """The folder of a comparison's pictures."""
-LEAST, MOST = 0.1, 100.0
-"""Texels at the dark and the pale end of error pictures; between them by their logarithm."""
+LOWEST, HIGHEST = 0.1, 100.0
+"""Errors in texels at the dark and the pale end of error pictures, on a logarithmic scale."""
 _QUALITY = 92
 _PLOTS = {f"{PICTURES}/time.svg": LIGHT, f"{PICTURES}/time-dark.svg": DARK}
 """The files of the plot and their colours."""
 
 
 def write(folder: Path, comparison: Results, json: str) -> Path:
-    """Write the page, its pictures and compare.json, whose text is `json`; returns the page's path.
+    """Write the page, its pictures and compare.json with the text `json`; returns the page's path.
 
-    Raises InputError for a folder that cannot be written to, or with another's index.html.
+    Raises InputError for a folder that cannot be written to, or with another index.html.
     """
     index = folder / "index.html"
-    check_ours(index, GENERATOR, "a comparison's page")
+    check_overwritable(index, GENERATOR, "a comparison's page")
     pictures = folder / PICTURES
     try:
         pictures.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
-    for each in comparison.results:
-        drawn, wrong = (folder / name for name in _names(each))
-        write_picture(drawn, each.picture.astype(np.float32), quality=_QUALITY)
-        write_picture(wrong, error_picture(each.off), quality=_QUALITY)
+    for result in comparison.results:
+        picture_file, error_file = (folder / name for name in _file_names(result))
+        write_picture(picture_file, result.picture.astype(np.float32), quality=_QUALITY)
+        write_picture(error_file, error_picture(result.off), quality=_QUALITY)
     write_page(folder / "compare.json", json)
     has_plots = has_matplotlib()
     if has_plots:
@@ -57,15 +57,15 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
 
 
 def error_picture(off: NDArray[np.float16]) -> NDArray[np.float32]:
-    """Texels of uv error as linear colours, (H, W, 3), by their logarithm; none are dark."""
-    texels = np.maximum(np.nan_to_num(off.astype(np.float64), nan=0.0, posinf=MOST), LEAST)
-    return heat(np.log(texels / LEAST) / math.log(MOST / LEAST))
+    """uv errors in texels, (H, W), as linear colours, (H, W, 3), on a logarithmic scale."""
+    texels = np.maximum(np.nan_to_num(off.astype(np.float64), nan=0.0, posinf=HIGHEST), LOWEST)
+    return heat(np.log(texels / LOWEST) / math.log(HIGHEST / LOWEST))
 
 
-def _names(each: Result) -> tuple[str, str]:
-    """The files of a result's picture and of its error."""
-    name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", each.technique)
-    start = f"{PICTURES}/{each.angle:g}-{name}"
+def _file_names(result: Result) -> tuple[str, str]:
+    """File names of a result's picture and error picture."""
+    name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", result.technique)
+    start = f"{PICTURES}/{result.angle:g}-{name}"
     return f"{start}.webp", f"{start}-error.webp"
 
 
@@ -73,14 +73,14 @@ def _names(each: Result) -> tuple[str, str]:
 
 
 class Cell(NamedTuple):
-    """One technique at one angle in the table: its error, and the class of its colour."""
+    """A cell of the table: the error of one technique at one angle, and its CSS class."""
 
     text: str
     kind: str
 
 
 class Row(NamedTuple):
-    """One technique in the table."""
+    """A row of the table: one technique."""
 
     technique: str
     time: str
@@ -89,7 +89,7 @@ class Row(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """One technique at one angle: its pictures, each a file and what it shows, and its numbers."""
+    """One technique at one angle: its pictures, each a file and a description, and its numbers."""
 
     title: str
     settings: str
@@ -99,7 +99,7 @@ class Shown(NamedTuple):
 
 
 class Angle(NamedTuple):
-    """All techniques at one angle; `alike` where none of them is off."""
+    """All techniques at one angle; `alike` where none of them has a visible error."""
 
     degrees: str
     title: str
@@ -108,15 +108,15 @@ class Angle(NamedTuple):
 
 
 def page_html(comparison: Results, has_plots: bool) -> str:
-    """The whole page, with or without the plot of error against time."""
+    """The page as HTML, with or without the plot of error against time."""
     best = advice(comparison)
-    what_to_do, _, why = best.sentence(max(comparison.angles)).partition(":")
+    recommendation, _, reason = best.sentence(max(comparison.angles)).partition(":")
     return fill(
         "measure/templates/report.html.jinja",
         generator=GENERATOR,
         title=f"{comparison.material}: which technique?",
         comparison=comparison,
-        advice=(what_to_do, why),
+        advice=(recommendation, reason),
         has_flip=_has_flip(comparison),
         rows=[_row(comparison, name, best) for name in mean_seconds(comparison)],
         plot=_plot(comparison) if has_plots else None,
@@ -142,7 +142,7 @@ def _cell(result: Result) -> Cell:
 
 
 def _plot(comparison: Results) -> dict[str, Any]:
-    """The files of the plot, its size, and what it shows."""
+    """Files, size and error name of the plot."""
     light, dark = _PLOTS
     return {"light": light, "dark": dark, "size": SIZE, "error": _error_name(comparison)}
 
@@ -152,15 +152,15 @@ def _error_name(comparison: Results) -> str:
 
 
 def _write_plots(folder: Path, comparison: Results) -> None:
-    """Error against time, each error the mean over all angles."""
+    """Write the plots of mean error over all angles against time."""
     best = advice(comparison)
     points = []
     for name, seconds in mean_seconds(comparison).items():
-        wrong = [
+        errors = [
             result.errors.missed if result.flip is None else result.flip
             for result in comparison.of(name)
         ]
-        points.append(Point(name, seconds, float(np.mean(wrong)), name == best.technique))
+        points.append(Point(name, seconds, float(np.mean(errors)), name == best.technique))
     limit = VISIBLE if _has_flip(comparison) else None
     for file, palette in _PLOTS.items():
         write_plot(folder / file, points, _error_name(comparison), limit, palette)
@@ -168,57 +168,57 @@ def _write_plots(folder: Path, comparison: Results) -> None:
 
 def _angle(comparison: Results, angle: float, best: Advice) -> Angle:
     results = sorted(comparison.at(angle), key=lambda result: result.technique != "exact")
-    title = "Straight on" if angle == 0.0 else f"{angle:g}° from straight on"
-    alike = all(result.errors.uv.worst <= LEAST for result in results)
+    title = "Head-on" if angle == 0.0 else f"{angle:g}° from head-on"
+    alike = all(result.errors.uv.worst <= LOWEST for result in results)
     return Angle(
         f"{angle:g}", title, alike, [_shown(comparison, result, best) for result in results]
     )
 
 
 def _ramp() -> dict[str, Any]:
-    """The colours of error pictures for CSS, and texels along them."""
+    """The colour scale of error pictures: CSS colours, and texels along it."""
     stops = srgb_encode(heat(np.linspace(0.0, 1.0, 17)).astype(np.float64)) * 255.0
     colors = ", ".join("rgb({:.0f} {:.0f} {:.0f})".format(*stop) for stop in stops)
-    return {"colors": colors, "texels": [f"{n:g}" for n in (LEAST, 1.0, 10.0, MOST)]}
+    return {"colors": colors, "texels": [f"{n:g}" for n in (LOWEST, 1.0, 10.0, HIGHEST)]}
 
 
 def _shown(comparison: Results, result: Result, best: Advice) -> Shown:
-    drawn, wrong = _names(result)
+    picture_file, error_file = _file_names(result)
     name = result.technique
     return Shown(
         title=f"{name}, the true picture" if name == "exact" else name,
         settings=_settings(comparison, name),
         files=[
-            (drawn, f"{name} at {result.angle:g} degrees"),
-            (wrong, f"how far off each pixel of {name} is"),
+            (picture_file, f"{name} at {result.angle:g} degrees"),
+            (error_file, f"error of each pixel of {name}"),
         ],
         facts=list(_facts(result)),
         ship=name == best.technique,
     )
 
 
-def _facts(each: Result) -> Iterator[tuple[str, str]]:
-    found = each.errors
-    if each.flip is not None:
-        yield "visible error (FLIP)", f"{each.flip:.3f}"
-    yield "missed hits", _share(found.missed)
-    if found.missed > 0.0:
-        yield "… passed through", _share(found.passed)
-        yield "… stopped short", _share(found.short)
-    yield "texels off", _spread(found.uv, 1.0)
-    yield "depth off, % of a tile", _spread(found.depth, 100.0)
-    yield "heights read a pixel", f"{found.reads:.1f}"
-    yield "time", _time(each.seconds)
+def _facts(result: Result) -> Iterator[tuple[str, str]]:
+    errors = result.errors
+    if result.flip is not None:
+        yield "visible error (FLIP)", f"{result.flip:.3f}"
+    yield "missed hits", _share(errors.missed)
+    if errors.missed > 0.0:
+        yield "… passed through", _share(errors.passed)
+        yield "… stopped short", _share(errors.short)
+    yield "uv error, texels", _spread(errors.uv, 1.0)
+    yield "depth error, % of a tile", _spread(errors.depth, 100.0)
+    yield "heights read in a pixel", f"{errors.reads:.1f}"
+    yield "time", _time(result.seconds)
 
 
 def _settings(comparison: Results, name: str) -> str:
     obj = comparison.objects[name]
-    said = [f"{key} {value:g}" for key, value in settings_of(obj).items()]
+    parts = [f"{key} {value:g}" for key, value in settings_of(obj).items()]
     if obj.relief_projection != "full":
-        said.append(f"projection {obj.relief_projection}")
+        parts.append(f"projection {obj.relief_projection}")
     if obj.relief_reference_height != 1.0:
-        said.append(f"reference height {obj.relief_reference_height:g}")
-    return " · ".join(said)
+        parts.append(f"reference height {obj.relief_reference_height:g}")
+    return " · ".join(parts)
 
 
 def _share(share: float) -> str:

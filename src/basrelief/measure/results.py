@@ -1,4 +1,4 @@
-"""Measurements of techniques at some angles: what a comparison holds, and its report is made of."""
+"""Measurements of techniques at several angles, which comparisons and reports are made of."""
 
 from __future__ import annotations
 
@@ -18,11 +18,24 @@ from basrelief.techniques import flat
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """One technique at one angle, in degrees: errors against the truth, cost, and how it looks.
+    """Measurements of one technique at one angle: errors, time and pictures.
 
-    `flip` is the mean FLIP error against the picture by `exact`, None where FLIP is not installed;
-    `seconds` the median time of the drawing program; `picture` (H, W, 3) linear, `off` (H, W) the
-    uv error of each pixel in texels, NaN where there is none; both float16.
+    Attributes
+    ----------
+    angle : float
+        Angle between view and normal, in degrees.
+    technique : str
+        Name of the technique within the comparison.
+    errors : Errors
+        Errors against the truth.
+    flip : float or None
+        Mean FLIP error against the picture by `exact`, 0 to 1; None where FLIP is not installed.
+    seconds : float
+        Median time of the drawing program.
+    picture : ndarray of float16, shape (h, w, 3)
+        The picture, linear.
+    off : ndarray of float16, shape (h, w)
+        uv error of each pixel in texels, NaN where there is none.
     """
 
     angle: float
@@ -36,7 +49,7 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Measurements of a comparison: `results` by angle, then by technique, fastest first."""
+    """Measurements of a comparison; `Comparison` describes the fields."""
 
     material: str
     texels: tuple[int, int]
@@ -51,24 +64,24 @@ class Results:
     results: tuple[Result, ...]
 
     def at(self, angle: float) -> list[Result]:
-        """The results at one angle."""
-        return [each for each in self.results if each.angle == angle]
+        """Results at one angle."""
+        return [result for result in self.results if result.angle == angle]
 
     def of(self, technique: str) -> list[Result]:
-        """The results of one technique, angle by angle."""
-        return [each for each in self.results if each.technique == technique]
+        """Results of one technique, by angle."""
+        return [result for result in self.results if result.technique == technique]
 
 
 def settings_of(obj: Object) -> dict[str, Any]:
-    """The settings of an object's technique, as plain numbers."""
-    if obj.drawn_with is flat:
+    """Settings of an object's technique, as JSON has them."""
+    if obj.selected_technique is flat:
         return {}
     record = obj.settings
-    return {name: _plain(getattr(record, name)) for name in type(record).__dataclass_fields__}
+    return {name: _json_value(getattr(record, name)) for name in type(record).__dataclass_fields__}
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     if isinstance(value, Vec3):
-        return [float(each) for each in value]
-    # the shortest number that is the same in 32 bits
+        return [float(component) for component in value]
+    # the shortest decimal that gives the same 32-bit number
     return float(str(value)) if isinstance(value, np.float32) else int(value)

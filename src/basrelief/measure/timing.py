@@ -1,4 +1,4 @@
-"""How long programs take, in turn with one another, so that a busy machine is unfair to none."""
+"""Times of drawing programs, measured in turn so that a busy machine slows all of them alike."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from basrelief.rendering.programs import program_of, values_of
 from basrelief.scene import Scene
 
 RUNS = 5
-"""How many runs a time is the median of."""
+"""Number of runs of which a time is the median."""
 _DISPATCHES = 8
-"""How often a GPU draws in one timestamped run."""
+"""Dispatches in one timestamped run on a GPU."""
 GPU_SIZE = (1920, 1080)
-"""On a GPU a small picture is drawn too fast to be timed."""
+"""Picture size on a GPU, which draws small pictures too fast to be timed."""
 
 
 @dataclass(frozen=True)
 class Timing:
-    """How times are taken: the picture's (width, height), and by "clock" or "timestamps"."""
+    """The way times are measured: size, the picture's (width, height), by clock or timestamps."""
 
     size: tuple[int, int]
     by: Literal["clock", "timestamps"]
 
 
 def timing_on(engine: Engine, size: tuple[int, int]) -> Timing:
-    """How times of pictures of a size are best taken on an engine."""
-    real = getattr(engine, "adapter_info", {}).get("adapter_type", "CPU") != "CPU"
-    if real and getattr(engine, "has_timestamps", False):
+    """The best way to measure times of pictures of a size on an engine."""
+    is_hardware = getattr(engine, "adapter_info", {}).get("adapter_type", "CPU") != "CPU"
+    if is_hardware and getattr(engine, "has_timestamps", False):
         return Timing(GPU_SIZE, "timestamps")
     return Timing(size, "clock")
 
@@ -41,23 +41,23 @@ def timing_on(engine: Engine, size: tuple[int, int]) -> Timing:
 def seconds_of(
     scenes: Mapping[str, Scene], timing: Timing, engine: Engine, runs: int = RUNS
 ) -> dict[str, float]:
-    """The median time in seconds of each scene's drawing program alone, one sample a pixel.
+    """Median seconds of each scene's drawing program alone, with one sample a pixel.
 
-    Each is of one object. They take turns, after one run each to warm up.
+    Scenes have one object each. They run in turn, after one run each to warm up.
     """
-    found: dict[str, list[float]] = {name: [] for name in scenes}
+    times_of: dict[str, list[float]] = {name: [] for name in scenes}
     with ExitStack() as stack:
-        ready = {name: _ready(scene, timing, engine, stack) for name, scene in scenes.items()}
+        draws = {name: _timed_draw(scene, timing, engine, stack) for name, scene in scenes.items()}
         for run in range(runs + 1):
-            for name, once in ready.items():
-                seconds = once()
+            for name, draw in draws.items():
+                seconds = draw()
                 if run > 0:
-                    found[name].append(seconds)
-    return {name: statistics.median(times) for name, times in found.items()}
+                    times_of[name].append(seconds)
+    return {name: statistics.median(times) for name, times in times_of.items()}
 
 
-def _ready(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
-    """What draws a scene once and says how long it took."""
+def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
+    """A function that draws a scene once and returns the seconds it took."""
     obj, size = scene.objects[0], timing.size
     program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
     match timing.by:

@@ -1,12 +1,12 @@
-"""The cheapest technique and settings that keep an error under a bound, from a range of angles.
+"""Search for the cheapest technique and settings that keep an error under a bound, over angles.
 
-How it searches, technique by technique. Its **effort** is the whole-number setting with the largest
-default (`steps`, `max_steps`, …); the least number of steps, where it has one, goes with it in the
-default's proportion. Other whole-number settings (`search_steps`, …) are tried at half of, at once
-and at twice their default; all else stays as it is. The effort is doubled until the error is under
-the bound at every angle, then the gap to the last failure is halved until it closes. Errors need
-not fall with effort: whatever is returned was itself measured at every angle, and nothing is
-concluded from its neighbours. Of what passes, the fastest by measured time on this device is taken.
+Each technique is searched by itself. Its **effort** is the whole-number setting with the largest
+default (`steps`, `max_steps`, …); a minimum number of steps changes in proportion. Other
+whole-number settings (`search_steps`, …) are tried at half, once and twice their default; all
+others keep their defaults. The effort is doubled until the error is under the bound at every angle,
+then found by bisection between the last failure and the first success. As errors need not fall with
+effort, every trial is measured, never inferred from its neighbours. The result is the fastest trial
+that passes, by measured time on this device.
 """
 
 from __future__ import annotations
@@ -36,24 +36,25 @@ from basrelief.scene import Scene
 from basrelief.scene.presets import Preset
 from basrelief.techniques import Technique
 
-__all__ = ["Tried", "Tuned", "tune"]
+__all__ = ["Trial", "TuneResult", "tune"]
 
-APART = 15.0
-"""Degrees between the angles of a range that are measured."""
-MOST = 1024
-"""The most effort that is tried."""
+ANGLE_STEP = 15.0
+"""Largest difference between neighbouring angles that are measured, in degrees."""
+MAX_EFFORT = 1024
+"""Largest effort that is tried."""
 _RUNS = 5
 Measure = Literal["missed", "flip"]
-_MEASURED: dict[Measure, str] = {"missed": "missed hits", "flip": "FLIP"}
+_MEASURE_NAMES: dict[Measure, str] = {"missed": "missed hits", "flip": "FLIP"}
 _SAMPLES: dict[Measure, int] = {"missed": 1, "flip": 4}
-"""Of each pixel, while a candidate is measured."""
+"""Samples a pixel while a candidate is measured."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
-    """A technique with settings: its largest error, at which angle, and its mean time.
+class Trial:
+    """A technique with settings, its largest error, the angle of that error and its mean time.
 
-    Of one that fails the error is that at the angle where it was found to fail.
+    Angles are in degrees, times in seconds. Measuring stops at the first angle, from grazing
+    on, at which the error exceeds the bound.
     """
 
     candidate: Candidate
@@ -64,14 +65,41 @@ class Tried:
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned:
-    """What `tune` found: `chosen` is the cheapest that stays under the `bound` on `measure`
-    ("missed" or "flip") at all `angles`; `nearest` the cheaper one that came nearest to it, None
-    where nothing cheaper was tried; `others` what passed too, the fastest first."""
+class TuneResult:
+    """The cheapest technique and settings under a bound, and the alternatives.
 
-    chosen: Tried
-    nearest: Tried | None
-    others: tuple[Tried, ...]
+    Attributes
+    ----------
+    chosen : Trial
+        The fastest trial that stays under the bound at all angles.
+    nearest : Trial or None
+        Of the faster trials that exceed the bound, the one with the smallest error; None where
+        there is none.
+    others : tuple of Trial
+        Other trials under the bound, the fastest first.
+    measure : {"missed", "flip"}
+        The bounded error: the share of missed hits, or mean FLIP.
+    bound : float
+        The bound, 0 to 1.
+    angles : tuple of float
+        Measured angles between view and normal, in degrees, ascending.
+    source : str
+        The material as a command line names it.
+    material : str
+        Name of the material.
+    scale : float
+        Height range as a fraction of a tile's width.
+    settings : mapping
+        Settings of the chosen technique.
+    options : mapping
+        Fields of `Object` and `Scene` that were set.
+    device : str
+        Engine and adapter that ran the shaders.
+    """
+
+    chosen: Trial
+    nearest: Trial | None
+    others: tuple[Trial, ...]
     measure: Measure
     bound: float
     angles: tuple[float, ...]
@@ -84,7 +112,7 @@ class Tuned:
 
     @property
     def command(self) -> str:
-        """The command line that draws with what was chosen."""
+        """A command line that draws with the chosen technique and settings."""
         parts = ["basrelief", "render", self.source, "--technique", self.chosen.candidate.spelled]
         for name, value in self.settings.items():
             parts += ["--set", f"{name}={value:g}"]
@@ -94,34 +122,37 @@ class Tuned:
         for name in ("reference_height", "projection"):
             if name in self.options:
                 value = self.options[name]
-                parts += [f"--{name}", value if isinstance(value, str) else f"{value:g}"]
+                parts += [
+                    f"--{name.replace('_', '-')}",
+                    value if isinstance(value, str) else f"{value:g}",
+                ]
         return shlex.join(parts)
 
     @property
     def preset(self) -> Preset:
-        """The same as a preset; `preset.save("mine.toml")` writes it."""
+        """A preset of the chosen technique and settings; `preset.save("mine.toml")` writes it."""
         about = (
-            f"For {self.material}: the cheapest with {self._told(self.chosen)}, "
+            f"For {self.material}: the cheapest with {self._error_text(self.chosen)}, "
             f"from {self.angles[0]:g} to {self.angles[-1]:g} degrees."
         )
-        plain = {
+        options = {
             k: v for k, v in self.options.items() if k in ("reference_height", "projection", "bias")
         }
         obj = {
-            "technique": _from_anywhere(self.chosen.candidate.spelled),
+            "technique": _with_absolute_path(self.chosen.candidate.spelled),
             "scale": self.scale,
-            **plain,
+            **options,
             "settings": dict(self.settings),
         }
         return Preset(f"{self.material}-tuned", about, values={"object": obj})
 
     def report(self) -> str:
-        """The chosen settings and the cheaper ones that just missed, in a few lines of text."""
+        """The chosen settings and the faster ones that just missed, in a few lines of text."""
         chosen = self.chosen
         low, high = self.angles[0], self.angles[-1]
         lines = [
-            f"{_spelled(chosen, self.settings)}: {self._told(chosen)} (bound "
-            f"{self._number(self.bound)}), the worst at {chosen.angle:g}°; "
+            f"{_with_settings(chosen, self.settings)}: {self._error_text(chosen)} (bound "
+            f"{self._number(self.bound)}), worst at {chosen.angle:g}°; "
             f"{chosen.seconds * 1e3:.3g} ms a picture, {low:g} to {high:g}°"
         ]
         if self.nearest is None:
@@ -130,16 +161,19 @@ class Tuned:
             near = self.nearest
             less = 100.0 * (1.0 - near.seconds / chosen.seconds)
             lines.append(
-                f"just missed: {_spelled(near)} would take {less:.0f} % less time "
-                f"({near.seconds * 1e3:.3g} ms), but has {self._told(near)} at {near.angle:g}°"
+                f"just missed: {_with_settings(near)} would be {less:.0f} % faster "
+                f"({near.seconds * 1e3:.3g} ms), but has {self._error_text(near)} "
+                f"at {near.angle:g}°"
             )
         if self.others:
-            also = ", ".join(f"{_spelled(o)} ({o.seconds * 1e3:.3g} ms)" for o in self.others[:3])
+            also = ", ".join(
+                f"{_with_settings(o)} ({o.seconds * 1e3:.3g} ms)" for o in self.others[:3]
+            )
             lines.append(f"also under the bound: {also}")
         return "\n".join(lines)
 
-    def _told(self, tried: Tried) -> str:
-        return f"{self._number(tried.error)} {_MEASURED[self.measure]}"
+    def _error_text(self, trial: Trial) -> str:
+        return f"{self._number(trial.error)} {_MEASURE_NAMES[self.measure]}"
 
     def _number(self, error: float) -> str:
         match self.measure:
@@ -164,58 +198,91 @@ def tune(
     source: str | None = None,
     progress: Progress = lambda what, share: None,
     **options: Any,
-) -> Tuned:
-    """The cheapest technique and settings for a material that keep an error under a bound.
+) -> TuneResult:
+    """Find the cheapest technique and settings for a material that keep an error under a bound.
 
-    Either `missed`, the share of missed hits (0 to 1), or `flip`, the mean FLIP error, is bounded,
-    at angles from the first to the last of `angles`, 15 degrees apart at most. `techniques` and
-    `options` are as in `compare`; `settings` are kept as they are given. `source` is what the
-    command line names the material. Raises InputError where
-    nothing stays under the bound, and as `compare` does.
+    Parameters
+    ----------
+    what : Material or path
+        A material, or a folder of maps, a picture or "sample:NAME".
+    missed : float, optional
+        Bound on the share of missed hits, 0 to 1. Give either `missed` or `flip`.
+    flip : float, optional
+        Bound on the mean FLIP error, 0 to 1.
+    angles : (float, float)
+        Smallest and largest angle between view and normal, in degrees, 0 to 89. Angles between
+        them are measured too, at most 15 degrees apart.
+    techniques : sequence of str, Technique or Candidate, optional
+        Techniques to try, as in `compare`; by default all of the library's but `exact`.
+    size : (int, int)
+        Width and height of the measured pictures, in pixels.
+    device : str or Engine
+        "auto", "cpu" or "gpu", or an engine.
+    settings : mapping, optional
+        Settings that keep these values.
+    source : str, optional
+        The material as the command line in the result names it.
+    progress : callable
+        Called with the current task and the finished share, 0 to 1.
+    **options
+        Fields of `Object` and `Scene`, as in `compare`.
+
+    Returns
+    -------
+    TuneResult
+
+    Raises
+    ------
+    InputError
+        Where nothing stays under the bound, and whatever `compare` refuses.
     """
     if (missed is None) == (flip is None):
         raise InputError("give one bound: missed hits (missed=0.001) or FLIP (flip=0.05)")
     bound = flip if missed is None else missed
     assert bound is not None
     if not 0.0 <= bound <= 1.0:
-        raise InputError(f"a bound of {bound:g}: give a share from 0 to 1, as 0.001 for 0.1 %")
+        raise InputError(
+            f"a bound of {bound:g}: give a share from 0 to 1, for example 0.001 for 0.1 %"
+        )
     if flip is not None:
         check_flip()
     size = check_picture(size)
     material = what if isinstance(what, Material) else load(what)
     check_measurable(material, options)
-    kept = dict(settings or {})
+    fixed = dict(settings or {})
     chosen = [
-        c for c in candidates(techniques, kept) if techniques is None or _asked(c, techniques)
+        c
+        for c in candidates(techniques, fixed)
+        if techniques is None or _is_requested(c, techniques)
     ]
     engine = engine_of(device)
     views = _views(angles)
     measure: Measure = "missed" if flip is None else "flip"
-    progress(f"working out the truth of {material.name}", 0.0)
-    ruler = _Ruler(material, views, size, engine, options, measure, bound)
-    tried: list[Tried] = []
+    progress(f"computing the truth of {material.name}", 0.0)
+    evaluator = _Evaluator(material, views, size, engine, options, measure, bound)
+    trials: list[Trial] = []
     for number, candidate in enumerate(chosen):
         progress(f"trying {candidate.name}", 0.1 + 0.7 * number / len(chosen))
-        for variant in _variants(candidate, kept):
-            tried += _search(variant, kept, ruler.tried)
-    if not any(each.passed for each in tried):
-        least = min(tried, key=lambda each: each.error)
+        for variant in _variants(candidate, fixed):
+            trials += _search(variant, fixed, evaluator.evaluate)
+    if not any(trial.passed for trial in trials):
+        closest = min(trials, key=lambda trial: trial.error)
         raise InputError(
-            f"nothing stays under {bound:g} from {views[0]:g} to {views[-1]:g}°; the nearest is "
-            f"{_spelled(least)} with {least.error:.3g} at {least.angle:g}°; raise the bound, or "
-            "let exact take part"
+            f"nothing stays under {bound:g} from {views[0]:g} to {views[-1]:g}°; the closest is "
+            f"{_with_settings(closest)} with {closest.error:.3g} at {closest.angle:g}°; "
+            "raise the bound, or add the technique exact"
         )
-    progress("timing what is left", 0.85)
-    timed = ruler.timed(tried)
-    fit = sorted((each for each in timed if each.passed), key=lambda each: each.seconds)
-    best = fit[0]
-    cheaper = [each for each in timed if not each.passed and each.seconds < best.seconds]
-    scene = ruler.scene(best.candidate, views[0])
+    progress("timing", 0.85)
+    timed = evaluator.timed(trials)
+    passing = sorted((trial for trial in timed if trial.passed), key=lambda trial: trial.seconds)
+    best = passing[0]
+    cheaper = [trial for trial in timed if not trial.passed and trial.seconds < best.seconds]
+    scene = evaluator.scene(best.candidate, views[0])
     obj = scene.objects[0]
-    return Tuned(
+    return TuneResult(
         chosen=best,
-        nearest=min(cheaper, key=lambda each: each.error, default=None),
-        others=tuple(fit[1:]),
+        nearest=min(cheaper, key=lambda trial: trial.error, default=None),
+        others=tuple(passing[1:]),
         measure=measure,
         bound=bound,
         angles=views,
@@ -234,10 +301,11 @@ def check_flip() -> None:
         raise InputError("FLIP needs NVIDIA's flip-evaluator; pip install 'basrelief[measure]'")
 
 
-def _asked(candidate: Candidate, techniques: Sequence[Any]) -> bool:
-    """Whether a technique was asked for; `compare` adds `exact`, which here is one like others."""
+def _is_requested(candidate: Candidate, techniques: Sequence[Any]) -> bool:
+    """Whether a technique was requested; `candidates` adds `exact`, which is no reference here."""
     return candidate.name != "exact" or any(
-        each == "exact" or getattr(each, "name", None) == "exact" for each in techniques
+        technique == "exact" or getattr(technique, "name", None) == "exact"
+        for technique in techniques
     )
 
 
@@ -245,15 +313,15 @@ def _views(angles: tuple[float, float]) -> tuple[float, ...]:
     low, high = angles
     if not low <= high:
         raise InputError(f"angles from {low:g} to {high:g}: give the smaller first")
-    count = int(np.ceil((high - low) / APART)) + 1
+    count = int(np.ceil((high - low) / ANGLE_STEP)) + 1
     return tuple(float(angle) for angle in np.linspace(low, high, count))
 
 
 # --- measuring -----------------------------------------------------------------------------------
 
 
-class _Ruler:
-    """The views of a material with their truths, against which candidates are held."""
+class _Evaluator:
+    """Views of a material with their references, against which candidates are measured."""
 
     def __init__(
         self,
@@ -268,54 +336,54 @@ class _Ruler:
         self.material, self.angles, self.size = material, angles, size
         self.engine, self.options, self.bound = engine, options, bound
         self.samples = _SAMPLES[measure]
-        (reference,) = candidates(["exact"], {})
-        self.true: dict[float, Truth | Frame] = {}
+        (exact,) = candidates(["exact"], {})
+        self.reference: dict[float, Truth | Frame] = {}
         for angle in angles:
-            scene = self.scene(reference, angle)
+            scene = self.scene(exact, angle)
             match measure:
                 case "missed":
-                    self.true[angle] = truth(scene, size, device=engine)
+                    self.reference[angle] = truth(scene, size, device=engine)
                 case "flip":
-                    self.true[angle] = self.drawn(scene)
+                    self.reference[angle] = self.render(scene)
                 case _:
                     assert_never(measure)
 
     def scene(self, candidate: Candidate, angle: float) -> Scene:
-        """What a candidate is measured on."""
+        """The scene that draws a candidate at an angle."""
         own = {"technique": candidate.technique, "settings": candidate.settings}
         return at_angle(self.material, angle, self.size, {**self.options, **own})
 
-    def drawn(self, scene: Scene) -> Frame:
-        """A scene's frame."""
+    def render(self, scene: Scene) -> Frame:
+        """Render a scene."""
         return render(scene, size=self.size, samples=self.samples, device=self.engine)
 
-    def tried(self, candidate: Candidate) -> Tried:
-        """A candidate's largest error; from grazing on, no further than where it fails."""
+    def evaluate(self, candidate: Candidate) -> Trial:
+        """Measure a candidate from grazing on, up to the first angle at which it fails."""
         worst = (-1.0, self.angles[0])
         for angle in reversed(self.angles):
             worst = max(worst, (self.error(candidate, angle), angle))
             if worst[0] > self.bound:
-                return Tried(candidate, False, *worst)
-        return Tried(candidate, True, *worst)
+                return Trial(candidate, False, *worst)
+        return Trial(candidate, True, *worst)
 
     def error(self, candidate: Candidate, angle: float) -> float:
-        """A candidate's error at one angle."""
-        frame, true = self.drawn(self.scene(candidate, angle)), self.true[angle]
-        if isinstance(true, Frame):
-            return flip_of(true, frame)
-        return float(missed(frame, true).sum() / max(int(true.there.sum()), 1))
+        """Error of a candidate at one angle."""
+        frame, reference = self.render(self.scene(candidate, angle)), self.reference[angle]
+        if isinstance(reference, Frame):
+            return flip_of(reference, frame)
+        return float(missed(frame, reference).sum() / max(int(reference.there.sum()), 1))
 
-    def timed(self, tried: Sequence[Tried]) -> list[Tried]:
-        """The same with their mean times from head-on to grazing, measured in turn."""
+    def timed(self, trials: Sequence[Trial]) -> list[Trial]:
+        """The trials with mean times over head-on, middle and grazing views, measured in turn."""
         timing: Timing = timing_on(self.engine, self.size)
         angles = sorted({self.angles[0], self.angles[len(self.angles) // 2], self.angles[-1]})
-        found = []
+        times_by_angle = []
         for angle in angles:
-            scenes = {str(k): self.scene(t.candidate, angle) for k, t in enumerate(tried)}
-            found.append(seconds_of(scenes, timing, self.engine, _RUNS))
+            scenes = {str(k): self.scene(trial.candidate, angle) for k, trial in enumerate(trials)}
+            times_by_angle.append(seconds_of(scenes, timing, self.engine, _RUNS))
         return [
-            replace(each, seconds=float(np.mean([times[str(k)] for times in found])))
-            for k, each in enumerate(tried)
+            replace(trial, seconds=float(np.mean([times[str(k)] for times in times_by_angle])))
+            for k, trial in enumerate(trials)
         ]
 
 
@@ -323,18 +391,18 @@ class _Ruler:
 
 
 def _search(
-    candidate: Candidate, kept: Mapping[str, Any], measured: Callable[[Candidate], Tried]
-) -> list[Tried]:
-    """The least effort that passes, and the nearest that was seen to fail, where there are any."""
-    main = effort(candidate.technique, kept)
+    candidate: Candidate, fixed: Mapping[str, Any], evaluate: Callable[[Candidate], Trial]
+) -> list[Trial]:
+    """The trial of the least effort that passes, then the last one that failed, if any."""
+    main = effort(candidate.technique, fixed)
     if main is None:
-        return [measured(candidate)]
+        return [evaluate(candidate)]
     field = candidate.technique.settings.__dataclass_fields__[main]
     low = int(field.metadata["low"])
-    high = int(min(field.metadata["high"] or MOST, MOST))
+    high = int(min(field.metadata["high"] or MAX_EFFORT, MAX_EFFORT))
 
-    def at(count: int) -> Tried:
-        return measured(_with_effort(candidate, main, count, kept))
+    def at(count: int) -> Trial:
+        return evaluate(_with_effort(candidate, main, count, fixed))
 
     count, failed = max(low, 1), None
     last = at(count)
@@ -346,54 +414,56 @@ def _search(
         return [last]
     while count - below > 1:
         middle = (below + count) // 2
-        one = at(middle)
-        if one.passed:
-            last, count = one, middle
+        trial = at(middle)
+        if trial.passed:
+            last, count = trial, middle
         else:
-            failed, below = one, middle
+            failed, below = trial, middle
     return [last, failed]
 
 
-def effort(technique: Technique[..., Any], kept: Mapping[str, Any]) -> str | None:
-    """The setting that a search turns: the whole number with the largest default, if any."""
-    numbers = _whole_numbers(technique, kept)
+def effort(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> str | None:
+    """The setting that a search varies: the whole number with the largest default, if any."""
+    numbers = _whole_numbers(technique, fixed)
     return max(numbers, key=lambda name: numbers[name], default=None)
 
 
-def _whole_numbers(technique: Technique[..., Any], kept: Mapping[str, Any]) -> dict[str, int]:
+def _whole_numbers(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> dict[str, int]:
     fields = technique.settings.__dataclass_fields__.values()
     return {
         f.name: int(f.default) for f in fields
-        if f.type in ("int", int) and f.name not in kept
+        if f.type in ("int", int) and f.name not in fixed
     }  # fmt: skip
 
 
 def _partner(technique: Technique[..., Any], main: str) -> str | None:
-    """The setting that is the least of what `main` is the most."""
+    """The setting of the minimum that belongs to the maximum `main`, if any."""
     name = main.replace("max", "min")
     return name if name != main and name in technique.settings.__dataclass_fields__ else None
 
 
-def _with_effort(candidate: Candidate, main: str, count: int, kept: Mapping[str, Any]) -> Candidate:
+def _with_effort(
+    candidate: Candidate, main: str, count: int, fixed: Mapping[str, Any]
+) -> Candidate:
     fields = candidate.technique.settings.__dataclass_fields__
-    made = {**candidate.settings, main: count}
+    settings = {**candidate.settings, main: count}
     partner = _partner(candidate.technique, main)
-    if partner is not None and partner not in kept:
+    if partner is not None and partner not in fixed:
         share = count * int(fields[partner].default) / int(fields[main].default)
-        made[partner] = max(int(fields[partner].metadata["low"]), round(share))
-    return replace(candidate, settings=made)
+        settings[partner] = max(int(fields[partner].metadata["low"]), round(share))
+    return replace(candidate, settings=settings)
 
 
-def _variants(candidate: Candidate, kept: Mapping[str, Any]) -> Iterator[Candidate]:
-    """A candidate with its lesser whole numbers at half, once and twice their default."""
-    main = effort(candidate.technique, kept)
+def _variants(candidate: Candidate, fixed: Mapping[str, Any]) -> Iterator[Candidate]:
+    """A candidate with its other whole numbers at half, once and twice their default."""
+    main = effort(candidate.technique, fixed)
     partner = main and _partner(candidate.technique, main)
-    lesser = [
-        name for name in _whole_numbers(candidate.technique, kept)
+    others = [
+        name for name in _whole_numbers(candidate.technique, fixed)
         if name not in (main, partner, *candidate.settings)
     ]  # fmt: skip
     yield candidate
-    for name in lesser:
+    for name in others:
         field = candidate.technique.settings.__dataclass_fields__[name]
         low, high = field.metadata["low"], field.metadata["high"]
         for count in (int(field.default) // 2, int(field.default) * 2):
@@ -401,12 +471,12 @@ def _variants(candidate: Candidate, kept: Mapping[str, Any]) -> Iterator[Candida
                 yield replace(candidate, settings={**candidate.settings, name: count})
 
 
-def _spelled(tried: Tried, settings: Mapping[str, Any] | None = None) -> str:
-    said = tried.candidate.settings if settings is None else settings
-    return ",".join([tried.candidate.spelled, *(f"{k}={v:g}" for k, v in said.items())])
+def _with_settings(trial: Trial, settings: Mapping[str, Any] | None = None) -> str:
+    values = trial.candidate.settings if settings is None else settings
+    return ",".join([trial.candidate.spelled, *(f"{k}={v:g}" for k, v in values.items())])
 
 
-def _from_anywhere(spelled: str) -> str:
-    """A technique's name; that of a file of one's own with its whole path."""
-    file, colon, name = spelled.rpartition(":")
+def _with_absolute_path(technique: str) -> str:
+    """The name of a technique; FILE.py:NAME with the absolute path of the file."""
+    file, colon, name = technique.rpartition(":")
     return f"{Path(file).resolve()}:{name}" if colon else name

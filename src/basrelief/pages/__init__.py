@@ -1,6 +1,6 @@
-"""The shared parts of all HTML pages: templates, style, policy, and how a page is written."""
+"""Shared parts of all HTML pages: templates, style, content policy, and the writing of files."""
 
-from basrelief.pages.page import check_ours, is_ours, write_page
+from basrelief.pages.page import check_overwritable, is_generated_by, write_page
 from basrelief.pages.template import fill
 
-__all__ = ["check_ours", "fill", "is_ours", "write_page"]
+__all__ = ["check_overwritable", "fill", "is_generated_by", "write_page"]

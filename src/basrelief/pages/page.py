@@ -1,4 +1,4 @@
-"""Files of pages: written whole, and never over a file that is not ours."""
+"""Files of pages: written atomically, and never over files of another origin."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from pathlib import Path
 from basrelief.errors import InputError
 from basrelief.images import write_whole
 
-__all__ = ["check_ours", "is_ours", "write_page"]
+__all__ = ["check_overwritable", "is_generated_by", "write_page"]
 
 
-def is_ours(file: Path, generator: str) -> bool:
-    """Whether a file is a page that says it was made by `generator`."""
+def is_generated_by(file: Path, generator: str) -> bool:
+    """Whether a file is a page whose generator is `generator`."""
     return file.is_file() and generator in file.read_text(encoding="utf-8", errors="replace")
 
 
-def check_ours(file: Path, generator: str, what: str) -> None:
-    """Raise InputError where there is a file that is not ours; `what` says what ours would be."""
+def check_overwritable(file: Path, generator: str, what: str) -> None:
+    """Raise InputError if a file exists that `generator` did not write; `what` names its pages."""
     if file.is_dir():
         raise InputError(f"{file}: is a folder; name a file in it, as {file / 'page.html'}")
-    if file.exists() and not is_ours(file, generator):
-        raise InputError(f"{file}: is there, and not {what}; choose another name or folder")
+    if file.exists() and not is_generated_by(file, generator):
+        raise InputError(f"{file}: exists and is not {what}; choose another name or folder")
 
 
 def write_page(file: Path, text: str) -> None:
-    """Write a page, whole or not at all; raises InputError where it cannot be written."""
+    """Write a page atomically; raises InputError if it cannot be written."""
     write_whole(file, lambda partial: partial.write_text(text, "utf-8", newline="\n"))

@@ -1,4 +1,4 @@
-"""Jinja templates of the package: one environment, in which every value is escaped.
+"""Jinja templates of the package, in one environment that escapes every value.
 
 Templates and style sheets are named by their paths within `basrelief`. Pages extend
 `pages/templates/base.html.jinja`, whose content policy allows no scripts and no network.
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 def fill(template: str, **values: Any) -> str:
-    """The text of a template with its values, each escaped.
+    """Render a template with escaped values.
 
-    Raises jinja2.UndefinedError for a value that the template uses and that is missing.
+    Raises jinja2.UndefinedError for a missing value that the template uses.
     """
     return _environment().get_template(template).render(values)
 
@@ -40,7 +40,7 @@ def _environment() -> Environment:
 
 
 def _style(path: str) -> Markup:
-    """A style sheet as it stands: the content of `<style>` is not HTML."""
+    """A style sheet, unescaped: the content of `<style>` is not HTML."""
     from markupsafe import Markup
 
     return Markup(_text(path))

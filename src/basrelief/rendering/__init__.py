@@ -1,1 +1,1 @@
-"""From a scene to its picture: textures, programs, shadow maps, frames, films."""
+"""Rendering of scenes: textures, programs, shadow maps, frames and films."""

@@ -1,9 +1,9 @@
-"""Films: a scene in motion drawn frame by frame, and its files.
+"""Films: a scene in motion, drawn frame by frame, and its files.
 
     moving = frames("materials/rock", [Orbiting()], count=120)
     write_film("rock.mp4", moving, count=120)
 
-Numbered pictures need nothing more; MP4, GIF and animated WebP need PyAV, the extra `film`.
+MP4, GIF and animated WebP need PyAV, the extra `film`; numbered pictures do not.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
 from basrelief.scene import BACKGROUND, Object, Scene
-from basrelief.scene.motion import Moment, Motion, Orbiting, moved
+from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 
-__all__ = ["FILMS", "Written", "check_film", "frames", "write_film"]
+__all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
 Light = NDArray[np.float32]
-"""A picture, (height, width, 4), linear, alpha last and not multiplied in."""
+"""A picture, (height, width, 4), linear, with straight alpha last."""
 
-_MOST_FRAMES = 100_000
+_MAX_FRAMES = 100_000
 """Almost an hour at 30 frames a second."""
-_MOST_A_SECOND = 240.0
-"""Faster than screens show."""
-_CHECKED = 360
-"""Moments at which the camera is looked at before the first frame is drawn."""
+_MAX_FPS = 240.0
+"""Above the refresh rate of common screens."""
+_CHECKED_MOMENTS = 360
+"""Moments at which the camera is checked before the first frame is drawn."""
 
 
 # --- drawing -------------------------------------------------------------------------------------
@@ -57,44 +57,72 @@ def frames(
     progress: Progress | None = None,
     **options: Any,
 ) -> Iterator[Frame]:
-    """Draw the frames of a film, each when it is asked for; no more than one is kept.
+    """Draw the frames of a film lazily; no more than one is kept in memory.
 
-    `count` frames, 1 to 100 000, `fps` of them a second, up to 240. `motions` act one after the
-    other on the scene; all else is as in `render`. `progress` is called with the share, 0 to 1,
-    of the whole film. Raises InputError at once for what can be known at once, a camera that
-    comes into an object among it.
+    Parameters
+    ----------
+    what : Scene, Object, Material, path or str
+        Initial scene, as for `render`.
+    motions : sequence of Motion, default (Orbiting(),)
+        Motions, applied one after the other.
+    count : int
+        Number of frames, 1 to 100 000.
+    fps : float, default 30.0
+        Frames per second, 0.1 to 240.
+    size : (int, int), default (1280, 720)
+        Width and height in pixels.
+    samples : int, default 4
+        Samples per pixel, 1 to 1024.
+    device : {"auto", "cpu", "gpu"} or Engine, default "auto"
+        Device that draws.
+    progress : callable, optional
+        Called with the finished fraction of the film, 0 to 1.
+    **options
+        Options of `Object` and `Scene`, and `preset`, as for `render`.
+
+    Returns
+    -------
+    iterator of Frame
+
+    Raises
+    ------
+    InputError
+        On the call, before any frame is drawn: for values out of range, and for a camera that moves
+        into an object.
     """
     _check_count(count)
     seconds = 1.0 / float(_rate(fps))
     scene = scene_of(what, options)
 
-    def at(number: int) -> Scene:
-        return moved(scene, motions, Moment(number / count, number * seconds, size))
+    def scene_at(number: int) -> Scene:
+        return apply_motions(scene, motions, Moment(number / count, number * seconds, size))
 
-    for number in range(0, count, -(-count // _CHECKED)):
-        at(number).check_camera()
+    for number in range(0, count, -(-count // _CHECKED_MOMENTS)):
+        scene_at(number).check_camera()
 
-    def drawn() -> Iterator[Frame]:
+    def generate() -> Iterator[Frame]:
         for number in range(count):
-            told = _share_of_all(progress, number, count)
-            yield render(at(number), size=size, samples=samples, device=device, progress=told)
+            frame_progress = _frame_progress(progress, number, count)
+            yield render(
+                scene_at(number), size=size, samples=samples, device=device, progress=frame_progress
+            )
 
-    return drawn()
+    return generate()
 
 
-def _share_of_all(progress: Progress | None, number: int, count: int) -> Progress | None:
+def _frame_progress(progress: Progress | None, number: int, count: int) -> Progress | None:
     return progress and (lambda share: progress((number + share) / count))
 
 
 def _check_count(count: int) -> None:
-    if not 1 <= count <= _MOST_FRAMES:
-        raise InputError(f"{count} frames: give 1 to {_MOST_FRAMES}")
+    if not 1 <= count <= _MAX_FRAMES:
+        raise InputError(f"{count} frames: give 1 to {_MAX_FRAMES}")
 
 
 def _rate(fps: float) -> Fraction:
-    """Frames a second as films count them: 29.97 is 30 000 ÷ 1001."""
-    if not 0.1 <= fps <= _MOST_A_SECOND:
-        raise InputError(f"{fps:g} frames a second: give 0.1 to {_MOST_A_SECOND:g}")
+    """Frame rate as a fraction, as films count it: 29.97 is 30 000 ÷ 1001."""
+    if not 0.1 <= fps <= _MAX_FPS:
+        raise InputError(f"{fps:g} frames a second: give 0.1 to {_MAX_FPS:g}")
     return Fraction(fps).limit_denominator(1001)
 
 
@@ -102,25 +130,25 @@ def _rate(fps: float) -> Fraction:
 
 
 @dataclass(frozen=True)
-class Written:
-    """The files of a film in their order, one for a film as such, and the device that drew it."""
+class FilmFiles:
+    """Files of a film in order, one except for numbered pictures, and the device that drew."""
 
     files: tuple[Path, ...]
     device: str
 
 
 @dataclass(frozen=True)
-class _Film:
-    """What a kind of film file can hold, and how it is written.
+class _FilmFormat:
+    """A film format: its codec, its writer and its limits.
 
-    `codec` is FFmpeg's name. `write` gets the file, its pictures, their size, the rate, and the
-    quality, 1 to 100.
+    `codec` is FFmpeg's name. `write` takes the file, the pictures, their size, the frame rate, and
+    the quality, 1 to 100. `even` demands even sides.
     """
 
     codec: str
     write: Callable[[Path, Iterator[Light], tuple[int, int], Fraction, int], None]
     longest_side: int
-    fastest: float = _MOST_A_SECOND
+    fastest: float = _MAX_FPS
     even: bool = False
 
 
@@ -132,39 +160,63 @@ def write_film(
     count: int | None = None,
     bits: int | None = None,
     quality: int = 95,
-) -> Written:
-    """Write a film as the suffix says.
+) -> FilmFiles:
+    """Write the frames of a film in the format of the suffix.
 
-    `.mp4` (H.264), `.gif` and `.webp` are one file, written whole or not at all; those two loop for
-    ever. Any other suffix is that of `Image.save`: pictures with numbers from 1, rock-0001.png and
-    on, each whole; those that were done stay when the next fails. They have four digits, or as
-    many as `count` needs (six where it is not said). Where `count` is 1, a `.webp` too is a
-    picture, and none has a number.
+    Films of one file are written atomically. Numbered pictures are written one by one, and those
+    that are finished stay if a later one fails.
 
-    Colours are those of `Image.save`. MP4 has no transparency: frames are laid over `BACKGROUND`,
-    and tagged as sRGB in BT.709, one colour for two by two pixels. GIF has 256 colours for the
-    whole film, and pixels that are seen or not. `bits` are those of pictures; `quality` is 1 to
-    100 (WebP at 100 is lossless).
+    Parameters
+    ----------
+    path : path or str
+        File to write. `.mp4` (H.264), `.gif` and `.webp` are films of one file, the last two in an
+        endless loop. Any suffix of `Image.save` gives numbered pictures, `rock-0001.png` and so on.
+        With a `count` of 1, a single picture without a number is written.
+    frames : iterable of Frame
+        Frames of equal size, as from `frames`.
+    fps : float, default 30.0
+        Frames per second, 0.1 to 240; at most 50 for GIF.
+    count : int, optional
+        Number of frames, 1 to 100 000. It sets the digits of numbered pictures: at least four, and
+        six by default.
+    bits : int, optional
+        Bits per channel of pictures, as for `Image.save`.
+    quality : int, default 95
+        Quality of lossy formats, 1 to 100; WebP is lossless at 100.
 
-    Raises InputError as `check_film` does, for frames of unequal size, and for a place that cannot
-    be written.
+    Returns
+    -------
+    FilmFiles
+        The written `files`, in order, and the `device` that drew them.
+
+    Raises
+    ------
+    InputError
+        For values out of range, an unknown suffix, a missing PyAV, a size that the format cannot
+        hold, frames of unequal size, and a file that cannot be written.
+
+    Notes
+    -----
+    Colours are those of `Image.save`. MP4 has no transparency: frames are composited over
+    `BACKGROUND`, and tagged as sRGB in BT.709 with chroma at half resolution. GIF has 256 colours
+    for the whole film, and binary transparency.
     """
     path = Path(path)
-    known = count if count is not None else operator.length_hint(frames)
-    shown = iter(frames)
-    first = next(shown, None)
+    total = count if count is not None else operator.length_hint(frames)
+    remaining = iter(frames)
+    first = next(remaining, None)
     if first is None:
         raise InputError(f"{path}: a film of no frames; give one or more")
     size = (first.distance.shape[1], first.distance.shape[0])
-    check_film(path, known or _MOST_FRAMES, fps, size, bits=bits, quality=quality)
-    shown = itertools.chain([first], shown)
-    kind = _film_for(path, known)
-    if kind is None:
-        files = _write_numbered(path, shown, known, bits=bits, quality=quality)
-        return Written(files, first.device)
-    pictures = _pictures(shown, size, path)
-    write_whole(path, lambda partial: _through_av(kind, partial, pictures, size, fps, quality))
-    return Written((path,), first.device)
+    check_film(path, total or _MAX_FRAMES, fps, size, bits=bits, quality=quality)
+    remaining = itertools.chain([first], remaining)
+    format = _film_for(path, total)
+    if format is None:
+        files = _write_numbered(path, remaining, total, bits=bits, quality=quality)
+        return FilmFiles(files, first.device)
+    pictures = _pictures(remaining, size, path)
+    write_whole(path, lambda partial: _write_with_av(format, partial, pictures, size, fps, quality))
+    return FilmFiles((path,), first.device)
 
 
 def check_film(
@@ -176,18 +228,17 @@ def check_film(
     bits: int | None = None,
     quality: int = 95,
 ) -> None:
-    """Raise InputError where `write_film` would refuse: before the work, not after.
+    """Raise InputError before drawing where `write_film` would fail.
 
-    For a number of frames or a rate out of range, a suffix that names no format, a size that the
-    format cannot hold (H.264 has even sides), PyAV that is missing, a folder that cannot be
-    written.
+    Checked are the number of frames, the frame rate, the suffix, the size (H.264 needs even sides),
+    the presence of PyAV, and whether the folder can be written.
     """
     path = Path(path)
     _check_count(count)
     rate = _rate(fps)
-    kind = _film_for(path, count)
+    format = _film_for(path, count)
     suffix = path.suffix
-    if kind is None:
+    if format is None:
         if count > 1 and suffix.lower() not in WRITABLE:
             known = " ".join(dict.fromkeys([*FILMS, *WRITABLE]))
             raise InputError(f"{path}: {suffix or 'no suffix'} names no film; use one of {known}")
@@ -199,24 +250,24 @@ def check_film(
         raise InputError(f"{path}: {suffix} films hold 8 bits a channel, not {bits}")
     if not 1 <= quality <= 100:
         raise InputError(f"{path}: quality is 1 to 100, not {quality}")
-    if max(size) > kind.longest_side:
-        raise InputError(f"{path}: {suffix} films are at most {kind.longest_side} pixels a side")
-    if kind.even and (size[0] % 2 or size[1] % 2):
+    if max(size) > format.longest_side:
+        raise InputError(f"{path}: {suffix} films are at most {format.longest_side} pixels a side")
+    if format.even and (size[0] % 2 or size[1] % 2):
         even = "x".join(str(side + side % 2) for side in size)
         raise InputError(f"{path}: sides are even in {suffix} films; take the size {even}")
-    if rate > kind.fastest:
-        raise InputError(f"{path}: {suffix} films show at most {kind.fastest:g} frames a second")
-    _check_av(path, kind)
+    if rate > format.fastest:
+        raise InputError(f"{path}: {suffix} films show at most {format.fastest:g} frames a second")
+    _check_av(path, format)
     check_writable(path)
 
 
-def _film_for(path: Path, count: int) -> _Film | None:
-    """The kind of film that a path names, or None for pictures; one WebP frame is a picture."""
+def _film_for(path: Path, count: int) -> _FilmFormat | None:
+    """The film format of a path, or None for pictures; a single WebP frame is a picture."""
     suffix = path.suffix.lower()
     return None if suffix == ".webp" and count == 1 else FILMS.get(suffix)
 
 
-def _check_av(path: Path, kind: _Film) -> None:
+def _check_av(path: Path, format: _FilmFormat) -> None:
     try:
         import av
     except ImportError:
@@ -224,51 +275,51 @@ def _check_av(path: Path, kind: _Film) -> None:
             f"{path}: {path.suffix} films need PyAV; pip install 'basrelief[film]', "
             "or write numbered pictures, as film.png"
         ) from None
-    if kind.codec not in av.codecs_available:
+    if format.codec not in av.codecs_available:
         raise InputError(
-            f"{path}: PyAV is built without {kind.codec} here; install its wheel: "
+            f"{path}: PyAV is built without {format.codec} here; install its wheel: "
             "pip install --only-binary av 'basrelief[film]'"
         )
 
 
 def _write_numbered(
-    path: Path, shown: Iterator[Frame], count: int, *, bits: int | None, quality: int
+    path: Path, remaining: Iterator[Frame], count: int, *, bits: int | None, quality: int
 ) -> tuple[Path, ...]:
     return tuple(
         frame.save(_numbered(path, number, count), bits=bits, quality=quality)
-        for number, frame in enumerate(shown, 1)
+        for number, frame in enumerate(remaining, 1)
     )
 
 
 def _numbered(path: Path, number: int, count: int) -> Path:
-    """A frame's own name; names sort as their numbers do."""
+    """The file of a numbered picture; names sort in the order of the numbers."""
     if count == 1:
         return path
-    digits = max(4, len(str(count or _MOST_FRAMES)))
+    digits = max(4, len(str(count or _MAX_FRAMES)))
     return path.with_name(f"{path.stem}-{number:0{digits}d}{path.suffix}")
 
 
-def _pictures(shown: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Light]:
-    """What the frames show, all of one size."""
-    for frame in shown:
+def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Light]:
+    """The colours of the frames, which must be of one size."""
+    for frame in remaining:
         if frame.distance.shape != (size[1], size[0]):
             raise InputError(f"{path}: frames of unequal size make no film")
         yield frame.color
 
 
-def _through_av(
-    kind: _Film,
+def _write_with_av(
+    format: _FilmFormat,
     partial: Path,
     pictures: Iterator[Light],
     size: tuple[int, int],
     fps: float,
     quality: int,
 ) -> None:
-    """Write a film; what FFmpeg complains about is the file's trouble."""
+    """Write a film with PyAV; errors of FFmpeg become OSError."""
     import av
 
     try:
-        kind.write(partial, pictures, size, _rate(fps), quality)
+        format.write(partial, pictures, size, _rate(fps), quality)
     except av.FFmpegError as error:
         raise OSError(error.errno, error.strerror) from error
 
@@ -288,10 +339,10 @@ def _write_mp4(
 ) -> None:
     import av
 
-    # x264's own scale, 51 the worst; 17, at the default of 95, is hard to tell from the original
+    # x264's scale, 51 the worst; 17, at the default of 95, is hard to tell from the original
     options = {"crf": f"{51.0 - 0.36 * quality:g}"}
-    # the index goes before the pictures, so that a browser plays while it loads
-    with av.open(_plain(path), "w", format="mp4", options={"movflags": "+faststart"}) as file:
+    # the index precedes the pictures, so that a browser plays while it loads
+    with av.open(_ffmpeg_path(path), "w", format="mp4", options={"movflags": "+faststart"}) as file:
         stream: Any = file.add_stream("libx264", rate=rate, options=options)
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
         codec = stream.codec_context
@@ -300,7 +351,7 @@ def _write_mp4(
         codec.color_trc, codec.color_range = _SRGB, _LIMITED
         for number, picture in enumerate(pictures):
             frame = _frame(encode_light(_opaque(picture)), number, rate, codec.time_base)
-            # the range is said by hand: swscale would take RGB for RGB, but YUV for any
+            # set the range explicitly: swscale does not infer it for YUV
             coded = frame.reformat(
                 format="yuv420p", dst_colorspace=_BT709, interpolation=_EXACT_SCALING,
                 src_color_range=_FULL, dst_color_range=_LIMITED,
@@ -310,7 +361,7 @@ def _write_mp4(
 
 
 def _opaque(picture: Light) -> Light:
-    """The picture over the usual background."""
+    """The picture composited over the default background."""
     alpha = picture[:, :, 3:]
     return picture[:, :, :3] * alpha + np.array(BACKGROUND, np.float32) * (1 - alpha)
 
@@ -318,39 +369,39 @@ def _opaque(picture: Light) -> Light:
 # --- GIF -----------------------------------------------------------------------------------------
 
 _HUNDREDTH = Fraction(1, 100)
-"""GIF89a counts time in these."""
+"""Time unit of GIF89a, in seconds."""
 
 
 def _write_gif(
     path: Path, pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
-    """Twice over the pictures, to find the palette and to use it; between, they lie on the disk."""
+    """Write a GIF in two passes, palette and coding; between them the pictures are on disk."""
     import av
 
     with (
-        tempfile.TemporaryFile(dir=path.parent) as kept,
-        av.open(_plain(path), "w", format="gif", options={"loop": "0"}) as file,
+        tempfile.TemporaryFile(dir=path.parent) as spool,
+        av.open(_ffmpeg_path(path), "w", format="gif", options={"loop": "0"}) as file,
     ):
         stream: Any = file.add_stream("gif", rate=rate)
         stream.width, stream.height, stream.pix_fmt = *size, "pal8"
         stream.codec_context.time_base = _HUNDREDTH
-        palette = _palette(pictures, size, rate, kept)
-        for frame in _with_palette(palette, _read_back(kept, size), size, rate):
+        palette = _palette(pictures, size, rate, spool)
+        for frame in _with_palette(palette, _read_back(spool, size), size, rate):
             file.mux(stream.encode(frame))
         file.mux(stream.encode(None))
 
 
 def _palette(
-    pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, kept: IO[bytes]
+    pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
 ) -> Any:
-    """The 256 colours that suit all pictures best, by median cut; the pictures go to `kept`."""
-    graph, (source,) = _graph(size, "palettegen")
+    """Palette of 256 colours for all pictures, by median cut; copies the pictures to `spool`."""
+    graph, (source,) = _filter_graph(size, "palettegen")
     for number, picture in enumerate(pictures):
         codes = encode_light(picture)
-        kept.write(codes.tobytes())
+        spool.write(codes.tobytes())
         source.push(_frame(codes, number, rate, _HUNDREDTH))
-        # asked for what it cannot have yet, the filter takes the picture in and lets it go
-        list(_pulled(graph))
+        # pulling, although nothing is available, makes the filter consume and release the picture
+        list(_available_frames(graph))
     source.push(None)
     palette = graph.pull().reformat(format="rgba")
     palette.pts, palette.time_base = 0, _HUNDREDTH
@@ -358,41 +409,43 @@ def _palette(
 
 
 def _with_palette(
-    palette: Any, stored: Iterator[NDArray[np.uint8]], size: tuple[int, int], rate: Fraction
+    palette: Any, frame_bytes: Iterator[NDArray[np.uint8]], size: tuple[int, int], rate: Fraction
 ) -> Iterator[Any]:
-    """The pictures in the colours of a palette, what lies between them scattered."""
-    # an ordered pattern stands still where the picture does; scattered errors would swarm
-    graph, (source, colors) = _graph(size, "paletteuse", "dither=bayer:bayer_scale=3", (16, 16))
+    """The pictures in the colours of a palette, with ordered dithering."""
+    # ordered dithering is static where the picture is; error diffusion would flicker
+    graph, (source, colors) = _filter_graph(
+        size, "paletteuse", "dither=bayer:bayer_scale=3", (16, 16)
+    )
     colors.push(palette)
     colors.push(None)
-    for number, codes in enumerate(stored):
+    for number, codes in enumerate(frame_bytes):
         source.push(_frame(codes, number, rate, _HUNDREDTH))
-        yield from _pulled(graph)
+        yield from _available_frames(graph)
     source.push(None)
-    yield from _pulled(graph)
+    yield from _available_frames(graph)
 
 
-def _graph(
+def _filter_graph(
     size: tuple[int, int], name: str, options: str = "", *others: tuple[int, int]
 ) -> tuple[Any, list[Any]]:
-    """One filter of FFmpeg's with a source for each of its pictures, and a sink."""
+    """A graph of one FFmpeg filter with a source for each input, and a sink."""
     import av.filter
 
     graph = av.filter.Graph()
-    made, sink = graph.add(name, options), graph.add("buffersink")
+    filter_node, sink = graph.add(name, options), graph.add("buffersink")
     sources = [
         graph.add_buffer(width=width, height=height, format="rgba", time_base=_HUNDREDTH)
         for width, height in (size, *others)
     ]
     for number, source in enumerate(sources):
-        source.link_to(made, 0, number)
-    made.link_to(sink)
+        source.link_to(filter_node, 0, number)
+    filter_node.link_to(sink)
     graph.configure()
     return graph, sources
 
 
-def _pulled(graph: Any) -> Iterator[Any]:
-    """What a filter has ready."""
+def _available_frames(graph: Any) -> Iterator[Any]:
+    """The frames that a filter graph has ready."""
     import av
 
     while True:
@@ -402,17 +455,17 @@ def _pulled(graph: Any) -> Iterator[Any]:
             return
 
 
-def _read_back(kept: IO[bytes], size: tuple[int, int]) -> Iterator[NDArray[np.uint8]]:
+def _read_back(spool: IO[bytes], size: tuple[int, int]) -> Iterator[NDArray[np.uint8]]:
     width, height = size
-    kept.seek(0)
-    while stored := kept.read(width * height * 4):
-        yield np.frombuffer(stored, np.uint8).reshape(height, width, 4)
+    spool.seek(0)
+    while frame_bytes := spool.read(width * height * 4):
+        yield np.frombuffer(frame_bytes, np.uint8).reshape(height, width, 4)
 
 
 # --- WebP ----------------------------------------------------------------------------------------
 
 _THOUSANDTH = Fraction(1, 1000)
-"""WebP counts time in these."""
+"""Time unit of WebP, in seconds."""
 
 
 def _write_webp(
@@ -421,7 +474,7 @@ def _write_webp(
     import av
 
     options = {"quality": f"{quality}", "lossless": f"{int(quality == 100)}"}
-    with av.open(_plain(path), "w", format="webp", options={"loop": "0"}) as file:
+    with av.open(_ffmpeg_path(path), "w", format="webp", options={"loop": "0"}) as file:
         stream: Any = file.add_stream("libwebp_anim", rate=rate, options=options)
         stream.width, stream.height, stream.pix_fmt = *size, "bgra"
         stream.codec_context.time_base = _THOUSANDTH
@@ -431,30 +484,30 @@ def _write_webp(
         file.mux(stream.encode(None))
 
 
-# --- what they share -----------------------------------------------------------------------------
+# --- shared by all formats -----------------------------------------------------------------------
 
 
 def _frame(codes: NDArray[Any], number: int, rate: Fraction, tick: Fraction) -> Any:
-    """A picture in sRGB, (height, width, 3 or 4), for FFmpeg, at its time in ticks."""
+    """An FFmpeg frame of an sRGB picture, (height, width, 3 or 4), with its time in ticks."""
     import av
 
     layout = {3: "rgb24", 4: "rgba"}[codes.shape[2]]
-    made: Any = av.VideoFrame.from_ndarray(np.ascontiguousarray(codes), layout)
-    made.time_base = tick
-    made.pts = round(number / rate / tick)
-    made.duration = round((number + 1) / rate / tick) - made.pts
-    return made
+    frame: Any = av.VideoFrame.from_ndarray(np.ascontiguousarray(codes), layout)
+    frame.time_base = tick
+    frame.pts = round(number / rate / tick)
+    frame.duration = round((number + 1) / rate / tick) - frame.pts
+    return frame
 
 
-def _plain(path: Path) -> str:
-    """A path that FFmpeg takes for no address, whatever colons are in it."""
+def _ffmpeg_path(path: Path) -> str:
+    """An absolute path, so that FFmpeg does not read a name with a colon as a URL."""
     return str(path.absolute())
 
 
 FILMS = {
-    ".mp4": _Film("libx264", _write_mp4, longest_side=16384, even=True),
-    # browsers slow a GIF down whose pictures stay less than two hundredths of a second
-    ".gif": _Film("gif", _write_gif, longest_side=65535, fastest=50.0),
-    ".webp": _Film("libwebp_anim", _write_webp, longest_side=16383),
+    ".mp4": _FilmFormat("libx264", _write_mp4, longest_side=16384, even=True),
+    # browsers slow down GIFs whose pictures last less than two hundredths of a second
+    ".gif": _FilmFormat("gif", _write_gif, longest_side=65535, fastest=50.0),
+    ".webp": _FilmFormat("libwebp_anim", _write_webp, longest_side=16383),
 }
-"""Suffixes that are films, and how they are written."""
+"""Film formats by suffix."""

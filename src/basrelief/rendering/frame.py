@@ -1,4 +1,4 @@
-"""What was drawn, pixel by pixel, and how objects are laid over one another in it."""
+"""Rendered frames, and the compositing of objects in them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,38 @@ from basrelief.shading.pixel import SOLID
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """A picture: `pixels` (height, width, 4) float32, linear Rec. 709, alpha last."""
+    """A picture.
+
+    Attributes
+    ----------
+    pixels : ndarray of float32, shape (height, width, 4)
+        Linear Rec. 709 colours and straight alpha, row 0 at the top.
+    """
 
     pixels: NDArray[np.float32]
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
-        """Write the picture, whole or not at all; the suffix says the format.
+        """Write the picture atomically, in the format of the suffix.
 
-        PNG (8 bits a channel, or 16), JPEG and WebP in sRGB; EXR and HDR linear. Raises InputError
-        for another suffix or a folder that cannot be written. Returns the path.
+        Parameters
+        ----------
+        path : path or str
+            File to write. PNG, JPEG and WebP are encoded in sRGB; EXR and HDR are linear.
+        bits : int, optional
+            Bits per channel; PNG has 8 by default, or 16.
+        quality : int, default 95
+            Quality of JPEG and WebP, 1 to 100.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            For another suffix, options that the format does not have, and a file that cannot be
+            written.
         """
         write_picture(path, self._for_file(Path(path)), bits=bits, quality=quality)
         return Path(path)
@@ -38,13 +61,24 @@ class Image:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame:
-    """What was drawn, pixel by pixel; arrays are (height, width, …), row 0 at the top.
+    """A rendered frame: planes of equal size, row 0 at the top.
 
-    `color` (…, 4) float32 is linear with coverage, over the background; `distance` float32 is that
-    from the camera along the ray in world units, infinite where nothing is hit; `uv` (…, 2) float32
-    are the displaced texture coordinates; `hit` bool; `reads` int32 is the number of heights read.
-    All but the colour are those of the first sample, in the middle of the pixel. `device` says on
-    what.
+    All planes but the colour are those of the first sample, at the centre of the pixel.
+
+    Attributes
+    ----------
+    color : ndarray of float32, shape (height, width, 4)
+        Linear colour over the background, and coverage.
+    distance : ndarray of float32, shape (height, width)
+        Distance from the camera along the ray in world units; infinite where nothing is hit.
+    uv : ndarray of float32, shape (height, width, 2)
+        Displaced texture coordinates.
+    hit : ndarray of bool, shape (height, width)
+        Whether the pixel shows an object.
+    reads : ndarray of int32, shape (height, width)
+        Number of heights read.
+    device : str
+        Device that drew the frame, and its adapter.
     """
 
     color: NDArray[np.float32]
@@ -55,30 +89,30 @@ class Frame:
     device: str
 
     def rows(self, first: int, last: int) -> Frame:
-        """The same frame's rows first … last − 1, as views."""
-        some = slice(first, last)
+        """Rows first … last − 1 of the frame, as views."""
+        selection = slice(first, last)
         return Frame(
-            self.color[some],
-            self.distance[some],
-            self.uv[some],
-            self.hit[some],
-            self.reads[some],
+            self.color[selection],
+            self.distance[selection],
+            self.uv[selection],
+            self.hit[selection],
+            self.reads[selection],
             self.device,
         )
 
     def take(self, other: Frame) -> None:
-        """Copy what another frame of the same size holds into this one."""
+        """Copy the planes of another frame of the same size into this one."""
         for name in ("color", "distance", "uv", "hit", "reads"):
             np.copyto(getattr(self, name), getattr(other, name))
 
     @property
     def mean_reads(self) -> float:
-        """The mean number of heights read at the pixels that are covered."""
+        """Mean number of heights read at the pixels that show an object."""
         return float(self.reads[self.hit].mean()) if self.hit.any() else 0.0
 
     @property
     def image(self) -> Image:
-        """The picture."""
+        """The colour as an image."""
         return Image(self.color)
 
     def __repr__(self) -> str:
@@ -86,7 +120,7 @@ class Frame:
         return f"<Frame {width} × {height}, {self.device}>"
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
-        """Write the picture; see `Image.save`."""
+        """Write the colour as a picture; see `Image.save`."""
         return self.image.save(path, bits=bits, quality=quality)
 
     def _repr_png_(self) -> bytes:
@@ -94,23 +128,23 @@ class Frame:
 
 
 def composite(frame: Frame, planes: Planes) -> None:
-    """Put an object's planes where they are nearer than what is there.
+    """Composite an object's planes over a frame, where they are nearer.
 
-    What is mostly see-through leaves the depth as it is, and so hides nothing that comes later.
+    Coverage below `SOLID` leaves the distance unchanged, and so hides nothing that follows.
     """
     np.add(frame.reads, planes["reads"], out=frame.reads)
-    nearer = (planes["hit"] != 0) & (planes["distance"] < frame.distance)
-    coverage = np.where(nearer, planes["color.w"], np.float32(0.0))
-    rest = np.float32(1.0) - coverage
+    is_nearer = (planes["hit"] != 0) & (planes["distance"] < frame.distance)
+    coverage = np.where(is_nearer, planes["color.w"], np.float32(0.0))
+    transmittance = np.float32(1.0) - coverage
     for channel, name in enumerate(("color.x", "color.y", "color.z")):
         plane = frame.color[:, :, channel]
-        np.multiply(plane, rest, out=plane)
+        np.multiply(plane, transmittance, out=plane)
         plane += planes[name] * coverage
     alpha = frame.color[:, :, 3]
-    np.multiply(alpha, rest, out=alpha)
+    np.multiply(alpha, transmittance, out=alpha)
     alpha += coverage
-    solid = coverage >= SOLID
-    np.copyto(frame.distance, planes["distance"], where=solid)
-    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=solid)
-    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=solid)
-    np.logical_or(frame.hit, solid, out=frame.hit)
+    is_solid = coverage >= SOLID
+    np.copyto(frame.distance, planes["distance"], where=is_solid)
+    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=is_solid)
+    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=is_solid)
+    np.logical_or(frame.hit, is_solid, out=frame.hit)

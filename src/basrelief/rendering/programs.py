@@ -1,4 +1,4 @@
-"""Objects of a scene → programs, and the values that they read: only what is needed is in them."""
+"""Programs of objects in a scene, specialised to what they need, and the values they read."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, Filter, members_of
 from basrelief.material import Material
 from basrelief.rendering import textures
-from basrelief.rendering.textures import Source
+from basrelief.rendering.textures import TextureSource
 from basrelief.scene import Object, Scene
 from basrelief.scene.objects import DEFAULT_SCALE
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import Light
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.landscape import landscape_surface
@@ -32,56 +32,59 @@ SURFACES: Mapping[str, Shader[..., Any]] = {
 }
 
 
-def surface_maps(obj: Object) -> Iterator[tuple[str, Source, Material, float]]:
-    """The surface maps that an object may have: name, source, material and the relief's scale."""
-    for name, source in textures.OF_MATERIAL.items():
+def surface_maps(obj: Object) -> Iterator[tuple[str, TextureSource, Material, float]]:
+    """The possible surface maps of an object: name, source, material, and scale of the relief."""
+    for name, source in textures.MATERIAL_TEXTURES.items():
         yield name, source, obj.material, obj.relief_scale
     if obj.layer is not None:
-        over = obj.layer.material
-        for name, source in textures.OF_LAYER.items():
-            yield name, source, over, over.scale or DEFAULT_SCALE
+        layer = obj.layer.material
+        for name, source in textures.LAYER_TEXTURES.items():
+            yield name, source, layer, layer.scale or DEFAULT_SCALE
 
 
-def mapped(obj: Object) -> dict[str, bool]:
-    """Which surface maps an object has; nothing is baked to know that."""
+def available_maps(obj: Object) -> dict[str, bool]:
+    """Whether an object has each surface map; found without baking."""
     has = dict.fromkeys(members_of(SurfaceMaps), False)
-    has |= {name: source.has(made_of, scale) for name, source, made_of, scale in surface_maps(obj)}
-    # the tops of boxes are level, whatever the heights beside them
-    if displaced_by(obj).columns and obj.material.normal is None:
+    has |= {
+        name: source.has(material_of_map, scale)
+        for name, source, material_of_map, scale in surface_maps(obj)
+    }
+    # the tops of columns are flat, whatever the heights around them
+    if effective_technique(obj).columns and obj.material.normal is None:
         has["normal"] = False
     return has
 
 
 def program_of(obj: Object, scene: Scene | None = None) -> Program:
-    """The program that draws an object of a scene: only what it needs is in it."""
+    """The program that draws an object of a scene, specialised to its variant."""
     return _program(obj, variant_of(obj, scene or Scene((obj,))))
 
 
 def _program(obj: Object, variant: Variant) -> Program:
-    bound: Bindings = {displace: displaced_by(obj), surface_at: SURFACES[obj.surface]}
-    return Program(pixel, bound, map_edge(obj), height_filter(obj), variant)
+    bindings: Bindings = {displace: effective_technique(obj), surface_at: SURFACES[obj.surface]}
+    return Program(pixel, bindings, map_edge(obj), height_filter(obj), variant)
 
 
 def variant_of(obj: Object, scene: Scene) -> Variant:
-    """What an object's program depends on, beside its technique and surface."""
-    # what the object or the scene has by the same name
+    """The shader variant of an object's program."""
+    # fields that the object or the scene has under the same name
     shared = {
-        each.name: getattr(owner, each.name)
+        field.name: getattr(owner, field.name)
         for owner in (obj, scene)
-        for each in fields(Variant)
-        if hasattr(owner, each.name)
+        for field in fields(Variant)
+        if hasattr(owner, field.name)
     }
     derived: dict[str, Any] = {
         "displaced": obj.has_relief,
-        "columns": displaced_by(obj).columns,
+        "columns": effective_technique(obj).columns,
         "projection": obj.relief_projection,
         "fades": obj.fade is not None,
         "own_tilings": bool(obj.tilings),
         "layer": obj.layer is not None,
         "shadow_maps": scene.casts,
-        **{f"{name}_map": there for name, there in mapped(obj).items()},
+        **{f"{name}_map": present for name, present in available_maps(obj).items()},
     }
-    # what is not asked is as nobody chose it, so that equal programs have equal keys
+    # irrelevant fields get their defaults, so that equal programs have equal keys
     if not obj.has_relief:
         derived |= {"projection": "full", "fades": False, "shadows": "none"}
     if not scene.casts:
@@ -90,7 +93,7 @@ def variant_of(obj: Object, scene: Scene) -> Variant:
 
 
 def depth_program_of(obj: Object) -> Program:
-    """The program that draws an object's part of a depth map."""
+    """The program that draws an object into a shadow map."""
     opaque = obj.casts == "opaque"
     variant = variant_of(obj, Scene((obj,)))
     variant = replace(
@@ -109,73 +112,73 @@ def depth_program_of(obj: Object) -> Program:
     return _program(obj, variant)
 
 
-def rays_of(obj: Object) -> Program:
-    """The program that gives the true view ray of each pixel, whatever the technique."""
+def view_ray_program_of(obj: Object) -> Program:
+    """The program that computes the view ray of each pixel, with any technique."""
     variant = Variant(shape=obj.shape, fades=obj.fade is not None)
     return Program(view_ray, edge=map_edge(obj), variant=variant)
 
 
-def displaced_by(obj: Object) -> Technique[..., Any]:
-    """The technique that draws an object: `flat` where it has no relief."""
-    return obj.drawn_with if obj.has_relief else flat
+def effective_technique(obj: Object) -> Technique[..., Any]:
+    """The technique in effect: `flat` for an object without relief."""
+    return obj.selected_technique if obj.has_relief else flat
 
 
 def height_filter(obj: Object) -> Filter:
-    """How programs read an object's heights."""
-    return "columns" if displaced_by(obj).columns else obj.heights
+    """The filter of an object's height field."""
+    return "columns" if effective_technique(obj).columns else obj.heights
 
 
 def map_edge(obj: Object) -> Edge:
-    """What programs read beyond a map: within a shape that is clipped it repeats, if it has to."""
-    over = [] if obj.layer is None else [obj.layer.tiling]
+    """The edge policy of an object's maps; with `clip` they repeat if they have several tiles."""
+    layer = [] if obj.layer is None else [obj.layer.tiling]
     match obj.edge:
         case "wrap" | "clamp":
             return obj.edge
         case "clip":
-            lain = (obj.main_tiling, *obj.tilings.values(), *over)
-            return "wrap" if any(each.repeats for each in lain) else "clamp"
+            tilings = (obj.main_tiling, *obj.tilings.values(), *layer)
+            return "wrap" if any(tiling.repeats for tiling in tilings) else "clamp"
         case _:
             assert_never(obj.edge)
 
 
-def maps_of(obj: Object, engine: Engine) -> dict[str, Any]:
-    """The material's maps as programs read them, without those that are missing.
+def resources_of(obj: Object, engine: Engine) -> dict[str, Any]:
+    """Height field, baked table and surface textures of an object, without missing ones.
 
-    What is made of heights, a technique's table and normals, the engine that draws bakes.
+    The given engine bakes tables and normals from the heights.
     """
-    material, beyond, has = obj.material, map_edge(obj), mapped(obj)
-    found: dict[str, Any] = {
-        "field": textures.height_field(material, beyond, height_filter(obj))
+    material, edge, has = obj.material, map_edge(obj), available_maps(obj)
+    resources: dict[str, Any] = {
+        "field": textures.height_field(material, edge, height_filter(obj))
         if obj.has_relief
         else None,
-        "baked": textures.baked(
-            material, beyond, obj.drawn_with.bake, engine, all_levels=obj.heights == "mip"
+        "baked": textures.bake_texture(
+            material, edge, obj.selected_technique.bake, engine, all_levels=obj.heights == "mip"
         ),
     }
-    for name, source, made_of, scale in surface_maps(obj):
+    for name, source, material_of_map, scale in surface_maps(obj):
         if has[name]:
-            found[f"maps_{name}"] = source.texture(made_of, beyond, scale, engine)
-    return {name: value for name, value in found.items() if value is not None}
+            resources[f"maps_{name}"] = source.texture(material_of_map, edge, scale, engine)
+    return {name: value for name, value in resources.items() if value is not None}
 
 
-def own_values(obj: Object, engine: Engine) -> dict[str, Any]:
-    """The values of an object's programs that are its own: maps, place, relief and surface."""
+def object_values(obj: Object, engine: Engine) -> dict[str, Any]:
+    """The values of an object's programs that do not depend on the scene."""
     return {
-        **maps_of(obj, engine),
+        **resources_of(obj, engine),
         "placement": obj.placement(),
         "relief": obj.relief_parameters(),
         "smoothing": obj.smoothing,
         "settings": obj.settings if obj.has_relief else Nothing(),
         "surface_parameters": _surface_parameters(obj),
-        "places": obj.map_places(),
+        "tilings": obj.map_tilings(),
     }
 
 
 def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
-    """The values of an object's program, all but the place of the sample and what others cast."""
+    """The values of an object's program, except sample position and shadow maps."""
     return {
-        **own_values(obj, engine),
-        "view": View(scene.shader_camera(size), Vec2(0.5, 0.5)),
+        **object_values(obj, engine),
+        "sample": CameraSample(scene.shader_camera(size), Vec2(0.5, 0.5)),
         "shading": scene.shading,
         "shadowing": scene.shadowing,
         "fog": scene.fog,
@@ -184,8 +187,8 @@ def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) 
 
 
 def _surface_parameters(obj: Object) -> Any:
-    """The finish, with an emission map's own brightness in it."""
-    glow = textures.glow(obj.material)
+    """The surface parameters, with emission multiplied by the scale of the emission map."""
+    glow = textures.emission_scale(obj.material)
     if glow == 1.0 or obj.surface != "standard":
         return obj.surface_parameters
     return replace(obj.surface_parameters, emission=Vec3(*obj.surface_parameters.emission) * glow)

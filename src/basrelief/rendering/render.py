@@ -1,4 +1,4 @@
-"""Scene → programs and their values → engine → Frame."""
+"""Rendering of a scene to a frame, by an engine."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from basrelief.rendering.frame import Frame, composite
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
-from basrelief.scene.presets import NOTHING, Preset
+from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
-from basrelief.shading.intersection import View
+from basrelief.shading.intersection import CameraSample
 
 Progress = Callable[[float], None]
-_LARGEST = 1 << 15
-_MOST_PIXELS = 1 << 27
-"""A frame of so many takes 4.4 GB."""
+_MAX_SIDE = 1 << 15
+_MAX_PIXELS = 1 << 27
+"""Largest number of pixels; such a frame takes 4.4 GB."""
 _BAND = 1 << 20
-"""Pixels that are drawn at once: all samples of a band are done before the next, so that a large
-picture needs little memory beside its own."""
+"""Pixels drawn at once. All samples of a band are finished before the next band, so that a large
+picture needs little extra memory."""
 
 
 def render(
@@ -41,15 +41,36 @@ def render(
     preset: str | Path | Preset | None = None,
     **options: Any,
 ) -> Frame:
-    """Draw a scene, an object, a material, or what is in a folder.
+    """Draw a scene, an object, a material, or the material in a folder.
 
-    `size` is (width, height) in pixels; `samples` how many places of each pixel are averaged;
-    `device` is "auto", "cpu", "gpu" or an engine of `choose_device`. Further options are those of
-    `Object` (`technique`, `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …) where `what`
-    does not fix them.
-    `preset`, a name, a TOML file or a `Preset`, says what is left open of how a folder is read and
-    a material drawn.
-    Raises InputError for values that make no picture, DeviceError for a device that cannot be used.
+    Parameters
+    ----------
+    what : Scene, Object, Material, path or str
+        Scene to draw, or a part of one. Paths and "sample:NAME" are passed to `load`.
+    size : (int, int), default (1280, 720)
+        Width and height in pixels, up to 32768 a side and 134 million pixels.
+    samples : int, default 4
+        Samples per pixel, 1 to 1024, whose colours are averaged.
+    device : {"auto", "cpu", "gpu"} or Engine, default "auto"
+        Device that draws, or an engine of `choose_device`.
+    progress : callable, optional
+        Called with the finished fraction, 0 to 1.
+    preset : str, path or Preset, optional
+        Preset by its name or TOML file, for a material or a folder. `options` override it.
+    **options
+        Options of `Object` (`technique`, `shape`, `scale`, …) and `Scene` (`camera`, `lights`, …)
+        that `what` does not fix.
+
+    Returns
+    -------
+    Frame
+
+    Raises
+    ------
+    InputError
+        For unknown options, values out of range, and a camera inside an object.
+    DeviceError
+        For a device that cannot be used.
     """
     scene = scene_of(what, {**options, "preset": preset})
     width, height = check_picture(size, samples)
@@ -59,15 +80,15 @@ def render(
 
 
 def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:
-    """Width and height of a picture; raises InputError for sizes and samples that make none."""
+    """Width and height of a picture; raises InputError for a size or samples out of range."""
     width, height = _checked_size(size)
-    if width * height > _MOST_PIXELS:
+    if width * height > _MAX_PIXELS:
         raise InputError(
-            f"a picture of {width} × {height} is over {_MOST_PIXELS // 10**6} million pixels; "
+            f"a picture of {width} × {height} is over {_MAX_PIXELS // 10**6} million pixels; "
             "draw it smaller, or in parts"
         )
-    if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
-        raise InputError(f"a picture of {width} × {height}: give 1 to {_LARGEST} pixels a side")
+    if not (0 < width <= _MAX_SIDE and 0 < height <= _MAX_SIDE):
+        raise InputError(f"a picture of {width} × {height}: give 1 to {_MAX_SIDE} pixels a side")
     if not 1 <= samples <= 1024:
         raise InputError(f"{samples} samples a pixel: give 1 to 1024")
     return width, height
@@ -82,36 +103,42 @@ def _checked_size(size: Any) -> tuple[int, int]:
 
 
 def scene_of(what: Any, options: dict[str, Any]) -> Scene:
-    """The scene that `render` draws for what it is given; uses the options up.
+    """The scene that `render` draws for its arguments; removes used options from `options`.
 
-    Raises InputError for an option that there is not, or that `what` already says.
+    Raises InputError for unknown options, and for those that `what` fixes.
     """
     preset = options.pop("preset", None)
-    chosen = preset_named(preset) if isinstance(preset, str | Path) else preset or NOTHING
+    preset_record = (
+        preset_named(preset) if isinstance(preset, str | Path) else preset or EMPTY_PRESET
+    )
     if isinstance(what, str | Path):
-        what = load(what, **chosen.maps)
+        what = load(what, **preset_record.maps)
     if isinstance(what, Material):
-        return chosen.scene(what, **options)
-    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+        return preset_record.scene(what, **options)
+    scene_options = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
     if isinstance(what, Object):
-        what = Scene((what,), **of_scene)
-        of_scene = {}
+        what = Scene((what,), **scene_options)
+        scene_options = {}
     if not isinstance(what, Scene):
         raise InputError(f"cannot draw a {type(what).__name__}: give a folder, material or scene")
-    left = [*options, *of_scene, *([] if preset is None else ["preset"])]
-    if left:
-        hint = new_name(left[0], ("device",))
-        raise InputError(hint or f"{', '.join(left)}: already said by the {type(what).__name__}")
+    unused = [*options, *scene_options, *([] if preset is None else ["preset"])]
+    if unused:
+        hint = new_name(unused[0], ("device",))
+        raise InputError(
+            hint
+            or f"{', '.join(unused)}: already set by the {type(what).__name__}; change it there"
+        )
     return what
 
 
 # --- drawing -------------------------------------------------------------------------------------
 
 
-def sample_places(count: int) -> list[tuple[float, float]]:
-    """Places within a pixel, 0 to 1, evenly spread for any count; the first is the middle.
+def sample_positions(count: int) -> list[tuple[float, float]]:
+    """Sample positions within a pixel, 0 to 1, the first at its centre.
 
-    M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+    The R2 sequence, evenly spread for any count (M. Roberts, The Unreasonable Effectiveness of
+    Quasirandom Sequences, 2018).
     """
     return [
         ((0.5 + k * 0.7548776662466927) % 1.0, (0.5 + k * 0.5698402909980532) % 1.0)
@@ -120,7 +147,7 @@ def sample_places(count: int) -> list[tuple[float, float]]:
 
 
 class _Drawing:
-    """One picture under way: band by band, every sample of every object laid over one another."""
+    """State of drawing one picture: band by band, samples of all objects are composited."""
 
     def __init__(
         self,
@@ -131,16 +158,16 @@ class _Drawing:
         progress: Progress | None,
     ) -> None:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
-        self.places = sample_places(samples)
+        self.positions = sample_positions(samples)
         order = scene.back_to_front(size)
-        cast = (
+        shadow_maps = (
             shadow_map_values(replace(scene, objects=tuple(order)), engine)
             if scene.casts
             else [{}] * len(order)
         )
         self.objects = [
-            (program_of(obj, scene), {**values_of(obj, scene, size, engine), **others})
-            for obj, others in zip(order, cast, strict=True)
+            (program_of(obj, scene), {**values_of(obj, scene, size, engine), **shadow_map})
+            for obj, shadow_map in zip(order, shadow_maps, strict=True)
         ]
         width, height = size
         self.band = max(1, min(height, _BAND // width))
@@ -148,38 +175,38 @@ class _Drawing:
         self.done = 0
 
     def frame(self) -> Frame:
-        """All samples averaged; everything but the colour from the first."""
-        whole = self.empty(self.size[1])
+        """The whole frame: colours averaged over all samples, other planes of the first."""
+        frame = self.empty(self.size[1])
         for top in range(0, self.size[1], self.band):
             rows = (top, min(top + self.band, self.size[1]))
-            self.draw(whole.rows(*rows), rows)
-        return whole
+            self.draw(frame.rows(*rows), rows)
+        return frame
 
     def draw(self, band: Frame, rows: tuple[int, int]) -> None:
-        """Draw some rows into their part of the frame."""
-        for number, place in enumerate(self.places):
-            one = self.sample(place, rows)
+        """Draw a range of rows into their part of the frame."""
+        for number, position in enumerate(self.positions):
+            sample = self.sample(position, rows)
             if number == 0:
-                band.take(one)
+                band.take(sample)
             else:
-                np.add(band.color, one.color, out=band.color)
-        np.multiply(band.color, np.float32(1.0 / len(self.places)), out=band.color)
+                np.add(band.color, sample.color, out=band.color)
+        np.multiply(band.color, np.float32(1.0 / len(self.positions)), out=band.color)
         if self.scene.background is None:
-            # colour divided by coverage again, where the background is transparent
+            # back to straight alpha, where the background is transparent
             coverage = np.maximum(band.color[:, :, 3:], np.float32(1e-6))
             np.divide(band.color[:, :, :3], coverage, out=band.color[:, :, :3])
 
-    def sample(self, place: tuple[float, float], rows: tuple[int, int]) -> Frame:
-        """One sample of some rows: the nearest object at each pixel, over the background.
+    def sample(self, position: tuple[float, float], rows: tuple[int, int]) -> Frame:
+        """One sample of a range of rows, composited over the background.
 
-        Colour is multiplied by coverage, so that samples can be added up.
+        Colour is premultiplied by coverage, so that samples can be added.
         """
         frame = self.empty(rows[1] - rows[0])
         if self.scene.background is not None:
             frame.color[:] = (*self.scene.background, 1.0)
         for program, values in self.objects:
-            view = View(values["view"].camera, Vec2(*place))
-            planes = self.engine.run(program, {**values, "view": view}, self.size, rows)
+            view = CameraSample(values["sample"].camera, Vec2(*position))
+            planes = self.engine.run(program, {**values, "sample": view}, self.size, rows)
             composite(frame, planes)
             self.done += 1
             if self.progress is not None:
@@ -187,7 +214,7 @@ class _Drawing:
         return frame
 
     def empty(self, height: int) -> Frame:
-        """A frame of the picture's width in which there is nothing yet."""
+        """An empty frame of the picture's width."""
         width = self.size[0]
         return Frame(
             np.zeros((height, width, 4), np.float32),

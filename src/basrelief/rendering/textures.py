@@ -1,8 +1,8 @@
-"""From a material's maps to what programs read: pyramids of heights and of 16-bit channels.
+"""Textures of materials: mip pyramids of heights and of 16-bit channels.
 
-Colours become linear before they are averaged; levels are area averages of the one before, exact
-for odd sizes too. A map is turned into a pyramid once while it lives. What is baked from heights is
-baked by the engine that draws, and told apart by how that rounds.
+Colours are linear before they are averaged. Each mip level is the area average of the level before,
+exact for odd sizes too. Textures are cached as long as their maps exist. Bakes run on the engine
+that draws, and are cached by its rounding.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from basrelief.material.material import Map, Material
 from basrelief.techniques import Bake
 
 _UNIT = 65535
-_PLAIN_COLOR = 0.6
-"""What stands for a missing colour, as in `shading.surfaces.standard.base_color_of`."""
-_made: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
+_DEFAULT_COLOR = 0.6
+"""Default for a missing colour, as in `shading.surfaces.standard.base_color_of`."""
+_cache: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
 
 
 def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> HeightField | None:
-    """The material's heights, to be read in some way; None where it has none."""
+    """The material's height field with a filter; None without heights."""
     height = material.height
     if height is None:
         return None
@@ -39,14 +39,14 @@ def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> He
     def make() -> HeightField:
         return HeightField(levels_of(height.linear()[:, :, 0]), edge)
 
-    sharp: HeightField = _once(height, ("heights", edge, "sharp"), make)
-    return _once(height, ("heights", edge, filter), lambda: sharp.with_filter(filter))
+    sharp: HeightField = _cached(height, ("heights", edge, "sharp"), make)
+    return _cached(height, ("heights", edge, filter), lambda: sharp.with_filter(filter))
 
 
-def baked(
+def bake_texture(
     material: Material, edge: Edge, bake: Bake | None, engine: Engine, *, all_levels: bool = False
 ) -> Texture | None:
-    """What a technique has baked from the heights, or from all their levels; None without any."""
+    """The table that a bake makes from the heights, or from all their levels; None without one."""
     height = material.height
     if height is None or bake is None:
         return None
@@ -55,11 +55,11 @@ def baked(
         heights = height.linear()[:, :, 0]
         return Texture([table(bake, heights, edge, engine, all_levels=all_levels)], edge)
 
-    return _once(height, ("baked", bake, edge, all_levels, engine.rounding), make)
+    return _cached(height, ("baked", bake, edge, all_levels, engine.rounding), make)
 
 
 def base_color(material: Material, edge: Edge) -> Texture | None:
-    """Linear colour with opacity, None where the material has neither."""
+    """Linear colour with opacity; None if the material has neither."""
     color, opacity = material.base_color, material.opacity
     if color is None and opacity is None:
         return None
@@ -67,28 +67,30 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
     def make() -> Texture:
         shape = _largest(color, opacity)
         if color is None:
-            channels = [np.full(shape, round(_PLAIN_COLOR * _UNIT), np.uint16)] * 3
+            channels = [np.full(shape, round(_DEFAULT_COLOR * _UNIT), np.uint16)] * 3
         else:
             pixels = _fractions(color)
             channels = [_resized(pixels[:, :, k : k + 1], shape) for k in range(3)]
         alpha = None if opacity is None else _resized(_fractions(opacity), shape)
         return _texture([*channels, alpha], edge, cut_out=alpha is not None)
 
-    return _once(material, ("base color", edge), make)
+    return _cached(material, ("base color", edge), make)
 
 
 def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Texture | None:
-    """Tangent-space normals; where there is no map those of the heights, at a relief's scale.
+    """Tangent-space normals, from the normal map, or from the heights at a relief's scale.
 
-    Both are those of square texels. Of normals from heights only the latest are kept.
+    Both are normals of square texels. Of normals from heights, only the latest are cached.
     """
     if material.normal is not None:
-        held = material.normal
-        return _once(held, ("normal", edge), lambda: _texture([*_channels(held)], edge))
+        normal_map = material.normal
+        return _cached(
+            normal_map, ("normal", edge), lambda: _texture([*_channels(normal_map)], edge)
+        )
     height = material.height
     if height is None or scale <= 0.0:
         return None
-    latest = _made.setdefault(height, {})
+    latest = _cache.setdefault(height, {})
     slopes = (edge, scale, engine.rounding)
     if latest.get("slopes") != slopes:
         heights = height.linear()[:, :, 0]
@@ -98,52 +100,53 @@ def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Text
 
 
 def response(material: Material, edge: Edge) -> Texture | None:
-    """Occlusion, roughness, metallic and the layer's mask in one texture, None without any."""
+    """Occlusion, roughness, metallic and layer mask in one texture; None without any of them."""
     maps = (material.occlusion, material.roughness, material.metallic, material.layer_mask)
-    if all(each is None for each in maps):
+    if all(map is None for map in maps):
         return None
 
     def make() -> Texture:
         shape = _largest(*maps)
         channels = []
-        for one, missing in zip(maps, (1.0, 0.8, 0.0, 1.0), strict=True):
-            if one is None:
+        for map, missing in zip(maps, (1.0, 0.8, 0.0, 1.0), strict=True):
+            if map is None:
                 channels.append(np.full(shape, round(missing * _UNIT), np.uint16))
             else:
-                channels.append(_resized(_fractions(one), shape))
+                channels.append(_resized(_fractions(map), shape))
         return _texture(channels, edge)
 
-    return _once(material, ("response", edge), make)
+    return _cached(material, ("response", edge), make)
 
 
 def emission(material: Material, edge: Edge) -> Texture | None:
-    """Emission as fractions of its `glow`, None where there is none."""
-    light = material.emission
-    if light is None:
+    """Emission as fractions of its `emission_scale`; None without an emission map."""
+    emission_map = material.emission
+    if emission_map is None:
         return None
 
     def make() -> Texture:
-        if light.pixels.dtype != np.float32:
-            return _texture([*_channels(light)], edge)
-        share = np.clip(light.pixels / glow(material), 0.0, 1.0)
-        return _texture([*_channels(Map(share, light.srgb, light.source))], edge)
+        if emission_map.pixels.dtype != np.float32:
+            return _texture([*_channels(emission_map)], edge)
+        fractions = np.clip(emission_map.pixels / emission_scale(material), 0.0, 1.0)
+        return _texture([*_channels(Map(fractions, emission_map.srgb, emission_map.source))], edge)
 
-    return _once(light, ("emission", edge), make)
+    return _cached(emission_map, ("emission", edge), make)
 
 
-def glow(material: Material) -> float:
-    """The emission that a texture's 1 stands for: of floats the largest value, else 1."""
-    light = material.emission
-    if light is None or light.pixels.dtype != np.float32:
+def emission_scale(material: Material) -> float:
+    """The emission that a texel of 1 represents: the largest value of a float map, otherwise 1."""
+    emission_map = material.emission
+    if emission_map is None or emission_map.pixels.dtype != np.float32:
         return 1.0
-    return _once(light, "glow", lambda: max(float(light.pixels.max()), 1e-9))
+    return _cached(emission_map, "glow", lambda: max(float(emission_map.pixels.max()), 1e-9))
 
 
 @dataclass(frozen=True)
-class Source:
-    """What a texture of the surface is made of: the material's maps that its channels hold.
+class TextureSource:
+    """A surface texture: its constructor, and the channels that hold each of the material's maps.
 
-    `light` says that these are light, not data; `of_heights` that heights stand for a missing map.
+    `light` marks colours and light as opposed to data; `of_heights` a texture that heights replace
+    if its map is missing.
     """
 
     texture: Callable[[Material, Edge, float, Engine], Texture | None]
@@ -152,55 +155,57 @@ class Source:
     of_heights: bool = False
 
     def has(self, material: Material, scale: float) -> bool:
-        """Whether a material gives one, its relief of some scale; nothing is made to know that."""
+        """Whether a material has the texture, at a scale of its relief; found without baking."""
         maps = (getattr(material, name) for name in self.channels)
         sloping = self.of_heights and material.height is not None and scale > 0.0
-        return sloping or any(each is not None for each in maps)
+        return sloping or any(map is not None for map in maps)
 
 
-OF_MATERIAL: dict[str, Source] = {
-    "base_color": Source(
+MATERIAL_TEXTURES: dict[str, TextureSource] = {
+    "base_color": TextureSource(
         lambda material, edge, *_: base_color(material, edge),
         {"base_color": (0, 1, 2), "opacity": (3,)},
         light=True,
     ),
-    "normal": Source(normal, {"normal": (0, 1, 2)}, of_heights=True),
-    "response": Source(
+    "normal": TextureSource(normal, {"normal": (0, 1, 2)}, of_heights=True),
+    "response": TextureSource(
         lambda material, edge, *_: response(material, edge),
         {"occlusion": (0,), "roughness": (1,), "metallic": (2,), "layer_mask": (3,)},
     ),
-    "emission": Source(
-        lambda material, edge, *_: emission(material, edge), {"emission": (0, 1, 2)}, light=True
+    "emission": TextureSource(
+        lambda material, edge, *_: emission(material, edge),
+        {"emission": (0, 1, 2)},
+        light=True,
     ),
 }
-"""The textures that a surface reads of its material (`shading.surfaces.surface.SurfaceMaps`)."""
-OF_LAYER: dict[str, Source] = {
-    "layer_color": OF_MATERIAL["base_color"],
-    "layer_normal": OF_MATERIAL["normal"],
+"""Textures that a surface reads of its material (`shading.surfaces.surface.SurfaceMaps`)."""
+LAYER_TEXTURES: dict[str, TextureSource] = {
+    "layer_color": MATERIAL_TEXTURES["base_color"],
+    "layer_normal": MATERIAL_TEXTURES["normal"],
 }
-"""Those that it reads of the material that lies over it."""
+"""Textures that a surface reads of its second layer."""
 
 
-def _once(owner: Any, key: Any, make: Callable[[], Any]) -> Any:
-    held = _made.setdefault(owner, {})
-    if key not in held:
-        held[key] = make()
-    return held[key]
+def _cached(owner: Any, key: Any, make: Callable[[], Any]) -> Any:
+    cached = _cache.setdefault(owner, {})
+    if key not in cached:
+        cached[key] = make()
+    return cached[key]
 
 
 # --- pixels --------------------------------------------------------------------------------------
 
 
-def _fractions(one: Map) -> NDArray[np.uint16]:
-    """A map's pixels as linear 16-bit fractions of one."""
-    pixels = one.pixels
+def _fractions(map: Map) -> NDArray[np.uint16]:
+    """A map's pixels as linear 16-bit fractions of 1."""
+    pixels = map.pixels
     if pixels.dtype == np.float32:
-        linear = np.clip(one.linear(), 0.0, 1.0)
+        linear = np.clip(map.linear(), 0.0, 1.0)
         return np.rint(linear * np.float32(_UNIT)).astype(np.uint16)
-    # integers by a table: no float copy of a large map
+    # integers by a look-up table, to avoid a float copy of a large map
     count = 256 if pixels.dtype == np.uint8 else 65536
     codes = np.linspace(0.0, 1.0, count)
-    table = srgb_decode(codes) if one.srgb else codes
+    table = srgb_decode(codes) if map.srgb else codes
     return np.rint(table * _UNIT).astype(np.uint16)[pixels]
 
 
@@ -210,28 +215,28 @@ def _largest(*maps: Map | None) -> tuple[int, int]:
     return max(shapes, key=lambda shape: shape[0] * shape[1])
 
 
-def _channels(one: Map) -> NDArray[np.uint16]:
-    """The same, channels first."""
-    return _fractions(one).transpose(2, 0, 1)
+def _channels(map: Map) -> NDArray[np.uint16]:
+    """Linear 16-bit fractions of a map, channels first."""
+    return _fractions(map).transpose(2, 0, 1)
 
 
 def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
-    """One channel at another size, bilinear and seamless at the edges."""
-    one = pixels[:, :, 0]
-    for axis, wanted in enumerate(shape):
-        have = one.shape[axis]
-        if have == wanted:
+    """One channel resized, bilinearly and without a seam at the edges."""
+    values = pixels[:, :, 0]
+    for axis, target in enumerate(shape):
+        count = values.shape[axis]
+        if count == target:
             continue
-        place = (np.arange(wanted) + 0.5) * have / wanted - 0.5
-        first = np.floor(place).astype(int)
-        share = (place - first).reshape((-1, 1) if axis == 0 else (1, -1))
-        a, b = (np.take(one, (first + k) % have, axis) for k in (0, 1))
-        one = np.rint(a * (1.0 - share) + b * share).astype(np.uint16)
-    return one
+        position = (np.arange(target) + 0.5) * count / target - 0.5
+        first = np.floor(position).astype(int)
+        weight = (position - first).reshape((-1, 1) if axis == 0 else (1, -1))
+        a, b = (np.take(values, (first + k) % count, axis) for k in (0, 1))
+        values = np.rint(a * (1.0 - weight) + b * weight).astype(np.uint16)
+    return values
 
 
 def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Texture:
-    """A pyramid of four channels; a missing last one is all ones, of a cut-out it is opacity."""
+    """A mip pyramid of four channels; a missing last one is 1, that of a cut-out is opacity."""
     height, width = channels[0].shape
     first = np.full((height, width, 4), _UNIT, np.uint16)
     for index, channel in enumerate(channels):
@@ -244,10 +249,10 @@ def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Textu
 
 
 def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint16]:
-    """The next level; of a cut-out, colours count as much as they are opaque."""
+    """The next mip level; colours of a cut-out are weighted by opacity."""
     if not cut_out:
         return np.rint(halved(level)).astype(np.uint16)
-    # a little weight for all, so that what is wholly see-through keeps its own colour
+    # a small weight for all texels, so that transparent areas keep their colour
     weight = level[:, :, 3:].astype(np.float32) + 1.0
     color = halved(level[:, :, :3] * weight) / halved(weight)
     return np.rint(np.concatenate([color, halved(level[:, :, 3:])], 2)).astype(np.uint16)
@@ -257,5 +262,5 @@ def _normals_of(
     heights: NDArray[np.float32], scale: float, edge: Edge, engine: Engine
 ) -> list[Any]:
     """Encoded normals of a height field, channels first."""
-    made = baking.normal_map(heights, edge, scale, engine)
-    return [np.rint((made[:, :, k] * 0.5 + 0.5) * _UNIT).astype(np.uint16) for k in range(3)]
+    normals = baking.normal_map(heights, edge, scale, engine)
+    return [np.rint((normals[:, :, k] * 0.5 + 0.5) * _UNIT).astype(np.uint16) for k in range(3)]

@@ -1,4 +1,4 @@
-"""Scenes: what is drawn, from where, in what light. Frozen values; nothing here draws.
+"""Scenes: objects, cameras and lights as frozen records. Nothing here draws.
 
     Scene(objects=(Object(material, shape="sphere", technique="relief"),), camera=Orbit(azimuth=30))
 

@@ -1,4 +1,4 @@
-"""Checking the values that users give: one clear line for what does not fit."""
+"""Validation of user-supplied values, with one-line error messages."""
 
 from __future__ import annotations
 
@@ -13,42 +13,45 @@ from basrelief.errors import InputError, suggestion
 from basrelief.lang.types import VECTORS, fields_of, is_record
 
 NEAR, FAR = 1e-6, 1e6
-"""Sizes, places and tilings that float32 holds with room for squares, cubes and quotients."""
+"""Range of sizes, coordinates and tilings whose squares, cubes and quotients fit in float32."""
 
 FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
-"""The refusal of a fog mode given as `fog`, as it was called before."""
+"""Message for a fog mode passed as `fog`, its former name."""
 
 NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
-_MOST_IN_32_BITS: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
+_LARGEST_32_BIT: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 
 
-def one_of(what: str, value: Any, allowed: Sequence[Any]) -> None:
-    """Raise InputError unless the value is one of those allowed."""
+def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
+    """Raise InputError unless the value is allowed."""
     if value not in allowed:
         names = ", ".join(str(a) for a in allowed if a is not None)
         raise InputError(f"{what} is one of {names}, not {value!r}")
 
 
-def within(what: str, value: float, low: float | None, high: float | None) -> None:
-    """Raise InputError unless the value is a finite number in the range, ends included."""
-    below = low is not None and value < low
-    above = high is not None and value > high
-    if not math.isfinite(value) or below or above:
+def check_range(what: str, value: float, low: float | None, high: float | None) -> None:
+    """Raise InputError unless the value is finite and within the range, bounds included."""
+    too_small = low is not None and value < low
+    too_large = high is not None and value > high
+    if not math.isfinite(value) or too_small or too_large:
         ends = f"from {low:g}" if high is None else f"from {low or 0:g} to {high:g}"
         raise InputError(f"{what} is {value:g}: give a number {ends}")
 
 
-def record_of(record: Any, given: Any, owner: str) -> Any:
-    """A record of settings from itself, or from a mapping of the fields to change, checked."""
-    if isinstance(given, Mapping):
-        return checked_record(record, given, owner)
-    if not isinstance(given, record):
+def settings_record(record: Any, options: Any, owner: str) -> Any:
+    """A checked record of settings, from such a record or from a mapping of fields to change."""
+    if isinstance(options, Mapping):
+        return checked_record(record, options, owner)
+    if not isinstance(options, record):
         raise InputError(f"{owner} takes settings of type {record.__name__}")
-    return checked_record(record, {f.name: getattr(given, f.name) for f in fields(record)}, owner)
+    return checked_record(record, {f.name: getattr(options, f.name) for f in fields(record)}, owner)
 
 
 def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
-    """A record of settings with some fields changed; raises InputError for what does not fit."""
+    """A record of settings with some fields changed.
+
+    Raises InputError for unknown or missing fields and for values out of range.
+    """
     assert is_record(record)
     known = {f.name: f for f in fields(record)}
     for name in values:
@@ -56,29 +59,29 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
             raise InputError(
                 f"{owner} has no setting {name!r}; {suggestion(name, known, 'it has')}"
             )
-    for name, each in known.items():
-        if each.default is MISSING and name not in values:
+    for name, field in known.items():
+        if field.default is MISSING and name not in values:
             raise InputError(f"{owner} needs a value for {name}")
     types = fields_of(record)
     return record(**{n: _checked(n, v, types[n], known[n].metadata) for n, v in values.items()})
 
 
-def _checked(name: str, value: Any, wanted: Any, meta: Mapping[str, Any]) -> Any:
-    """A number, or a vector's numbers, each within the setting's range and 32 bits."""
+def _checked(name: str, value: Any, type_: Any, metadata: Mapping[str, Any]) -> Any:
+    """A number, or the components of a vector, within the setting's range and 32 bits."""
     component: Any
-    component, size = (wanted, 1) if wanted in (int, float) else VECTORS.get(wanted, (None, 0))
+    component, size = (type_, 1) if type_ in (int, float) else VECTORS.get(type_, (None, 0))
     if component is None:
         return value
-    several = size > 1 and not isinstance(value, str | Mapping) and np.iterable(value)
-    numbers = [*value] if several else [value]
+    is_sequence = size > 1 and not isinstance(value, str | Mapping) and np.iterable(value)
+    numbers = [*value] if is_sequence else [value]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, NUMBERS):
             raise InputError(f"{name} is a number, not {value!r}")
-        if abs(float(number)) > _MOST_IN_32_BITS[component]:
-            raise InputError(f"{name} is further from 0 than 32 bits reach")
-        within(name, float(number), meta.get("low"), meta.get("high"))
+        if abs(float(number)) > _LARGEST_32_BIT[component]:
+            raise InputError(f"{name} does not fit in 32 bits; give a smaller number")
+        check_range(name, float(number), metadata.get("low"), metadata.get("high"))
         if component is int and int(number) != number:
             raise InputError(f"{name} is a whole number, not {number:g}")
     if len(numbers) not in (1, size):
         raise InputError(f"{name} is one number, or {size} of them, not {value!r}")
-    return wanted(*numbers)
+    return type_(*numbers)

@@ -1,4 +1,4 @@
-"""Lights: from far away, a lamp at a place, a lamp with a cone."""
+"""Light constructors: directional, point and spot lights."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
-from basrelief.scene.checks import FAR, within
+from basrelief.scene.checks import FAR, check_range
 from basrelief.shading.kinds import either
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
 
@@ -22,20 +22,60 @@ _WHITE = (1.0, 1.0, 1.0)
 def directional(
     azimuth: float = -40.0, elevation: float = 40.0, color: _Color = _WHITE, intensity: float = 1.0
 ) -> Light:
-    """A light from far away, from the direction of an orbit's azimuth and elevation."""
-    around, above = np.radians([azimuth, elevation])
+    """A directional light, infinitely far away.
+
+    Parameters
+    ----------
+    azimuth, elevation : float
+        Direction towards the light in degrees, as for `Orbit`.
+    color : (float, float, float), default white
+        Linear RGB, 0 or above.
+    intensity : float, default 1.0
+        Factor of the colour.
+
+    Returns
+    -------
+    Light
+
+    Raises
+    ------
+    InputError
+        For values that are not finite.
+    """
+    azimuth_radians, elevation_radians = np.radians([azimuth, elevation])
     with np.errstate(invalid="ignore"):
-        level = np.array([np.sin(around), 0.0, np.cos(around)])
-        towards = level * np.cos(above) + np.array([0.0, np.sin(above), 0.0])
+        horizontal = np.array([np.sin(azimuth_radians), 0.0, np.cos(azimuth_radians)])
+        towards = horizontal * np.cos(elevation_radians) + np.array(
+            [0.0, np.sin(elevation_radians), 0.0]
+        )
     return _light(DIRECTIONAL, direction=-towards, color=color, intensity=intensity)
 
 
 def point(
     position: Sequence[float], color: _Color = _WHITE, intensity: float = 1.0, falloff: float = 2.0
 ) -> Light:
-    """A lamp at a position in world units; `intensity` is what arrives at distance 1.
+    """A point light.
 
-    `falloff` is the power of the distance: 2 for the inverse square, 1 as in wikibooks.
+    Parameters
+    ----------
+    position : (float, float, float)
+        Position in world units.
+    color : (float, float, float), default white
+        Linear RGB, 0 or above.
+    intensity : float, default 1.0
+        Factor of the colour at distance 1.
+    falloff : float, default 2.0
+        Power of the distance by which the light is divided, 0 to 8: 2 is the inverse-square law, 1
+        that of the preset `wikibooks`, 0 no attenuation.
+
+    Returns
+    -------
+    Light
+
+    Raises
+    ------
+    InputError
+        For values out of range.
     """
     return _light(POINT, position=position, color=color, intensity=intensity, falloff=falloff)
 
@@ -49,8 +89,32 @@ def spot(
     angle: float = 40.0,
     softness: float = 0.25,
 ) -> Light:
-    """A lamp with a cone: `angle` is its whole width in degrees, `softness` the share of it (0 to
-    1) over which it fades."""
+    """A spot light.
+
+    Parameters
+    ----------
+    position, target : (float, float, float)
+        Position of the light, and a point on the axis of its cone, in world units.
+    color : (float, float, float), default white
+        Linear RGB, 0 or above.
+    intensity : float, default 1.0
+        Factor of the colour at distance 1.
+    falloff : float, default 2.0
+        Power of the distance by which the light is divided, 0 to 8.
+    angle : float, default 40.0
+        Full angle of the cone in degrees, above 0 and below 180.
+    softness : float, default 0.25
+        Fraction of the cone over which the light fades to its edge, 0 to 1.
+
+    Returns
+    -------
+    Light
+
+    Raises
+    ------
+    InputError
+        For values out of range, and for a target at the position.
+    """
     if not 0.0 < angle < 180.0 or not 0.0 <= softness <= 1.0:
         raise InputError(f"a spot of angle {angle}, softness {softness}: give 0–180 and 0–1")
     if len(target) != 3 or len(position) != 3:
@@ -74,12 +138,13 @@ LIGHTS: dict[str, Callable[..., Light]] = {
     "point": point,
     "spot": spot,
 }
-"""What makes a light of each kind, by name, in the order of the shaders' numbers."""
-MAKERS = either(LIGHTS)
+"""Light constructors by kind, in the order of the shaders' numbers."""
+LIGHT_CONSTRUCTORS = either(LIGHTS)
+"""The names of the constructors, for messages."""
 
 
 def light_kind(light: Light) -> str:
-    """The kind of a light, by its name; raises InputError for a number that stands for none."""
+    """The name of a light's kind; raises InputError for an unknown number."""
     kinds = dict(enumerate(LIGHTS))
     if int(light.kind) not in kinds:
         known = ", ".join(f"{number} ({name})" for number, name in kinds.items())
@@ -87,11 +152,11 @@ def light_kind(light: Light) -> str:
     return kinds[int(light.kind)]
 
 
-def numbers_of(kind: str | Light) -> tuple[str, ...]:
-    """The numbers that make a light of a kind, or one as a light is.
+def light_parameters(kind: str | Light) -> tuple[str, ...]:
+    """Names of the constructor's parameters for a kind of light, or for the kind of a light.
 
-    A kind with a `position` is placed, one with an `azimuth` or a `target` aimed; one with an
-    `angle` has a cone.
+    Kinds with a `position` are placed, those with an `azimuth` or a `target` directed, those with
+    an `angle` have a cone.
     """
     name = kind if isinstance(kind, str) else light_kind(kind)
     return tuple(inspect.signature(LIGHTS[name]).parameters)
@@ -108,18 +173,20 @@ def _light(
     cos_inner: float = 1.0,
     cos_outer: float = 0.0,
 ) -> Light:
-    way = np.asarray(direction, np.float64)
-    length = float(np.linalg.norm(way))
-    numbers = [*way, *position, *color, intensity]
+    direction_ = np.asarray(direction, np.float64)
+    length = float(np.linalg.norm(direction_))
+    numbers = [*direction_, *position, *color, intensity]
     if len(position) != 3 or len(color) != 3:
         raise InputError(f"a light at {position} of colour {color}: give three numbers each")
     if not (np.abs(numbers) <= FAR).all() or length == 0.0:
-        raise InputError("a light needs finite numbers, and a direction of some length")
-    within("falloff", falloff, 0.0, 8.0)
+        raise InputError(
+            "a light needs finite numbers and a direction that is not zero; check them"
+        )
+    check_range("falloff", falloff, 0.0, 8.0)
     return Light(
         kind,
         Vec3(*position),
-        Vec3(*(way / length)),
+        Vec3(*(direction_ / length)),
         Vec3(*(c * intensity for c in color)),
         falloff,
         cos_inner,

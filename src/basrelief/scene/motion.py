@@ -1,9 +1,9 @@
-"""Motions: how a scene changes through a film. Pure functions of the scene and the moment.
+"""Motions: changes of a scene during a film, as pure functions of the scene and the moment.
 
-    Orbiting()(scene, Moment(share=0.25, seconds=1.0, size=(640, 360)))
+    Orbiting()(scene, Moment(fraction=0.25, seconds=1.0, size=(640, 360)))
 
-A motion changes one thing and leaves all else as it is, so that several go together. It always
-starts from the scene as it was given, never from the moment before: any frame can be drawn alone.
+A motion changes one part of the scene, so that several can be combined. It always starts from the
+initial scene, never from the previous moment, so that any frame can be drawn by itself.
 """
 
 from __future__ import annotations
@@ -18,40 +18,46 @@ from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
-from basrelief.scene.checks import within
-from basrelief.scene.lights import numbers_of
+from basrelief.scene.checks import check_range
+from basrelief.scene.lights import light_parameters
 from basrelief.shading.lights import Light
 
 __all__ = [
-    "MOTIONS", "Lighting", "Moment", "Motion", "Opening", "Orbiting", "Scrolling", "moved",
+    "MOTIONS", "Lighting", "Moment", "Motion", "Opening", "Orbiting", "Scrolling",
+    "apply_motions",
 ]  # fmt: skip
 
-_MOST = 1e3
-"""Turns of a film, and tiles a second: far beyond what an eye can follow."""
+_LIMIT = 1e3
+"""Limit of turns per film and of tiles per second, far beyond what the eye can follow."""
 
 
 @dataclass(frozen=True)
 class Moment:
     """A moment of a film.
 
-    `share` is how much of it has gone, from 0; 1 is the first frame again and is not drawn, so
-    that a film can run in a loop. `seconds` since its beginning; `size` the picture's (width,
-    height) in pixels.
+    Attributes
+    ----------
+    fraction : float
+        Elapsed fraction of the film, 0 or above and below 1, so that a film can loop.
+    seconds : float
+        Seconds since the beginning.
+    size : (int, int)
+        Width and height of the picture in pixels.
     """
 
-    share: float
+    fraction: float
     seconds: float
     size: tuple[int, int]
 
 
 class Motion(Protocol):
-    """What turns the scene at the beginning of a film into that of another moment."""
+    """A function from the initial scene of a film to the scene at a moment."""
 
     def __call__(self, scene: Scene, now: Moment) -> Scene: ...
 
 
-def moved(scene: Scene, motions: Sequence[Motion], now: Moment) -> Scene:
-    """The scene at a moment, after all motions, one after the other."""
+def apply_motions(scene: Scene, motions: Sequence[Motion], now: Moment) -> Scene:
+    """Apply motions one after the other; returns the scene at a moment."""
     for motion in motions:
         scene = motion(scene, now)
     return scene
@@ -62,134 +68,180 @@ def moved(scene: Scene, motions: Sequence[Motion], now: Moment) -> Scene:
 
 @dataclass(frozen=True)
 class Orbiting:
-    """The camera goes round the vertical axis through its target; azimuths grow.
+    """Motion of the camera around the vertical axis through its target.
 
-    `turns` in the whole film, negative the other way round; a whole number makes a loop. An orbit
-    without a distance of its own keeps the one that shows the first object whole all the way.
+    An `Orbit` without a distance gets the smallest one that shows the first object at any azimuth.
+
+    Parameters
+    ----------
+    turns : float, default 1.0
+        Turns during the film, −1000 to 1000, towards growing azimuths if positive. A whole number
+        makes a loop.
+
+    Raises
+    ------
+    InputError
+        For turns out of range.
     """
 
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        within("turns", self.turns, -_MOST, _MOST)
+        check_range("turns", self.turns, -_LIMIT, _LIMIT)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
-        """The scene from where the camera is at that moment."""
-        camera, degrees = scene.camera, 360.0 * self.turns * now.share
+        """The scene with the camera of a moment."""
+        camera, degrees = scene.camera, 360.0 * self.turns * now.fraction
         if isinstance(camera, LookAt):
-            return scene.with_camera(_turned_round(camera, degrees))
+            return scene.with_camera(_rotated_camera(camera, degrees))
         if camera.distance is None and scene.objects:
-            # framed anew for each frame, it would go to and fro
-            camera = camera.framing_all_round(scene.objects[0].outline(), now.size)
+            # framed for each frame separately, the camera would move to and fro
+            camera = camera.framing_all_azimuths(scene.objects[0].bounding_points(), now.size)
         return scene.with_camera(replace(camera, azimuth=camera.azimuth + degrees))
 
 
 @dataclass(frozen=True)
 class Lighting:
-    """The first light goes round; azimuths grow.
+    """Motion of the first light around the vertical axis.
 
-    `turns` as in `Orbiting`. A directional light keeps its elevation; a lamp, with its cone, goes
-    round the vertical axis through the camera's target.
+    A directional light keeps its elevation. A point or spot light moves around the vertical axis
+    through the camera's target.
+
+    Parameters
+    ----------
+    turns : float, default 1.0
+        Turns during the film, as for `Orbiting`.
+
+    Raises
+    ------
+    InputError
+        For turns out of range, and when it is applied to a scene without lights.
     """
 
     turns: float = 1.0
 
     def __post_init__(self) -> None:
-        within("turns", self.turns, -_MOST, _MOST)
+        check_range("turns", self.turns, -_LIMIT, _LIMIT)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
-        """The scene in the light of that moment."""
+        """The scene with the first light of a moment."""
         if not scene.lights:
-            raise InputError("a light that moves: the scene has none; give it one")
-        first = _light_round(scene.lights[0], scene.camera, 360.0 * self.turns * now.share)
+            raise InputError("a light cannot move: the scene has none; add one")
+        first = _rotated_light(scene.lights[0], scene.camera, 360.0 * self.turns * now.fraction)
         return replace(scene, lights=(first, *scene.lights[1:]))
 
 
 @dataclass(frozen=True)
 class Scrolling:
-    """All maps of all objects move over their shapes.
+    """Scrolling of all maps of all objects over their shapes.
 
-    `u` and `v` are how far the texture coordinates go in a second, in those of the shape itself:
-    1 is once round a sphere, or across a plane, whatever the tiling. The speed by default is that
-    of Habrador, Advanced shaders in Unity: Parallax mapping, `_Time[0] * 5`. It makes a loop where
-    as many tiles pass in the film as are whole.
+    The film loops if a whole number of tiles passes.
+
+    Parameters
+    ----------
+    u, v : float, default 0.25 and 0.0
+        Speed in texture coordinates of the shape per second, −1000 to 1000: 1 is once around a
+        sphere, or across a plane, whatever the tiling.
+
+    Raises
+    ------
+    InputError
+        For speeds out of range.
+
+    References
+    ----------
+    E. Nordeus (Habrador), Advanced shaders in Unity, 3: Parallax mapping; the default speed is its
+    `_Time[0] * 5`.
     """
 
     u: float = 0.25
     v: float = 0.0
 
     def __post_init__(self) -> None:
-        within("u", self.u, -_MOST, _MOST)
-        within("v", self.v, -_MOST, _MOST)
+        check_range("u", self.u, -_LIMIT, _LIMIT)
+        check_range("v", self.v, -_LIMIT, _LIMIT)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
-        """The scene with its maps where they are at that moment."""
-        along = (self.u * now.seconds, self.v * now.seconds)
-        return replace(scene, objects=tuple(_shifted(obj, along) for obj in scene.objects))
+        """The scene with the map shifts of a moment."""
+        offset = (self.u * now.seconds, self.v * now.seconds)
+        return replace(scene, objects=tuple(_shifted(obj, offset) for obj in scene.objects))
 
 
 @dataclass(frozen=True)
 class Opening:
-    """A hole opens in the first object, and closes again; its material is the cracked ground.
+    """A hole that opens and closes in the first object, whose height map holds the cracks.
 
-    `times` in the whole film; a whole number makes a loop. The dust is the sample of that name.
-    After Habrador, Advanced shaders in Unity: Parallax mapping; see `basrelief.material.hole`.
+    The dust map is the sample `dust`; see `basrelief.material.hole`.
+
+    Parameters
+    ----------
+    times : float, default 1.0
+        Openings during the film, 0 to 1000. A whole number makes a loop.
+
+    Raises
+    ------
+    InputError
+        For times out of range, and when the first object has no height map.
+
+    References
+    ----------
+    E. Nordeus (Habrador), Advanced shaders in Unity, 3: Parallax mapping.
     """
 
     times: float = 1.0
 
     def __post_init__(self) -> None:
-        within("times", self.times, 0.0, _MOST)
+        check_range("times", self.times, 0.0, _LIMIT)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
-        """The scene with its hole as wide as it is at that moment."""
+        """The scene with the hole of a moment."""
         if not scene.objects or scene.objects[0].material.height is None:
-            raise InputError("a hole that opens: the first object needs a height map")
+            raise InputError("a hole cannot open: the first object needs a height map; give it one")
         first, *others = scene.objects
-        opening = 0.5 - 0.5 * math.cos(2.0 * math.pi * self.times * now.share)
+        opening = 0.5 - 0.5 * math.cos(2.0 * math.pi * self.times * now.fraction)
         opened = hole(first.material, _dust_for(first.material), opening)
         return replace(scene, objects=(replace(first, material=opened), *others))
 
 
 MOTIONS = {"orbit": Orbiting, "light": Lighting, "scroll": Scrolling, "opening": Opening}
-"""The motions by the names that they have on the command line; their fields are numbers there."""
+"""Motions by their names on the command line, where their fields are parameters."""
 
 
-# --- how they do it ------------------------------------------------------------------------------
+# --- rotations, dust, shifts ---------------------------------------------------------------------
 
-_Place = tuple[float, float, float]
+_Point = tuple[float, float, float]
 
 
-def _round_y(vector: Sequence[float], degrees: float) -> _Place:
-    """A vector turned about the vertical, from +z towards +x as azimuths grow."""
-    x, y, z = (float(each) for each in rotated("y", degrees)[:3, :3] @ [*vector])
+def _rotate_y(vector: Sequence[float], degrees: float) -> _Point:
+    """A vector rotated about the y axis, from +z towards +x for positive angles."""
+    x, y, z = (float(value) for value in rotated("y", degrees)[:3, :3] @ [*vector])
     return x, y, z
 
 
-def _round_target(position: Sequence[float], target: _Place, degrees: float) -> _Place:
-    away = _round_y([a - b for a, b in zip(position, target, strict=True)], degrees)
+def _rotate_around(position: Sequence[float], target: _Point, degrees: float) -> _Point:
+    away = _rotate_y([a - b for a, b in zip(position, target, strict=True)], degrees)
     return away[0] + target[0], away[1] + target[1], away[2] + target[2]
 
 
-def _turned_round(camera: LookAt, degrees: float) -> LookAt:
-    """The camera at another place of its circle, the picture's upright turned with it."""
+def _rotated_camera(camera: LookAt, degrees: float) -> LookAt:
+    """The camera rotated about the vertical axis through its target, with its up direction."""
     return replace(
         camera,
-        position=_round_target(camera.position, camera.target, degrees),
-        up=_round_y(camera.upright, degrees),
+        position=_rotate_around(camera.position, camera.target, degrees),
+        up=_rotate_y(camera.up_direction, degrees),
     )
 
 
-def _light_round(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
-    direction = Vec3(*_round_y([*light.direction], degrees))
-    if "position" not in numbers_of(light):
+def _rotated_light(light: Light, camera: Orbit | LookAt, degrees: float) -> Light:
+    direction = Vec3(*_rotate_y([*light.direction], degrees))
+    if "position" not in light_parameters(light):
         return replace(light, direction=direction)
-    position = Vec3(*_round_target([*light.position], camera.target, degrees))
+    position = Vec3(*_rotate_around([*light.position], camera.target, degrees))
     return replace(light, position=position, direction=direction)
 
 
 def _dust_for(cracks: Material) -> Material:
-    """The dust, as large as the heights of the cracks."""
+    """The dust material at the size of the crack heights."""
     assert cracks.height is not None
     return _dust(cracks.height.height, cracks.height.width)
 
@@ -199,9 +251,11 @@ def _dust(height: int, width: int) -> Material:
     return sample("dust", (height, width))
 
 
-def _shifted(obj: Object, along: tuple[float, float]) -> Object:
-    moved = obj.scrolled(*along)
+def _shifted(obj: Object, offset: tuple[float, float]) -> Object:
+    scrolled = obj.scrolled(*offset)
     if obj.edge != "wrap":
-        return moved
-    # a whole tile further is the same picture, and small numbers keep their digits
-    return replace(moved, shift=(math.fmod(moved.shift[0], 1.0), math.fmod(moved.shift[1], 1.0)))
+        return scrolled
+    # whole tiles change nothing, and small numbers keep their precision
+    return replace(
+        scrolled, shift=(math.fmod(scrolled.shift[0], 1.0), math.fmod(scrolled.shift[1], 1.0))
+    )

@@ -1,4 +1,4 @@
-"""Objects: a shape with a material, and how its relief is drawn."""
+"""Objects: shapes with a material and the options of their relief."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from basrelief.baking.tables import check_bake
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
-from basrelief.scene.checks import FAR, NEAR, NUMBERS, one_of, record_of, within
+from basrelief.scene.checks import FAR, NEAR, NUMBERS, check_choice, check_range, settings_record
 from basrelief.scene.shapes import SHAPES
-from basrelief.scene.transforms import LYING, Transform, placed, sound
+from basrelief.scene.transforms import LYING, Transform, is_valid_transform, placed
 from basrelief.shading.intersection import Placement
 from basrelief.shading.kinds import (
     AlphaKind,
@@ -30,85 +30,145 @@ from basrelief.shading.kinds import (
 from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import SurfaceParameters
-from basrelief.shading.surfaces.surface import MapPlaces
+from basrelief.shading.surfaces.surface import MapTilings
 from basrelief.techniques import TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import checked_technique, technique_from_file
 from basrelief.techniques.technique import Projection
 
 DEFAULT_SCALE = 0.05
-"""The depth of a relief whose material does not say: 5 % of a tile's width."""
+"""Scale of a relief whose material has none: 5 % of a tile's width."""
 
 
 @dataclass(frozen=True)
 class Tiling:
-    """How a map lies on a shape: `tiles` along u and v over the shape, then moved by `shift`."""
+    """Placement of a map on a shape.
+
+    Parameters
+    ----------
+    tiles : (float, float), default (1, 1)
+        Number of tiles along u and v over the whole shape; not 0, mirrored if negative.
+    shift : (float, float), default (0, 0)
+        Shift in tiles along u and v.
+    """
 
     tiles: tuple[float, float] = (1.0, 1.0)
     shift: tuple[float, float] = (0.0, 0.0)
 
     def checked(self, owner: str) -> Tiling:
-        """The same; raises InputError for numbers that make no tiling."""
+        """The tiling itself; raises InputError for numbers out of range."""
         if not all(NEAR <= abs(n) <= FAR for n in self.tiles):
             raise InputError(f"{owner} {self.tiles}: give finite numbers other than 0")
         if not all(abs(n) <= FAR for n in self.shift):
             raise InputError(f"shift {self.shift}: give finite numbers")
         return self
 
-    def beside(self, main: Tiling) -> Vec4:
-        """The ratio of tiles to those of another, and the shift that is left."""
+    def relative_to(self, main: Tiling) -> Vec4:
+        """Scale (x, y) and shift (z, w) from another tiling's coordinates to this one's."""
         ratio = (self.tiles[0] / main.tiles[0], self.tiles[1] / main.tiles[1])
-        left = (self.shift[k] - main.shift[k] * ratio[k] for k in (0, 1))
-        return Vec4(*ratio, *left)
+        shift = (self.shift[k] - main.shift[k] * ratio[k] for k in (0, 1))
+        return Vec4(*ratio, *shift)
 
     @property
     def repeats(self) -> bool:
-        """Whether anything but the map's own tile is seen; mirrored tiles lie before it."""
+        """Whether coordinates leave the tile from 0 to 1; mirrored tiles lie before it."""
         return any(self.shift) or not all(0.0 < tiles <= 1.0 for tiles in self.tiles)
 
-    def moved(self, u: float, v: float) -> Tiling:
-        """The same map, moved by a part of the shape's own texture coordinates."""
-        move = (self.tiles[0] * u, self.tiles[1] * v)
-        return replace(self, shift=(self.shift[0] + move[0], self.shift[1] + move[1]))
+    def shifted(self, u: float, v: float) -> Tiling:
+        """The tiling shifted by (u, v) in texture coordinates of the shape."""
+        offset = (self.tiles[0] * u, self.tiles[1] * v)
+        return replace(self, shift=(self.shift[0] + offset[0], self.shift[1] + offset[1]))
 
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """A second material over the first: details on the standard surface, the high ground of a
-    landscape. Its colour and normals are used; `tiling` says how often they lie over the shape,
-    as `Layer(material, Tiling((10, 10)))`."""
+    """A second material over the first, of which colour and normals are used.
+
+    On the standard surface it is a detail layer, on a landscape the material of the mountains.
+
+    Parameters
+    ----------
+    material : Material
+        Material of the layer.
+    tiling : Tiling, default Tiling((10, 10))
+        Placement of its maps on the shape.
+    """
 
     material: Material
     tiling: Tiling = field(default_factory=lambda: Tiling((10.0, 10.0)))
 
 
 OWN_TILINGS = ("base_color", "normal", "response", "emission")
-"""The maps that may lie otherwise than the heights; response is occlusion, roughness, metallic."""
+"""Maps that may have a tiling of their own; response is occlusion, roughness and metallic."""
 SURFACES: dict[str, Any] = {"standard": SurfaceParameters, "landscape": Landscape}
-"""The surfaces, each with the record of its numbers."""
+"""Surfaces with their parameter records."""
 
 
 @dataclass(frozen=True, eq=False)
 class Object:
-    """A shape with a material, and how its relief is drawn.
+    """A shape with a material, drawn with a technique.
 
-    `technique` is a name, "FILE.py:NAME" or a technique; without one it is `relief` where there are
-    heights, and asking for one where there are none is an error. `settings` is its record, or a
-    mapping of the fields to change. `scale` defaults to the material's, `reference_height` and
-    `projection` to the technique's. `edge` says what lies beyond the maps: "wrap", "clamp" (of a
-    layer too, whose tiles then do not repeat), or "clip" (nothing).
-    `heights` are read "sharp", from the finest level, "smooth", as `smoothing` says, or "mip", from
-    the one level whose texels are as large as the pixel sees them. `fade` is
-    the distance from the camera, in world units, up to which the relief is whole, and that at which
-    it is gone.
+    Parameters
+    ----------
+    material : Material
+        Maps of the object.
+    shape : {"plane", "box", "sphere", "cylinder"}, default "plane"
+        Shape of the object, of size 1 in object space.
+    technique : str or Technique, optional
+        Name of a technique, "FILE.py:NAME", or a technique. The default is `relief`, or `flat` for
+        a material without heights.
+    settings : record or mapping, optional
+        Settings of the technique, or the fields of them to change.
+    scale : float, optional
+        Height range as a fraction of a tile's width, 0 to 10. The default is the material's, else
+        0.05.
+    reference_height : float, optional
+        Height that lies on the polygon, 0 (raised) to 1 (pushed in). The default is the
+        technique's.
+    projection : {"full", "biased", "limited"}, optional
+        Projection of the view ray. The default is the technique's.
+    bias : float, default 0.42
+        Bias of the projection "biased", 0 to 100.
+    heights : {"sharp", "smooth", "mip"}, default "sharp"
+        Level of the heights: the finest; blended levels, with the parameters `smoothing`; or the
+        level whose texels match the pixel's footprint.
+    smoothing : record or mapping, optional
+        Parameters of smooth heights, or the fields of them to change.
+    fade : (float, float), optional
+        Distances from the camera in world units at which the relief begins to fade and has
+        vanished.
+    edge : {"wrap", "clamp", "clip"}, default "wrap"
+        Beyond the border of the maps (and of a layer), repeat them, continue the border, or draw
+        nothing.
+    tiling : (float, float), optional
+        Number of tiles of all maps along u and v; not 0, mirrored if negative. The default depends
+        on the shape.
+    shift : (float, float), default (0, 0)
+        Shift of all maps in tiles along u and v.
+    tilings : mapping of str to Tiling, optional
+        Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
+        and "emission".
+    mapping : {"planar", "triplanar"}, default "planar"
+        Projection of the colour onto the relief, from one side or from three.
+    alpha : {"blend", "mask", "opaque"}, default "blend"
+        Use of the opacity: blending, a cut-out, or none.
+    casts : {"shape", "opaque", "none"}, default "shape"
+        Shadows cast on other objects: with cut-outs, as if there were none, or no shadows.
+    surface : {"standard", "landscape"}, default "standard"
+        Surface shader.
+    surface_parameters : record or mapping, optional
+        Parameters of the surface, or the fields of them to change.
+    layer : Layer, optional
+        A second material over the first.
+    transform : array_like, shape (4, 4), optional
+        Affine transform from object to world space. By default a plane lies flat, with the
+        proportions of its maps; other shapes are not transformed.
 
-    `tiling` counts the tiles of all maps along u and v, `shift` moves them; `tilings` are those of
-    single maps (`OWN_TILINGS`). `mapping` lays the colour on from one side ("planar") or from three
-    ("triplanar"). `alpha` says what opacity means: "blend", "mask" (a cut-out) or "opaque";
-    `casts` whether the object casts shadows on others, "opaque" as if nothing were cut out of it.
-
-    `surface` is "standard" or "landscape", `surface_parameters` its record or a mapping of the
-    fields to change; `layer` lies over it. Raises InputError for values out of range.
+    Raises
+    ------
+    InputError
+        For values out of range, unknown names and settings, and a technique other than `flat` for
+        a material without heights.
     """
 
     material: Material
@@ -138,39 +198,39 @@ class Object:
         self._check_kinds()
         self._choose_technique()
         for name, values in menus_of(Object).items():
-            one_of(name, getattr(self, name), values)
-        within("scale", self.relief_scale, 0.0, 10.0)
-        within("reference_height", self.relief_reference_height, 0.0, 1.0)
-        within("bias", self.bias, 0.0, 100.0)
-        able = self.drawn_with.takes_heights
-        if self.heights not in able:
+            check_choice(name, getattr(self, name), values)
+        check_range("scale", self.relief_scale, 0.0, 10.0)
+        check_range("reference_height", self.relief_reference_height, 0.0, 1.0)
+        check_range("bias", self.bias, 0.0, 100.0)
+        supported = self.selected_technique.takes_heights
+        if self.heights not in supported:
             raise InputError(
-                f"{self.drawn_with.name} reads its heights {' or '.join(able)}; "
-                f"leave heights {self.heights} away"
+                f"{self.selected_technique.name} reads its heights {' or '.join(supported)}; "
+                f"omit heights {self.heights}"
             )
         self._check_fade()
         self._check_tilings()
         for name, record, owner in (
-            ("settings", self.drawn_with.settings, self.drawn_with.name),
+            ("settings", self.selected_technique.settings, self.selected_technique.name),
             ("smoothing", Smoothing, "the smoothing"),
             ("surface_parameters", SURFACES[self.surface], f"the {self.surface} surface"),
         ):
-            object.__setattr__(self, name, record_of(record, getattr(self, name), owner))
-        if not sound(self.to_world):
+            object.__setattr__(self, name, settings_record(record, getattr(self, name), owner))
+        if not is_valid_transform(self.to_world):
             raise InputError(
                 "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "
-                "and not flatten it to nothing"
+                "and invertible"
             )
 
     def _check_kinds(self) -> None:
-        """Raise InputError for what is of another kind altogether."""
+        """Raise InputError for values of the wrong type."""
         if not isinstance(self.material, Material):
-            raise InputError(f"an object's material is one, as load gives, not {self.material!r}")
+            raise InputError(f"material is {self.material!r}: give a Material, as from load")
         if not (self.layer is None or isinstance(self.layer, Layer)):
             raise InputError(f"layer is {self.layer!r}: give a Layer(material, Tiling((10, 10)))")
-        for name, each in self.tilings.items():
-            if not isinstance(each, Tiling):
-                raise InputError(f"tiling of {name} is {each!r}: give a Tiling((2, 2))")
+        for name, tiling in self.tilings.items():
+            if not isinstance(tiling, Tiling):
+                raise InputError(f"tiling of {name} is {tiling!r}: give a Tiling((2, 2))")
         for name in ("scale", "reference_height", "bias"):
             number = getattr(self, name)
             if not (number is None or isinstance(number, NUMBERS)):
@@ -181,15 +241,16 @@ class Object:
                 raise InputError(f"{name} is {pair!r}: give two numbers")
 
     def _choose_technique(self) -> None:
-        usual = flat if self.material.height is None else relief
-        chosen = usual if self.technique is None else technique_named(self.technique)
-        object.__setattr__(self, "technique", chosen)
-        if self.material.height is None and self.drawn_with is not flat:
+        default = flat if self.material.height is None else relief
+        technique = default if self.technique is None else technique_named(self.technique)
+        object.__setattr__(self, "technique", technique)
+        if self.material.height is None and self.selected_technique is not flat:
             raise InputError(
-                f"{self.material.name} has no height map, which {self.drawn_with.name} needs; "
+                f"{self.material.name} has no height map, which "
+                f"{self.selected_technique.name} needs; "
                 "add one, or draw it with the technique flat"
             )
-        check_bake(self.drawn_with.bake, self.drawn_with.name)
+        check_bake(self.selected_technique.bake, self.selected_technique.name)
 
     def _check_fade(self) -> None:
         if self.fade is None:
@@ -200,36 +261,36 @@ class Object:
 
     def _check_tilings(self) -> None:
         self.main_tiling.checked("tiling")
-        for name, each in self.tilings.items():
-            one_of("a tiling of its own", name, OWN_TILINGS)
-            each.checked(f"tiling of {name}")
+        for name, tiling in self.tilings.items():
+            check_choice("a tiling of its own", name, OWN_TILINGS)
+            tiling.checked(f"tiling of {name}")
         if self.layer is not None:
             self.layer.tiling.checked("tiling of the layer")
 
     @property
-    def drawn_with(self) -> Technique[..., Any]:
-        """The technique that is asked for."""
+    def selected_technique(self) -> Technique[..., Any]:
+        """The technique as a record, resolved from its name."""
         assert isinstance(self.technique, Technique)
         return self.technique
 
     @property
     def has_relief(self) -> bool:
-        """Whether anything is displaced: there are heights, and a technique that reads them."""
-        return self.material.height is not None and self.drawn_with is not flat
+        """Whether the object has heights and a technique that reads them."""
+        return self.material.height is not None and self.selected_technique is not flat
 
     @property
     def relief_scale(self) -> float:
-        """The depth of the relief as a fraction of a tile's width."""
-        return _first(self.scale, self.material.scale, DEFAULT_SCALE)
+        """The scale in use: the height range as a fraction of a tile's width."""
+        return _first_set(self.scale, self.material.scale, DEFAULT_SCALE)
 
     @property
     def relief_reference_height(self) -> float:
-        """The height that lies on the polygon."""
-        return _first(self.reference_height, self.drawn_with.reference_height)
+        """The reference height in use."""
+        return _first_set(self.reference_height, self.selected_technique.reference_height)
 
     @property
     def raised(self) -> float:
-        """How far the relief stands above the polygon at most, in lengths of object space."""
+        """Largest height of the relief above the polygon, in object space."""
         if not self.has_relief:
             return 0.0
         width = SHAPES[self.shape].width
@@ -237,111 +298,109 @@ class Object:
 
     @property
     def relief_projection(self) -> Projection:
-        """The name of the projection in use."""
-        return self.projection or self.drawn_with.projection
+        """The projection in use."""
+        return self.projection or self.selected_technique.projection
 
     @property
     def tiles(self) -> tuple[float, float]:
-        """Tiles along u and v; more along v where a tile is wider than high."""
+        """Tiles along u and v; on round shapes more along v for wide tiles."""
         if self.tiling is not None:
             return self.tiling
-        facts = SHAPES[self.shape]
-        u, v = facts.tiles
-        return u, v * self.material.proportion if facts.round else v
+        properties = SHAPES[self.shape]
+        u, v = properties.tiles
+        return u, v * self.material.proportion if properties.round else v
 
     @property
     def to_world(self) -> Transform:
-        """The transform in use.
-
-        Without one a flat shape lies, with the proportions of the maps; other shapes stand.
-        """
+        """The transform in use, from object to world space, (4, 4)."""
         if self.transform is not None:
             return np.asarray(self.transform, np.float64)
         if not SHAPES[self.shape].flat:
             return np.eye(4)
         proportion = self.material.proportion
-        # as deep as it is wide: the depth of a relief is a share of a tile's width
+        # z is scaled like x, since the scale of a relief is a fraction of a tile's width
         width = min(proportion, 1.0)
         return LYING @ placed(scale=(width, min(1.0 / proportion, 1.0), width))
 
-    def outline(self) -> NDArray[np.float64]:
-        """Points of world space, (n, 3), that the object lies between."""
+    def bounding_points(self) -> NDArray[np.float64]:
+        """World-space points, (n, 3), whose convex hull encloses the object without its relief."""
         matrix = self.to_world
-        return SHAPES[self.shape].outline @ matrix[:3, :3].T + matrix[:3, 3]
+        return SHAPES[self.shape].bounding_points @ matrix[:3, :3].T + matrix[:3, 3]
 
     def placement(self) -> Placement:
-        """The shaders' record of where the object is."""
+        """The shaders' record of the object's position and tiling."""
         matrix = self.to_world
         inverse = np.linalg.inv(matrix[:3, :3])
         return Placement(
             Vec3(*matrix[:3, 3]),
-            _columns(inverse),
+            _matrix_columns(inverse),
             Vec2(*self.tiles),
             Vec2(*self.shift),
             self._normals_proportion(),
         )
 
     def _normals_proportion(self) -> float:
-        """Width ÷ height, on a tile of the heights, of what the normals take for a square."""
-        own = self.tilings.get("normal")
-        if own is None or self.material.normal is None:
+        """Width ÷ height, in tiles of the heights, of a square in the normal map."""
+        own_tiling = self.tilings.get("normal")
+        if own_tiling is None or self.material.normal is None:
             return self.material.proportion
-        ratio = own.beside(self.main_tiling)
+        ratio = own_tiling.relative_to(self.main_tiling)
         return self.material.proportion * abs(float(ratio.x / ratio.y))
 
     def relief_parameters(self) -> ReliefParameters:
-        """The shaders' record of how deep the relief is."""
+        """The shaders' record of scale, reference height, bias and fade."""
         return ReliefParameters(
             self.relief_scale, self.relief_reference_height, self.bias, *(self.fade or (0.0, 0.0))
         )
 
     @property
     def main_tiling(self) -> Tiling:
-        """How the heights lie, and every map that has no tiling of its own."""
+        """Tiling of the heights, and of every map without its own."""
         return Tiling(self.tiles, self.shift)
 
-    def map_places(self) -> MapPlaces:
-        """The shaders' record of how each map lies beside the heights."""
+    def map_tilings(self) -> MapTilings:
+        """The shaders' record of the maps' tilings relative to the heights."""
         main = self.main_tiling
-        own = {name: self.tilings.get(name, main).beside(main) for name in OWN_TILINGS}
+        places = {name: self.tilings.get(name, main).relative_to(main) for name in OWN_TILINGS}
         if self.layer is None:
-            return MapPlaces(**own, layer=main.beside(main), layer_slant=1.0)
-        over = self.layer.tiling.beside(main)
-        stretch = abs(float(over.y / over.x))
+            return MapTilings(**places, layer=main.relative_to(main), layer_normal_stretch=1.0)
+        layer_tiling = self.layer.tiling.relative_to(main)
+        stretch = abs(float(layer_tiling.y / layer_tiling.x))
         slant = stretch * self._normals_proportion() / self.layer.material.proportion
-        return MapPlaces(**own, layer=over, layer_slant=slant)
+        return MapTilings(**places, layer=layer_tiling, layer_normal_stretch=slant)
 
     def scrolled(self, u: float, v: float = 0.0) -> Object:
-        """The same object, all its maps moved by a part of the shape's own coordinates."""
+        """The object with all maps shifted by (u, v) in texture coordinates of the shape."""
         layer = self.layer
         return replace(
             self,
-            shift=self.main_tiling.moved(u, v).shift,
-            tilings={name: each.moved(u, v) for name, each in self.tilings.items()},
-            layer=layer and replace(layer, tiling=layer.tiling.moved(u, v)),
+            shift=self.main_tiling.shifted(u, v).shift,
+            tilings={name: tiling.shifted(u, v) for name, tiling in self.tilings.items()},
+            layer=layer and replace(layer, tiling=layer.tiling.shifted(u, v)),
         )
 
 
-def _columns(matrix: NDArray[Any]) -> Mat3:
+def _matrix_columns(matrix: NDArray[Any]) -> Mat3:
     return Mat3(*(Vec3(*matrix[:, column]) for column in range(3)))
 
 
-def _first(*values: float | None) -> float:
+def _first_set(*values: float | None) -> float:
     return next(float(value) for value in values if value is not None)
 
 
-def technique_named(given: str | Technique[..., Any]) -> Technique[..., Any]:
-    """A technique of the library by its name, one of a user's own as FILE.py:NAME, or itself.
+def technique_named(technique: str | Technique[..., Any]) -> Technique[..., Any]:
+    """The technique for a name of the library's, FILE.py:NAME, or a technique.
 
-    Raises InputError where there is none, and for what is no technique; ShaderError for one whose
-    signature does not fit.
+    Raises InputError for unknown names and values that are no technique, and ShaderError for a
+    signature that does not fit.
     """
-    if not isinstance(given, str):
-        return checked_technique(given)
-    if ".py:" in given:
-        return technique_from_file(*given.rsplit(":", 1))
-    if given not in TECHNIQUES:
+    if not isinstance(technique, str):
+        return checked_technique(technique)
+    if ".py:" in technique:
+        return technique_from_file(*technique.rsplit(":", 1))
+    if technique not in TECHNIQUES:
         raise InputError(
-            f"no technique is called {given!r}; use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
+            f"no technique is called {technique!r}; "
+            f"use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
         )
-    return TECHNIQUES[given]
+    return TECHNIQUES[technique]

@@ -1,4 +1,4 @@
-"""Facts about each shape; its shader is in `shading.shapes`. All of object space."""
+"""Properties of each shape in object space; its shader is in `shading.shapes`."""
 
 from __future__ import annotations
 
@@ -14,13 +14,23 @@ from basrelief.shading.kinds import ShapeKind
 
 @dataclass(frozen=True)
 class ShapeFacts:
-    """Facts about a shape: `outline` points, (n, 3), that it lies between; whether it `contains` a
-    point (x, y, z); `tiles` along u and v that leave a square tile about square.
+    """Properties of a shape.
 
-    `flat`: it has no inside, but a back, and lies on the ground. `round`: u runs around the y axis.
+    Attributes
+    ----------
+    bounding_points : ndarray of float64, shape (n, 3)
+        Points whose convex hull encloses the shape.
+    contains : callable
+        Whether a point (x, y, z) lies inside the shape.
+    tiles : (float, float)
+        Default tiles along u and v, which leave square tiles about square.
+    flat : bool
+        Whether the shape has no inside but a back, and lies on the ground by default.
+    round : bool
+        Whether u runs around the y axis.
     """
 
-    outline: NDArray[np.float64]
+    bounding_points: NDArray[np.float64]
     contains: Callable[[float, float, float], bool]
     tiles: tuple[float, float] = (1.0, 1.0)
     flat: bool = False
@@ -28,7 +38,7 @@ class ShapeFacts:
 
     @property
     def width(self) -> float:
-        """The length of u from 0 to 1: a side, or the circumference."""
+        """Length of u from 0 to 1: a side, or the circumference."""
         return math.pi if self.round else 1.0
 
 

@@ -1,4 +1,4 @@
-"""Transforms of objects."""
+"""Affine transforms of objects."""
 
 from __future__ import annotations
 
@@ -12,30 +12,56 @@ from numpy.typing import NDArray
 from basrelief.scene.checks import FAR, NEAR
 
 Transform = NDArray[np.float64]
-"""An affine map from object to world space, (4, 4), acting on columns."""
+"""An affine transform from object to world space, (4, 4), for column vectors."""
 
 
 def rotated(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
-    """A rotation about an axis of the world, counterclockwise seen against the axis."""
+    """Rotation about a world axis.
+
+    Parameters
+    ----------
+    axis : {"x", "y", "z"}
+        Axis of the rotation.
+    degrees : float
+        Angle in degrees, counterclockwise for a viewer towards whom the axis points.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 4)
+        Transform from object to world space.
+    """
     a, b = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    made = np.eye(4)
-    made[a, a] = made[b, b] = c
-    made[a, b], made[b, a] = -s, s
-    return made
+    matrix = np.eye(4)
+    matrix[a, a] = matrix[b, b] = c
+    matrix[a, b], matrix[b, a] = -s, s
+    return matrix
 
 
 def placed(
     position: Sequence[float] = (0.0, 0.0, 0.0), scale: float | Sequence[float] = 1.0
 ) -> Transform:
-    """A scaling, one factor or one for each axis, and then a move."""
-    made = np.diag([*np.broadcast_to(scale, 3), 1.0]).astype(np.float64)
-    made[:3, 3] = position
-    return made
+    """Scaling followed by a translation.
+
+    Parameters
+    ----------
+    position : (float, float, float), default (0, 0, 0)
+        Translation in world units.
+    scale : float or (float, float, float), default 1.0
+        One factor, or one per axis.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 4)
+        Transform from object to world space.
+    """
+    matrix = np.diag([*np.broadcast_to(scale, 3), 1.0]).astype(np.float64)
+    matrix[:3, 3] = position
+    return matrix
 
 
-def sound(transform: Transform) -> bool:
-    """Whether it is affine, and shaders in 32 bits can go there and back."""
+def is_valid_transform(transform: Transform) -> bool:
+    """Whether a transform is finite and affine, and invertible in 32 bits."""
     if transform.shape != (4, 4) or not (np.abs(transform) <= FAR).all():
         return False
     sizes = np.linalg.svd(transform[:3, :3], compute_uv=False)
@@ -43,4 +69,4 @@ def sound(transform: Transform) -> bool:
 
 
 LYING = rotated("x", -90.0)
-"""Lays a plane flat: it faces up, the picture's top away from a camera at azimuth 0."""
+"""Rotation of a plane to face up, with the picture's top away from a camera at azimuth 0."""

@@ -1,1 +1,1 @@
-"""One pixel, from its ray to its colour. Read `pixel.py` first; it reads from top to bottom."""
+"""The pixel shader and its parts: from the primary ray to the colour. Start with `pixel.py`."""

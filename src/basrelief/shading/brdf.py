@@ -1,6 +1,6 @@
-"""BRDFs: how much of the light that arrives at a point is reflected to the viewer.
+"""BRDFs: the light that a point reflects to the viewer.
 
-Colours are linear Rec. 709. Direction vectors are of unit length and point away from the surface.
+Colours are linear Rec. 709. Direction vectors have unit length and point away from the surface.
 """
 
 from __future__ import annotations
@@ -19,28 +19,28 @@ from basrelief.lang import (
     sqrt,
     struct,
 )
-from basrelief.shading.lights import Incoming
+from basrelief.shading.lights import IncidentLight
 from basrelief.shading.variant import Variant
 
-SMOOTHEST = 0.045
-"""The least roughness: its fourth power is still clear of float32's rounding of 1 (R. Guy and
+MIN_ROUGHNESS = 0.045
+"""The lower limit of roughness: float32 still resolves its fourth power next to 1 (R. Guy and
 M. Agopian, Physically Based Rendering in Filament, 2018)."""
-EDGE_ON = 1e-4
-"""The least cosine between normal and view: a bent normal may well face away from the viewer."""
-DIELECTRIC = 0.04
-"""What a dielectric reflects head-on: an index of refraction of 1.5 (glTF 2.0)."""
+MIN_N_DOT_V = 1e-4
+"""The lower limit of n·v: a normal from a map may face away from the viewer."""
+DIELECTRIC_F0 = 0.04
+"""Reflectance of a dielectric at normal incidence: an index of refraction of 1.5 (glTF 2.0)."""
 PI = 3.14159265358979
-OPPOSITE = 1e-6
+MIN_HALF_SQUARED = 1e-6
 """The squared length of light + view below which the two count as opposite."""
 
 
 @struct
 class ShadingPoint:
-    """A point of a surface, ready to be lit.
+    """A surface point, ready for lighting.
 
-    `normal` is the shading normal, `view` points to the viewer, both unit. `base_color`,
-    `roughness` (perceptual), `metallic` and `occlusion` (1 where nothing occludes) are 0 to 1, as
-    in glTF 2.0; `emission` is the radiance the point sends out by itself.
+    `normal` is the shading normal and `view` points to the viewer, both unit. `base_color`,
+    `roughness` (perceptual), `metallic` and `occlusion` (1 is unoccluded) are 0 to 1, as in
+    glTF 2.0; `emission` is the emitted radiance.
     """
 
     position: Vec3
@@ -55,7 +55,21 @@ class ShadingPoint:
 
 @struct
 class Shading:
-    """The numbers of the lighting that a user turns."""
+    """Settings of the lighting.
+
+    Attributes
+    ----------
+    ambient : Vec3
+        Linear colour of the ambient light.
+    diffuse : float
+        Factor of the base colour in Phong's diffuse term.
+    specular : Vec3
+        Linear colour of Phong's highlight.
+    shininess : float
+        Exponent of Phong's highlight, 1 to 1000.
+    directional_occlusion : float
+        Strength of the directional occlusion of lights, 0 to 1.
+    """
 
     ambient: Vec3 = setting(default=Vec3(0.1), doc="light from everywhere, linear colour", low=0.0)
     diffuse: float = setting(
@@ -77,106 +91,108 @@ class Shading:
 def ambient_light(point: ShadingPoint, shading: Shading) -> Vec3:
     """Ambient light · base colour · occlusion.
 
-    The same for a metal: it has no diffuse term, but mirrors its surroundings in its base colour.
+    The same for a metal: it has no diffuse term, but reflects its surroundings in its base colour.
     """
     return shading.ambient * point.base_color * point.occlusion
 
 
-# --- light reflected -------------------------------------------------------------------------
+# --- reflected light -------------------------------------------------------------------------
 
 
 @shader
 def reflectance(
-    point: ShadingPoint, shading: Shading, incoming: Incoming, variant: Variant
+    point: ShadingPoint, shading: Shading, incident: IncidentLight, variant: Variant
 ) -> Vec3:
-    """The radiance that the point sends to the viewer for one light, the cosine included."""
+    """The radiance reflected to the viewer from one light, n·l included."""
     if variant.shading_model == "phong":
-        return phong(point, shading, incoming)
-    return ggx(point, shading, incoming)
+        return phong(point, shading, incident)
+    return ggx(point, shading, incident)
 
 
 @shader
-def phong(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
-    """B. T. Phong, Illumination for Computer Generated Pictures, 1975, after wikibooks.
+def phong(point: ShadingPoint, shading: Shading, incident: IncidentLight) -> Vec3:
+    """Phong reflection, without roughness and metallic.
 
-    Diffuse: the base colour · n·l; specular: the reflected light's cosine with the view, to the
-    power of the shininess, not scaled by n·l. Neither from a light behind the surface. Takes no
-    notice of roughness and metallic.
+    Diffuse: base colour · n·l. Specular: (r·v) to the power of the shininess, r the mirrored light
+    direction, not scaled by n·l. Both are 0 for a light behind the surface.
+    B. T. Phong, Illumination for Computer Generated Pictures, 1975, after wikibooks.
     """
-    facing = dot(point.normal, incoming.direction)
-    if facing <= 0.0:
+    n_dot_l = dot(point.normal, incident.direction)
+    if n_dot_l <= 0.0:
         return Vec3(0.0)
-    mirrored = reflect(-incoming.direction, point.normal)
+    mirrored = reflect(-incident.direction, point.normal)
     highlight = pow(max(dot(mirrored, point.view), 0.0), shading.shininess)
-    diffuse = point.base_color * (shading.diffuse * facing)
-    return incoming.radiance * (diffuse + shading.specular * highlight)
+    diffuse = point.base_color * (shading.diffuse * n_dot_l)
+    return incident.radiance * (diffuse + shading.specular * highlight)
 
 
 @shader
-def ggx(point: ShadingPoint, shading: Shading, incoming: Incoming) -> Vec3:
-    """Metallic-roughness as in glTF 2.0, appendix B, with π · the reflectance function.
+def ggx(point: ShadingPoint, shading: Shading, incident: IncidentLight) -> Vec3:
+    """Metallic-roughness BRDF of glTF 2.0, appendix B, times π.
 
-    Masking and shadowing are correlated by height, where the appendix has them independent.
-    Lights' radiance counts π-fold, so that a white diffuse surface facing a directional light of
-    colour 1 comes out as 1 (less what the Fresnel term takes for the highlight): Lambert's term
-    is the base colour itself. Takes no notice of `shading`: the material's maps say it all.
+        π · f · n·l = (c_diff (1 − F) + π F · D · V) · n·l
+
+    Masking and shadowing are height-correlated, where the appendix has them independent. The factor
+    π makes a white diffuse surface that faces a directional light of colour 1 come out as 1, less
+    the Fresnel term's share for the highlight. `shading` is not used: the material's maps hold all.
     """
-    facing = dot(point.normal, incoming.direction)
-    if facing <= 0.0:
+    n_dot_l = dot(point.normal, incident.direction)
+    if n_dot_l <= 0.0:
         return Vec3(0.0)
-    seen = max(dot(point.normal, point.view), EDGE_ON)
-    halfway = halfway_between(incoming.direction, point.view, point.normal)
-    held = max(point.roughness, SMOOTHEST)
-    alpha = held * held
-    head_on = mix(Vec3(DIELECTRIC), point.base_color, point.metallic)
-    fresnel = schlick_fresnel(head_on, saturate(dot(point.view, halfway)))
-    microfacets = trowbridge_reitz(point.normal, halfway, alpha) * smith(facing, seen, alpha)
+    n_dot_v = max(dot(point.normal, point.view), MIN_N_DOT_V)
+    half = half_vector(incident.direction, point.view, point.normal)
+    roughness = max(point.roughness, MIN_ROUGHNESS)
+    alpha = roughness * roughness
+    f0 = mix(Vec3(DIELECTRIC_F0), point.base_color, point.metallic)
+    fresnel = schlick_fresnel(f0, saturate(dot(point.view, half)))
+    microfacets = trowbridge_reitz(point.normal, half, alpha) * smith(n_dot_l, n_dot_v, alpha)
     diffuse = point.base_color * (1.0 - point.metallic) * (1.0 - fresnel)
-    return incoming.radiance * (diffuse + fresnel * (microfacets * PI)) * facing
+    return incident.radiance * (diffuse + fresnel * (microfacets * PI)) * n_dot_l
 
 
 @shader
-def halfway_between(light: Vec3, view: Vec3, normal: Vec3) -> Vec3:
-    """The unit vector between two; the normal where they are opposite."""
+def half_vector(light: Vec3, view: Vec3, normal: Vec3) -> Vec3:
+    """The unit vector halfway between light and view; the normal where they are opposite."""
     total = light + view
-    if dot(total, total) > OPPOSITE:
+    if dot(total, total) > MIN_HALF_SQUARED:
         return normalize(total)
     return normal
 
 
 @shader
-def trowbridge_reitz(normal: Vec3, halfway: Vec3, alpha: float) -> float:
-    """The density of microfacets that face halfway, alpha the squared roughness.
+def trowbridge_reitz(normal: Vec3, half: Vec3, alpha: float) -> float:
+    """The microfacet distribution D of GGX, alpha the squared roughness.
 
+    D = α² ÷ (π ((n·h)² (α² − 1) + 1)²), 0 for facets that face into the surface.
     T. S. Trowbridge and K. P. Reitz, Average Irregularity Representation of a Rough Surface for
-    Ray Reflection, 1975. Facets that face into the surface do not count.
+    Ray Reflection, 1975.
     """
-    cosine = saturate(dot(normal, halfway))
-    across = cross(normal, halfway)
-    squared = alpha * alpha
-    # 1 − cosine² as |n × h|², which does not cancel near the highlight
-    spread = cosine * cosine * squared + dot(across, across)
-    return squared / (PI * spread * spread)
+    n_dot_h = saturate(dot(normal, half))
+    across = cross(normal, half)
+    alpha_squared = alpha * alpha
+    # 1 − (n·h)² as |n × h|², which does not cancel near the highlight
+    spread = n_dot_h * n_dot_h * alpha_squared + dot(across, across)
+    return alpha_squared / (PI * spread * spread)
 
 
 @shader
-def smith(facing: float, seen: float, alpha: float) -> float:
-    """Height-correlated masking and shadowing ÷ (4 · n·l · n·v).
+def smith(n_dot_l: float, n_dot_v: float, alpha: float) -> float:
+    """The visibility term V: height-correlated Smith masking and shadowing ÷ (4 · n·l · n·v).
 
     E. Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, 2014.
     """
-    squared = alpha * alpha
-    light = seen * sqrt(facing * facing * (1.0 - squared) + squared)
-    view = facing * sqrt(seen * seen * (1.0 - squared) + squared)
+    alpha_squared = alpha * alpha
+    light = n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - alpha_squared) + alpha_squared)
+    view = n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - alpha_squared) + alpha_squared)
     return 0.5 / (light + view)
 
 
 @shader
-def schlick_fresnel(head_on: Vec3, cosine: float) -> Vec3:
-    """What is reflected at an angle, given what is reflected head-on.
+def schlick_fresnel(f0: Vec3, cosine: float) -> Vec3:
+    """Fresnel reflectance F0 + (1 − F0) (1 − cosine)⁵, F0 that at normal incidence.
 
     C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.
     """
     rest = 1.0 - cosine
     squared = rest * rest
-    return head_on + (1.0 - head_on) * (squared * squared * rest)
+    return f0 + (1.0 - f0) * (squared * squared * rest)

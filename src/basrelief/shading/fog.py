@@ -1,17 +1,17 @@
-"""Fog: what lies further away takes on the colour of the air."""
+"""Fog: colours fade to the fog colour with distance."""
 
 from __future__ import annotations
 
 from basrelief.lang import Vec3, exp2, mix, saturate, setting, shader, struct
 from basrelief.shading.variant import Variant
 
-PER_E = 1.4426950408889634
-"""1 ÷ ln 2: exp(x) is exp2(x · this)."""
+LOG2_E = 1.4426950408889634
+"""1 ÷ ln 2: exp(x) = exp2(x · LOG2_E)."""
 
 
 @struct
 class Fog:
-    """The numbers of fog; distances in world units."""
+    """Settings of the fog; distances in world units."""
 
     fog_color: Vec3 = setting(default=Vec3(0.5, 0.55, 0.6), doc="of the air, linear", low=0.0)
     fog_density: float = setting(
@@ -26,32 +26,32 @@ class Fog:
 
 
 @shader
-def fogged(color: Vec3, distance: float, fog: Fog, variant: Variant) -> Vec3:
-    """A colour as it is seen through so much air."""
+def apply_fog(color: Vec3, distance: float, fog: Fog, variant: Variant) -> Vec3:
+    """A colour seen through fog over a distance."""
     if variant.fog_mode == "linear":
-        return linear(color, distance, fog)
+        return linear_fog(color, distance, fog)
     if variant.fog_mode == "exponential":
-        return exponential(color, distance, fog)
+        return exponential_fog(color, distance, fog)
     if variant.fog_mode == "exponential_squared":
-        return exponential_squared(color, distance, fog)
+        return exponential_squared_fog(color, distance, fog)
     return color
 
 
 @shader
-def linear(color: Vec3, distance: float, fog: Fog) -> Vec3:
-    """Evenly more from one distance to another."""
-    through = saturate((fog.fog_end - distance) / max(fog.fog_end - fog.fog_start, 1e-6))
-    return mix(fog.fog_color, color, through)
+def linear_fog(color: Vec3, distance: float, fog: Fog) -> Vec3:
+    """Transmittance falls linearly from 1 at `fog_start` to 0 at `fog_end`."""
+    transmittance = saturate((fog.fog_end - distance) / max(fog.fog_end - fog.fog_start, 1e-6))
+    return mix(fog.fog_color, color, transmittance)
 
 
 @shader
-def exponential(color: Vec3, distance: float, fog: Fog) -> Vec3:
-    """Even air: each unit of it takes the same share."""
-    return mix(fog.fog_color, color, exp2(-fog.fog_density * distance * PER_E))
+def exponential_fog(color: Vec3, distance: float, fog: Fog) -> Vec3:
+    """Homogeneous fog (Beer-Lambert): transmittance exp(−density · distance)."""
+    return mix(fog.fog_color, color, exp2(-fog.fog_density * distance * LOG2_E))
 
 
 @shader
-def exponential_squared(color: Vec3, distance: float, fog: Fog) -> Vec3:
-    """Clear near by, then closing in."""
-    thick = fog.fog_density * distance
-    return mix(fog.fog_color, color, exp2(-thick * thick * PER_E))
+def exponential_squared_fog(color: Vec3, distance: float, fog: Fog) -> Vec3:
+    """Transmittance exp(−(density · distance)²): clear nearby, then dense."""
+    optical_depth = fog.fog_density * distance
+    return mix(fog.fog_color, color, exp2(-optical_depth * optical_depth * LOG2_E))

@@ -1,8 +1,8 @@
-"""What rays are traced through where an object is more than a formula.
+"""Geometry buffers, for shapes made of triangles.
 
-The shapes of `shading.shapes` are formulas and read none of it. The entries take it all the same,
-so that a shape made of triangles changes neither them nor what engines and pages do: a program has
-only those buffers that it reads.
+The shapes of `shading.shapes` are formulas and read none of them. The entries take the buffers all
+the same, so that a shape made of triangles will change neither entries nor engines nor pages: a
+program has only the buffers that it reads.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from basrelief.lang import Buffer, Vec2, Vec3, resources, struct
 
 @struct
 class Vertex:
-    """A corner of triangles, in object space, with its unit normal and texture coordinates."""
+    """A triangle vertex in object space, with its unit normal and texture coordinates."""
 
     position: Vec3
     normal: Vec3
@@ -21,6 +21,6 @@ class Vertex:
 
 @resources
 class Geometry:
-    """The buffers of an object's geometry; three vertices in a row are a triangle."""
+    """The geometry buffers of an object; each three consecutive vertices are a triangle."""
 
     vertices: Buffer[Vertex]

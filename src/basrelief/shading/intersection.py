@@ -1,30 +1,30 @@
-"""Where a ray meets the object: in world and object space, and on the texture."""
+"""Ray-object intersection: in world space, in object space and on the texture."""
 
 from __future__ import annotations
 
 from basrelief.lang import Mat3, Vec2, Vec3, length, shader, struct
 from basrelief.shading.camera import Camera, CameraRay
 from basrelief.shading.ray_differentials import Footprint, transferred
-from basrelief.shading.shapes import ShapeRay, chart, on_shape, shape
-from basrelief.shading.tangent_frame import Frame, tangent_frame, to_tangent, to_texture
+from basrelief.shading.shapes import ShapeRay, chart, intersect_shape, is_on_shape
+from basrelief.shading.tangent_frame import TangentFrame, tangent_frame, to_tangent, to_texture
 from basrelief.shading.variant import Variant
 
 
 @struct
-class View:
-    """The camera, and where within each pixel this picture samples: (½, ½) is the middle."""
+class CameraSample:
+    """The camera, and the offset of this sample within each pixel; (½, ½) is the centre."""
 
     camera: Camera
-    sample: Vec2
+    offset: Vec2
 
 
 @struct
 class Placement:
-    """Where the object is, and how its texture lies on it.
+    """The transform of an object and of the texture on it.
 
     A world point p is `to_object @ (p − origin)` in object space. The shape's own texture
     coordinates are multiplied by `tiling`, then `shift` is added. `proportion` is the width of the
-    maps ÷ their height in texels, for which their normals were made.
+    maps ÷ their height in texels, for which their normals are valid.
     """
 
     origin: Vec3
@@ -35,76 +35,80 @@ class Placement:
 
 
 @struct
-class Meeting:
-    """Where a ray meets an object's shape: how far along it, in world units, and where it leaves
-    the shape again; texture coordinates, tangent frame, unit vector to the viewer in that frame.
+class Intersection:
+    """The intersection of a camera ray with an object's shape.
 
-    `inside` is the ray in object space, `stretch` how many of its units are one of the world.
+    `distance` is along the ray, in world units, `t_exit` that at which the ray leaves the shape.
+    `uv` are texture coordinates, `view` is the unit vector to the viewer in the tangent `frame`.
+    `object_ray` is the ray in object space, `object_units_per_world` the length of a world unit
+    along the ray in object units.
     """
 
     found: bool
     distance: float
     t_exit: float
     uv: Vec2
-    frame: Frame
+    frame: TangentFrame
     view: Vec3
-    inside: ShapeRay
-    stretch: float
+    object_ray: ShapeRay
+    object_units_per_world: float
 
 
 @shader
-def meet(ray: CameraRay, placement: Placement, variant: Variant) -> Meeting:
-    """Meet the object in its own space, where the relief is set: it scales with the object."""
+def intersect(ray: CameraRay, placement: Placement, variant: Variant) -> Intersection:
+    """Intersect a ray with an object, in object space: the relief is scaled with the object."""
     origin = placement.to_object @ (ray.origin - placement.origin)
     direction = placement.to_object @ ray.direction
-    # with a unit direction, so that a large object is no different from a small one
-    stretch = length(direction)
-    inside = ShapeRay(origin, direction)
-    met = shape(inside, variant)
-    lies = chart(met.position, met.normal, variant)
+    object_units_per_world = length(direction)
+    object_ray = ShapeRay(origin, direction)
+    point = intersect_shape(object_ray, variant)
+    texture = chart(point.position, point.normal, variant)
     frame = tangent_frame(
-        met.normal, lies.along_u / placement.tiling.x, lies.along_v / placement.tiling.y
+        point.normal, texture.along_u / placement.tiling.x, texture.along_v / placement.tiling.y
     )
-    return Meeting(
-        found=met.found,
-        distance=met.distance,
-        t_exit=met.t_exit,
-        uv=lies.uv * placement.tiling + placement.shift,
+    return Intersection(
+        found=point.found,
+        distance=point.distance,
+        t_exit=point.t_exit,
+        uv=texture.uv * placement.tiling + placement.shift,
         frame=frame,
-        view=to_tangent(frame, direction / -stretch),
-        inside=inside,
-        stretch=stretch,
+        view=to_tangent(frame, direction / -object_units_per_world),
+        object_ray=object_ray,
+        object_units_per_world=object_units_per_world,
     )
 
 
 @shader
-def footprint_at(ray: CameraRay, placement: Placement, met: Meeting, distance: float) -> Footprint:
-    """How far a pixel reaches over the texture, at a distance along the ray."""
-    unit = met.inside.direction / met.stretch
-    away = distance * met.stretch
+def footprint_at(
+    ray: CameraRay, placement: Placement, intersection: Intersection, distance: float
+) -> Footprint:
+    """The pixel footprint on the texture at a distance along the ray."""
+    # with a unit direction, so that results do not depend on the object's size
+    unit = intersection.object_ray.direction / intersection.object_units_per_world
+    away = distance * intersection.object_units_per_world
     right = transferred(
         away,
         unit,
-        met.frame.normal,
+        intersection.frame.normal,
         placement.to_object @ ray.origin_dx,
-        placement.to_object @ ray.direction_dx / met.stretch,
+        placement.to_object @ ray.direction_dx / intersection.object_units_per_world,
     )
     down = transferred(
         away,
         unit,
-        met.frame.normal,
+        intersection.frame.normal,
         placement.to_object @ ray.origin_dy,
-        placement.to_object @ ray.direction_dy / met.stretch,
+        placement.to_object @ ray.direction_dy / intersection.object_units_per_world,
     )
     return Footprint(
-        to_texture(met.frame, to_tangent(met.frame, right).xy),
-        to_texture(met.frame, to_tangent(met.frame, down).xy),
+        to_texture(intersection.frame, to_tangent(intersection.frame, right).xy),
+        to_texture(intersection.frame, to_tangent(intersection.frame, down).xy),
     )
 
 
 @shader
-def clipped(uv: Vec2, placement: Placement, variant: Variant) -> bool:
-    """Whether displaced coordinates have left the shape, where the relief ends at its edge."""
+def is_clipped(uv: Vec2, placement: Placement, variant: Variant) -> bool:
+    """Whether displaced coordinates lie outside the shape where the edge is "clip"."""
     if variant.edge != "clip":
         return False
-    return not on_shape((uv - placement.shift) / placement.tiling, variant)
+    return not is_on_shape((uv - placement.shift) / placement.tiling, variant)

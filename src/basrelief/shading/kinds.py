@@ -1,8 +1,8 @@
-"""Kinds: the values of each option of a scene that is one of a few.
+"""The values of each option of a scene that is an enumeration.
 
-Each is a `Literal`, so that a type checker sees where code forgets one of its values. Records have
-them as the types of their fields, and `menus_of` lists those: objects and scenes refuse any other
-value, and programs and pages have the same choices. Nothing heavy is imported: help lists them too.
+Each is a `Literal`, so that a type checker reports code that forgets a value. Records use them as
+field types, and `menus_of` lists them: objects and scenes refuse any other value, and programs and
+pages offer the same choices. The command line's help imports this module, so it imports little.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ FogKind = Literal["none", "linear", "exponential", "exponential_squared"]
 
 
 def either(values: Iterable[str]) -> str:
-    """Values in a sentence: a, b or c."""
+    """The values as an English list: a, b or c."""
     *others, last = values
     return f"{', '.join(others)} or {last}"
 
 
 @functools.cache
 def menus_of(record: type) -> dict[str, tuple[Any, ...]]:
-    """The fields of a record that are one of a few values, with these; None where it may be."""
+    """The enumerated fields of a record and their values, with None where a field may be None."""
     return {
         name: (*get_args(kind), None) if kind is not hint else get_args(kind)
         for name, hint in get_type_hints(record).items()

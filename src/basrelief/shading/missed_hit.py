@@ -1,25 +1,25 @@
-"""Missed hits: a picture held against the true one, pixel by pixel.
+"""Missed hits: a picture compared with the true picture, pixel by pixel.
 
-For pages, which have no float64; `measure.errors` computes the same for the library.
+For pages, which have no float64; `measure.errors` computes the same in the library.
 """
 
 from __future__ import annotations
 
 from basrelief.lang import Buffer, IVec2, Map, Vec2, dot, length, shader, struct
 from basrelief.shading.geometry import Geometry
-from basrelief.shading.intersection import Placement, View
+from basrelief.shading.intersection import CameraSample, Placement
 from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.variant import Variant
 from basrelief.shading.view_ray import view_ray
 from basrelief.techniques.edge import nearest_copy
 
-WITHIN = 1.0
-"""Texels by which a hit may be off before it counts as missed."""
+MAX_UV_ERROR = 1.0
+"""Texels: a hit further off than this counts as missed (CONVENTIONS.md, Errors)."""
 
 
 @struct
 class DrawnHit:
-    """A pixel as drawn: displaced texture coordinates, and 1 where there is a hit."""
+    """A drawn pixel: its displaced texture coordinates, and `hit` 1 where the object is hit."""
 
     uv: Vec2
     hit: int
@@ -27,7 +27,7 @@ class DrawnHit:
 
 @struct
 class TrueHit:
-    """The same of the true picture."""
+    """The same for the true picture."""
 
     uv: Vec2
     hit: int
@@ -52,7 +52,7 @@ class MissedHit:
 @shader
 def missed_hit(
     at: IVec2,
-    view: View,
+    sample: CameraSample,
     placement: Placement,
     relief: ReliefParameters,
     picture: PictureSize,
@@ -62,18 +62,18 @@ def missed_hit(
     map: Map,
     variant: Variant,
 ) -> MissedHit:
-    """One pixel of a picture `drawn` by a technique, held against the `truth`; both row by row.
+    """Compare a pixel of a picture `drawn` by a technique with the `truth`; both are row by row.
 
-    Missed: displaced coordinates more than a texel from the true ones, the shortest way round where
-    the map repeats, or nothing drawn. Passed: further than the true hit along the true ray, which
-    is straight, whatever the technique's projection.
+    Missed: the displaced coordinates are more than a texel from the true ones, the shortest way
+    round where the map repeats, or nothing is drawn. Passed: they lie behind the true hit along the
+    true ray, which is straight whatever the technique's projection.
     """
     k = at.y * picture.width + at.x
     if truth[k].hit == 0:
         return MissedHit(False, False)
     if drawn[k].hit == 0:
         return MissedHit(True, False)
-    off = drawn[k].uv - truth[k].uv
-    ray = view_ray(at, view, placement, relief, geometry, variant)
-    along = dot(off * picture.texels, ray.travel * picture.texels)
-    return MissedHit(length(nearest_copy(map, off) * picture.texels) > WITHIN, along > 0.0)
+    error = drawn[k].uv - truth[k].uv
+    ray = view_ray(at, sample, placement, relief, geometry, variant)
+    along = dot(error * picture.texels, ray.travel * picture.texels)
+    return MissedHit(length(nearest_copy(map, error) * picture.texels) > MAX_UV_ERROR, along > 0.0)

@@ -1,4 +1,4 @@
-"""One pixel, whole: from the primary ray to the colour that it brings back."""
+"""The pixel shader: from the primary ray to the colour of one pixel."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ from basrelief.lang import (
 )
 from basrelief.shading.brdf import Shading, ShadingPoint, ambient_light, reflectance
 from basrelief.shading.camera import CameraRay, primary_ray
-from basrelief.shading.fog import Fog, fogged
+from basrelief.shading.fog import Fog, apply_fog
 from basrelief.shading.geometry import Geometry
 from basrelief.shading.intersection import (
-    Meeting,
+    CameraSample,
+    Intersection,
     Placement,
-    View,
-    clipped,
     footprint_at,
-    meet,
+    intersect,
+    is_clipped,
 )
-from basrelief.shading.lights import Light, arriving
+from basrelief.shading.lights import Light, incident_light
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import (
-    Intersection,
+    ReliefHit,
     ReliefParameters,
-    displaced,
+    relief_normal,
     self_shadow_visibility,
-    slope_of,
+    trace_relief,
 )
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
-from basrelief.shading.shapes import widest
+from basrelief.shading.shapes import max_tile_width
 from basrelief.shading.surfaces.surface import (
-    MapPlaces,
-    Spot,
+    MapTilings,
     Surface,
     SurfaceMaps,
+    SurfacePoint,
     SurfaceSettings,
     surface_at,
 )
@@ -56,13 +56,17 @@ from basrelief.techniques.height import Smoothing
 from basrelief.techniques.technique import Settings
 
 SOLID = 0.5
-"""The least opacity that has a depth, and casts a shadow."""
+"""The least opacity that is drawn to depth and casts a shadow."""
 
 
 @struct
 class Pixel:
-    """Linear colour with coverage, distance along the ray in world units (0 where nothing is hit,
-    but in a depth map), displaced texture coordinates, whether anything is hit, heights read."""
+    """The result for one pixel.
+
+    `color` is linear, with coverage. `distance` is along the ray, in world units, 0 where nothing
+    is hit (except in a depth map). `uv` are the displaced texture coordinates, `hit` says whether
+    the object is hit, `reads` counts the heights read.
+    """
 
     color: Vec4
     distance: float
@@ -74,13 +78,13 @@ class Pixel:
 @shader
 def pixel(
     at: IVec2,
-    view: View,
+    sample: CameraSample,
     placement: Placement,
     relief: ReliefParameters,
     smoothing: Smoothing,
     settings: Settings,
     surface_parameters: SurfaceSettings,
-    places: MapPlaces,
+    tilings: MapTilings,
     shading: Shading,
     shadowing: Shadowing,
     fog: Fog,
@@ -93,71 +97,95 @@ def pixel(
     views: Buffer[ShadowMapView],
     variant: Variant,
 ) -> Pixel:
-    """Find the object, displace the texture, read its maps there, and light it."""
-    ray = primary_ray(view.camera, Vec2(float(at.x), float(at.y)) + view.sample)
-    met = meet(ray, placement, variant)
-    if not met.found:
+    """Intersect the object, displace the texture coordinates, sample the maps there and light the
+    point."""
+    ray = primary_ray(sample.camera, Vec2(float(at.x), float(at.y)) + sample.offset)
+    intersection = intersect(ray, placement, variant)
+    if not intersection.found:
         return Pixel(Vec4(0.0), 0.0, Vec2(0.0), False, 0)
-    footprint = footprint_at(ray, placement, met, met.distance)
-    moved = displaced(
-        field, baked, met, footprint, placement, relief, smoothing, settings, shadowing, variant
+    footprint = footprint_at(ray, placement, intersection, intersection.distance)
+    relief_hit = trace_relief(
+        field,
+        baked,
+        intersection,
+        footprint,
+        placement,
+        relief,
+        smoothing,
+        settings,
+        shadowing,
+        variant,
     )
-    distance = moved.distance
-    if distance <= 0.0 or clipped(moved.uv, placement, variant):
-        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    spot = spot_on(field, met, moved, footprint, variant)
-    surface = surface_at(spot, surface_parameters, places, maps, variant)
+    distance = relief_hit.distance
+    if distance <= 0.0 or is_clipped(relief_hit.uv, placement, variant):
+        return Pixel(Vec4(0.0), 0.0, relief_hit.uv, False, relief_hit.reads)
+    point = surface_point(field, intersection, relief_hit, footprint, variant)
+    surface = surface_at(point, surface_parameters, tilings, maps, variant)
     if variant.depth_only:
-        return Pixel(Vec4(0.0), distance, moved.uv, surface.opacity >= SOLID, moved.reads)
+        return Pixel(Vec4(0.0), distance, relief_hit.uv, surface.opacity >= SOLID, relief_hit.reads)
     if surface.opacity <= 0.0:
-        return Pixel(Vec4(0.0), 0.0, moved.uv, False, moved.reads)
-    point = shading_point(ray, placement, met, surface, spot.slope, distance, variant)
-    receiving = receiver(point, ray, met, variant)
-    color = ambient_light(point, shading) + point.emission
-    reads = moved.reads
+        return Pixel(Vec4(0.0), 0.0, relief_hit.uv, False, relief_hit.reads)
+    shaded = shading_point(
+        ray, placement, intersection, surface, point.relief_normal, distance, variant
+    )
+    receiver = shadow_receiver(shaded, ray, intersection, variant)
+    color = ambient_light(shaded, shading) + shaded.emission
+    reads = relief_hit.reads
     for k in range(len(lights)):
-        # every light falls on the displaced point, read from the displaced maps
-        incoming = arriving(lights[k], point.position)
-        light = reflectance(point, shading, incoming, variant)
-        # what gives no light throws no shadow either
+        # every light falls on the displaced point, shaded by the displaced maps
+        incident = incident_light(lights[k], shaded.position)
+        light = reflectance(shaded, shading, incident, variant)
+        # a light that contributes nothing needs no shadow
         if max(max(light.x, light.y), light.z) > 0.0:
-            share = 1.0
+            visibility = 1.0
             if variant.shadow_maps:
-                share = shadow_map_visibility(distances, views, k, receiving)
+                visibility = shadow_map_visibility(distances, views, k, receiver)
             if variant.shadows != "none":
-                towards = placement.to_object @ incoming.direction
-                reaching = self_shadow_visibility(
-                    field, baked, met, moved, smoothing, towards, settings, shadowing, variant
+                towards = placement.to_object @ incident.direction
+                self_shadow = self_shadow_visibility(
+                    field,
+                    baked,
+                    intersection,
+                    relief_hit,
+                    smoothing,
+                    towards,
+                    settings,
+                    shadowing,
+                    variant,
                 )
-                share = share * reaching.share
-                reads = reads + reaching.reads
+                visibility = visibility * self_shadow.visibility
+                reads = reads + self_shadow.reads
             if variant.occlusion_kind == "directional":
-                share = share * directional_visibility(
-                    point, moved.height, incoming.direction, shading
+                visibility = visibility * directional_visibility(
+                    shaded, relief_hit.height, incident.direction, shading
                 )
-            color = color + light * share
+            color = color + light * visibility
     if variant.fog_mode != "none":
-        color = fogged(color, distance, fog, variant)
-    return Pixel(Vec4(color, surface.opacity), distance, moved.uv, True, reads)
+        color = apply_fog(color, distance, fog, variant)
+    return Pixel(Vec4(color, surface.opacity), distance, relief_hit.uv, True, reads)
 
 
-# --- the steps -----------------------------------------------------------------------------------
+# --- the point that is shaded --------------------------------------------------------------------
 
 
 @shader
-def spot_on(
-    field: HeightField, met: Meeting, moved: Intersection, footprint: Footprint, variant: Variant
-) -> Spot:
-    """The place on the relief where the ray ended."""
-    slope = slope_of(field, moved, met, variant)
-    return Spot(
-        uv=moved.uv,
+def surface_point(
+    field: HeightField,
+    intersection: Intersection,
+    relief_hit: ReliefHit,
+    footprint: Footprint,
+    variant: Variant,
+) -> SurfacePoint:
+    """The point of the relief that the surface's maps are sampled for."""
+    relief = relief_normal(field, relief_hit, intersection, variant)
+    return SurfacePoint(
+        uv=relief_hit.uv,
         footprint=footprint,
-        height=moved.height,
-        found=moved.found,
-        slope=slope.normal,
-        deep=slope.deep,
-        aspect=aspect(met.frame),
+        height=relief_hit.height,
+        found=relief_hit.found,
+        relief_normal=relief.normal,
+        height_in_tiles=relief.height_in_tiles,
+        aspect=aspect(intersection.frame),
     )
 
 
@@ -165,23 +193,25 @@ def spot_on(
 def shading_point(
     ray: CameraRay,
     placement: Placement,
-    met: Meeting,
+    intersection: Intersection,
     surface: Surface,
-    slope: Vec3,
+    relief_normal: Vec3,
     distance: float,
     variant: Variant,
 ) -> ShadingPoint:
-    """The displaced point in world space, its normal bent by the normal map."""
-    # a tile of other proportions than its maps is as steep as they are stretched
-    stretch = aspect(met.frame) / placement.proportion
-    steeper = steepened(met, placement, variant)
-    slanted = Vec3(
-        surface.normal.x * steeper, surface.normal.y * stretch * steeper, surface.normal.z
+    """The displaced point in world space, with the normal of the normal map."""
+    # on a tile of other proportions than its maps, slopes along v are stretched with it
+    stretch = aspect(intersection.frame) / placement.proportion
+    slope = slope_scale(intersection, placement, variant)
+    stretched_normal = Vec3(
+        surface.normal.x * slope, surface.normal.y * stretch * slope, surface.normal.z
     )
-    bent = from_tangent(met.frame, facing(slanted, slope, variant))
+    object_normal = from_tangent(
+        intersection.frame, shading_normal(stretched_normal, relief_normal, variant)
+    )
     return ShadingPoint(
         position=ray.origin + ray.direction * distance,
-        normal=normalize(transpose(placement.to_object) @ bent),
+        normal=normalize(transpose(placement.to_object) @ object_normal),
         view=-ray.direction,
         base_color=surface.base_color,
         roughness=surface.roughness,
@@ -192,49 +222,53 @@ def shading_point(
 
 
 @shader
-def steepened(met: Meeting, placement: Placement, variant: Variant) -> float:
-    """Slope of the relief as a multiple of that on the widest tile, for which normals are made:
-    on a sphere the relief is as deep on narrower ones."""
+def slope_scale(intersection: Intersection, placement: Placement, variant: Variant) -> float:
+    """The slope of the relief relative to that on the widest tile, for which normal maps are made:
+    on a sphere the relief is as deep on the narrower tiles."""
     if variant.shape == "sphere" and variant.displaced:
-        return widest(variant) / (abs(placement.tiling.x) * met.frame.width)
+        return max_tile_width(variant) / (abs(placement.tiling.x) * intersection.frame.width)
     return 1.0
 
 
 @shader
-def facing(normal: Vec3, slope: Vec3, variant: Variant) -> Vec3:
-    """Which way the surface faces in tangent space: as the maps say, but on the side of a box as
-    the side does, which no map knows."""
-    if variant.columns and slope.z < 0.5:
-        return slope
+def shading_normal(normal: Vec3, relief_normal: Vec3, variant: Variant) -> Vec3:
+    """The shading normal in tangent space: that of the normal map, but on the side of a column the
+    side's own, which no map has."""
+    if variant.columns and relief_normal.z < 0.5:
+        return relief_normal
     return normal
 
 
-# --- where other objects' shadows fall -----------------------------------------------------------
+# --- shadows of other objects --------------------------------------------------------------------
 
 
 @shader
-def receiver(point: ShadingPoint, ray: CameraRay, met: Meeting, variant: Variant) -> Vec3:
-    """The place, in world space, on which the shadows of other objects fall: where the surface is
-    seen, or on the polygon, as where displacement does not reach the shadows: they float above."""
+def shadow_receiver(
+    point: ShadingPoint, ray: CameraRay, intersection: Intersection, variant: Variant
+) -> Vec3:
+    """The world position that receives the shadows of other objects: on the relief, or on the
+    polygon, as in renderers whose shadows ignore displacement and float above the relief."""
     if variant.shadows_on == "relief":
         return point.position
-    return ray.origin + ray.direction * met.distance
+    return ray.origin + ray.direction * intersection.distance
 
 
-# --- occlusion with a direction ------------------------------------------------------------------
+# --- directional occlusion -----------------------------------------------------------------------
 
 
 @shader
 def directional_visibility(
     point: ShadingPoint, height: float, direction: Vec3, shading: Shading
 ) -> float:
-    """How much of a light's direction the surroundings leave open: the occlusion map mixed with
-    depth and N · L, a cheap likeness of soft shadows.
+    """The visibility of a light by ambient occlusion, height and n·l, an inexpensive approximation
+    of soft shadows:
 
-    Light along the normal reaches everything; the flatter it comes, the less reaches what is
-    occluded and what is deep. After S. Halliwell, Parallax Offset, 2014, who gives no formula.
+        mix(1, mix(occlusion · height, 1, n·l), directional_occlusion)
+
+    Light along the normal reaches everything; light at a grazing angle is blocked where the point
+    is occluded or low. After S. Halliwell, Parallax Offset, 2014, who gives no formula.
     """
-    # what a march has not met may lie below all heights
-    sheltered = point.occlusion * saturate(height)
-    left = mix(sheltered, 1.0, saturate(dot(point.normal, direction)))
-    return mix(1.0, left, shading.directional_occlusion)
+    # a march that finds no hit may end below all heights
+    exposure = point.occlusion * saturate(height)
+    visibility = mix(exposure, 1.0, saturate(dot(point.normal, direction)))
+    return mix(1.0, visibility, shading.directional_occlusion)

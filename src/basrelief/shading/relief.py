@@ -1,4 +1,5 @@
-"""The relief of an object: where the view ray ends in it, and what it hides from a light."""
+"""The relief of an object: the hit of the view ray, the normal there, and the relief's shadow on
+itself."""
 
 from __future__ import annotations
 
@@ -17,26 +18,26 @@ from basrelief.lang import (
     size,
     struct,
 )
-from basrelief.shading.intersection import Meeting, Placement
+from basrelief.shading.intersection import Intersection, Placement
 from basrelief.shading.ray_differentials import Footprint, level_of_detail
-from basrelief.shading.self_shadow import Reaching, Shadowing, shadow
-from basrelief.shading.shapes import Interval, shell_depth, widest
+from basrelief.shading.self_shadow import LightVisibility, Shadowing, light_visibility
+from basrelief.shading.shapes import Interval, max_shell_distance, max_tile_width
 from basrelief.shading.tangent_frame import aspect, to_tangent, to_texture
 from basrelief.shading.variant import Variant
-from basrelief.techniques.columns import INSET, side_at, top_at
-from basrelief.techniques.height import Smoothing, sharp, slope_at, surface_height
-from basrelief.techniques.projection import SHALLOWEST, biased, full, limited
+from basrelief.techniques.columns import INSET, column_top_at, side_normal
+from basrelief.techniques.height import Smoothing, gradient_at, sharp, surface_height
+from basrelief.techniques.projection import MIN_COSINE, biased, full, limited
 from basrelief.techniques.ray import Ray
 from basrelief.techniques.technique import Settings, displace
 
 
 @struct
 class ReliefParameters:
-    """Depth of the relief: `scale` is the whole range as a fraction of a tile's width.
+    """Parameters of the relief.
 
-    `reference_height` is the height that lies on the polygon; `bias` is what the projection
-    `biased` adds. Where the relief fades with distance, it is whole up to `fade_near` and gone from
-    `fade_far` on, in world units.
+    `scale` is the height range as a fraction of a tile's width, `reference_height` the height that
+    lies on the polygon, `bias` that of the projection `biased`. A relief that fades with distance
+    has its full depth up to `fade_near` and is flat from `fade_far`, in world units.
     """
 
     scale: float
@@ -47,13 +48,13 @@ class ReliefParameters:
 
 
 @struct
-class Intersection:
-    """Where a ray ends in the relief.
+class ReliefHit:
+    """The end of a ray in the relief.
 
-    `distance` is along the ray, in world units; `uv` and `height` are the place, `found` whether
-    anything was met there, `reads` the heights read. `open` is the visibility of the light that
-    the ray goes to, 1 where nothing is in its way. The relief is drawn there `scale` tile widths
-    deep (0 where it is flat), from the level `lod` of its heights.
+    `distance` is along the ray, in world units; `uv` and `height` are the position, `found` says
+    whether the surface is hit there, `reads` counts the heights read. `visibility` is that of the
+    light the ray goes to, 1 for a view ray. `scale` is the height range drawn there in tile widths,
+    0 where the relief is flat; `lod` the mip level of its heights.
     """
 
     found: bool
@@ -61,49 +62,49 @@ class Intersection:
     uv: Vec2
     height: float
     reads: int
-    open: float = 1.0
+    visibility: float = 1.0
     scale: float = 0.0
     lod: float = 0.0
 
 
-# --- how deep, seen from here --------------------------------------------------------------------
+# --- depth and level of detail -------------------------------------------------------------------
 
 
 @shader
 def faded_relief(relief: ReliefParameters, distance: float, variant: Variant) -> ReliefParameters:
-    """How deep the relief is drawn at a distance from the camera: where it fades, shallower with
-    distance, to plain normal mapping, where nothing is read any more."""
+    """The relief's parameters at a distance from the camera: where it fades, its scale falls
+    linearly to 0, plain normal mapping without any height reads."""
     if not variant.fades:
         return relief
     span = max(relief.fade_far - relief.fade_near, 1e-6)
-    # not (far − distance): from that, Mesa 22.3's software driver makes a program that crashes
-    left = 1.0 - saturate((distance - relief.fade_near) / span)
+    # not (far − distance): with that, Mesa 22.3's software driver compiles a program that crashes
+    fade = 1.0 - saturate((distance - relief.fade_near) / span)
     return ReliefParameters(
-        relief.scale * left, relief.reference_height, relief.bias, relief.fade_near, relief.fade_far
+        relief.scale * fade, relief.reference_height, relief.bias, relief.fade_near, relief.fade_far
     )
 
 
 @shader
-def lod_seen(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
-    """The level that heights are read from."""
+def height_lod(field: HeightField, footprint: Footprint, smoothing: Smoothing) -> float:
+    """The mip level that heights are read from."""
     if field.filter == "smooth":
-        # by the gradients of the undisplaced coordinates, and lower still
+        # from the gradients of the undisplaced coordinates, plus the bias
         return level_of_detail(footprint, size(field, 0)) + smoothing.mip_bias
     if field.filter == "mip":
-        # the one whose texels are nearest in size to what the pixel covers
+        # the single level whose texels are nearest in size to the pixel footprint
         lod = level_of_detail(footprint, size(field, 0))
         return floor(clamp(lod + 0.5, 0.0, float(levels(field) - 1)))
     return 0.0
 
 
 @shader
-def height_range(relief: ReliefParameters, placement: Placement, variant: Variant) -> float:
-    """The range of heights in units of object space: one number for all of the object, by its
-    widest tile."""
-    return relief.scale * widest(variant) / abs(placement.tiling.x)
+def object_height_range(relief: ReliefParameters, placement: Placement, variant: Variant) -> float:
+    """The height range in object units: one number for the whole object, that of its widest
+    tile."""
+    return relief.scale * max_tile_width(variant) / abs(placement.tiling.x)
 
 
-# --- where a ray ends ----------------------------------------------------------------------------
+# --- tracing -------------------------------------------------------------------------------------
 
 
 @shader
@@ -111,35 +112,40 @@ def trace(
     field: HeightField,
     baked: Texture,
     ray: Ray,
-    span: Interval,
+    interval: Interval,
     settings: Settings,
     shadowing: Shadowing,
     to_light: bool,
     variant: Variant,
-) -> Intersection:
-    """Follow a ray through the relief: the view ray as the technique does, one to a light as the
-    self-shadow does.
+) -> ReliefHit:
+    """Trace a ray through the relief: a view ray by the technique, a ray to a light by the
+    self-shadow.
 
-    `ray` is the segment that it covers over the interval `span`, in world units; the distance of
-    the result counts from where the interval does. For a light only `open` and `reads` count.
+    `ray` is the segment over `interval`, which is in world units; so is the distance of the result.
+    For a light only `visibility` and `reads` are valid.
     """
     if variant.shadows != "none" and to_light:
-        reaching = shadow(field, ray, shadowing, variant)
-        return Intersection(
-            reaching.share < 1.0, span.leave, ray.uv, ray.height, reaching.reads, reaching.share
+        light = light_visibility(field, ray, shadowing, variant)
+        return ReliefHit(
+            light.visibility < 1.0,
+            interval.t_exit,
+            ray.uv,
+            ray.height,
+            light.reads,
+            light.visibility,
         )
     hit = displace(field, baked, ray, settings)
-    distance = span.enter + hit.t * (span.leave - span.enter)
-    # the base is solid
+    distance = interval.t_enter + hit.t * (interval.t_exit - interval.t_enter)
+    # the base at height 0 is solid
     found = hit.found or hit.t >= 1.0
-    return Intersection(found, distance, hit.uv, hit.height, hit.reads, 1.0, ray.scale, ray.lod)
+    return ReliefHit(found, distance, hit.uv, hit.height, hit.reads, 1.0, ray.scale, ray.lod)
 
 
 @shader
-def displaced(
+def trace_relief(
     field: HeightField,
     baked: Texture,
-    met: Meeting,
+    intersection: Intersection,
     footprint: Footprint,
     placement: Placement,
     relief: ReliefParameters,
@@ -147,69 +153,95 @@ def displaced(
     settings: Settings,
     shadowing: Shadowing,
     variant: Variant,
-) -> Intersection:
-    """Where the view ray ends: on the relief, as the technique says, or on the polygon itself."""
+) -> ReliefHit:
+    """The hit of the view ray: on the relief, by the technique, or on the flat polygon."""
     if not variant.displaced:
-        return Intersection(True, met.distance, met.uv, 1.0, 0)
-    seen = faded_relief(relief, met.distance, variant)
-    # where it is flat the technique reads nothing
-    if seen.scale <= 0.0:
-        return Intersection(True, met.distance, met.uv, flat_height(field, met.uv, variant), 0)
-    deep = height_range(seen, placement, variant)
-    lod = lod_seen(field, footprint, smoothing)
-    ray = relief_ray(met, seen, deep, lod, smoothing.mip_fade, variant)
-    span = span_of(met, seen.reference_height, deep)
-    ended = trace(field, baked, ray, span, settings, shadowing, False, variant)
+        return ReliefHit(True, intersection.distance, intersection.uv, 1.0, 0)
+    faded = faded_relief(relief, intersection.distance, variant)
+    # a flat relief needs no technique
+    if faded.scale <= 0.0:
+        return ReliefHit(
+            True,
+            intersection.distance,
+            intersection.uv,
+            flat_height(field, intersection.uv, variant),
+            0,
+        )
+    height_range = object_height_range(faded, placement, variant)
+    lod = height_lod(field, footprint, smoothing)
+    ray = relief_ray(intersection, faded, height_range, lod, smoothing.mip_fade, variant)
+    interval = relief_interval(intersection, faded.reference_height, height_range)
+    hit = trace(field, baked, ray, interval, settings, shadowing, False, variant)
     # the relief of a curved surface is that of its tangent plane, which near the outline runs far
-    # from the shape: what is pushed in stays within it, what is raised within a shell around it
-    shell = shell_depth((1.0 - seen.reference_height) * deep, variant) / met.stretch
-    distance = clamp(met.distance + ended.distance, met.distance - shell, met.t_exit)
-    return Intersection(
-        ended.found, distance, ended.uv, ended.height, ended.reads, 1.0, ended.scale, ended.lod
+    # from the shape: keep the distance within the shape, or the shell that a raised relief fills
+    shell = (
+        max_shell_distance((1.0 - faded.reference_height) * height_range, variant)
+        / intersection.object_units_per_world
     )
+    distance = clamp(
+        intersection.distance + hit.distance, intersection.distance - shell, intersection.t_exit
+    )
+    return ReliefHit(hit.found, distance, hit.uv, hit.height, hit.reads, 1.0, hit.scale, hit.lod)
 
 
 @shader
 def flat_height(field: HeightField, uv: Vec2, variant: Variant) -> float:
-    """The height that a flat relief reports: the map's, where a landscape's water or the shade of a
-    pit go by it."""
+    """The height reported where the relief is flat: the map's, if a landscape's water or
+    directional occlusion depends on it."""
     if variant.surface == "landscape" or variant.occlusion_kind == "directional":
-        return top_at(field, uv) if field.filter == "columns" else sharp(field, uv)
+        return column_top_at(field, uv) if field.filter == "columns" else sharp(field, uv)
     return 1.0
 
 
 @shader
 def relief_ray(
-    met: Meeting, relief: ReliefParameters, deep: float, lod: float, fade: float, variant: Variant
+    intersection: Intersection,
+    relief: ReliefParameters,
+    height_range: float,
+    lod: float,
+    fade: float,
+    variant: Variant,
 ) -> Ray:
-    """The ray that a technique follows through a relief that is `deep`: the chosen projection."""
-    travel = to_texture(met.frame, move_of(met.view, relief.bias, variant) * -deep)
+    """The technique's ray through the whole relief, from height 1 to 0, by the projection.
+
+    With D the height range, travel = −D · offset per height, in texture coordinates. The ray meets
+    the polygon at the reference height, so it starts at uv + travel · (reference_height − 1).
+    """
+    travel = to_texture(
+        intersection.frame,
+        offset_per_height(intersection.view, relief.bias, variant) * -height_range,
+    )
     return Ray(
-        uv=met.uv + travel * (relief.reference_height - 1.0),
+        uv=intersection.uv + travel * (relief.reference_height - 1.0),
         travel=travel,
         height=1.0,
         drop=1.0,
-        cosine=met.view.z,
+        cosine=intersection.view.z,
         reference_height=relief.reference_height,
-        scale=deep / met.frame.width,
+        scale=height_range / intersection.frame.width,
         lod=lod,
         fade=fade,
     )
 
 
 @shader
-def span_of(met: Meeting, reference_height: float, deep: float) -> Interval:
-    """Where the true view ray is in the relief, in world units from the polygon on.
+def relief_interval(
+    intersection: Intersection, reference_height: float, height_range: float
+) -> Interval:
+    """The interval of the true view ray within the relief, in world units from the polygon.
 
-    A bent ray's depth too is that of its height, so that other objects meet the relief rightly.
+    The depth of a warped ray is that of its height along the true ray, so that other objects
+    intersect the relief correctly.
     """
-    whole = deep / (max(met.view.z, SHALLOWEST) * met.stretch)
+    whole = height_range / (
+        max(intersection.view.z, MIN_COSINE) * intersection.object_units_per_world
+    )
     return Interval((reference_height - 1.0) * whole, reference_height * whole)
 
 
 @shader
-def move_of(view: Vec3, bias: float, variant: Variant) -> Vec2:
-    """How far the ray moves along the surface while it falls by one, towards the viewer."""
+def offset_per_height(view: Vec3, bias: float, variant: Variant) -> Vec2:
+    """The offset of the ray along the surface, towards the viewer, per unit of height."""
     if variant.projection == "biased":
         return biased(view, bias)
     if variant.projection == "limited":
@@ -217,92 +249,103 @@ def move_of(view: Vec3, bias: float, variant: Variant) -> Vec2:
     return full(view, bias)
 
 
-# --- how steep -----------------------------------------------------------------------------------
+# --- the relief's normal -------------------------------------------------------------------------
 
 
 @struct
-class Slope:
-    """The relief's unit normal in tangent space, and how high it is in tile widths."""
+class ReliefNormal:
+    """The relief's unit normal in tangent space, and its height in tile widths."""
 
     normal: Vec3
-    deep: float
+    height_in_tiles: float
 
 
 @shader
-def slope_of(field: HeightField, moved: Intersection, met: Meeting, variant: Variant) -> Slope:
-    """How the relief lies where the ray ended, for what asks: the sides of boxes, and colours that
-    are laid on from three sides."""
+def relief_normal(
+    field: HeightField, relief_hit: ReliefHit, intersection: Intersection, variant: Variant
+) -> ReliefNormal:
+    """The relief's normal at the hit, for the sides of columns and for triplanar mapping; (0, 0, 1)
+    where neither needs it."""
     if variant.columns:
-        return column_slope(field, moved, met)
+        return column_normal(field, relief_hit, intersection)
     if variant.displaced and variant.mapping == "triplanar" and variant.base_color_map:
-        return of_heights(field, moved, met)
-    return Slope(Vec3(0.0, 0.0, 1.0), 0.0)
+        return height_field_normal(field, relief_hit, intersection)
+    return ReliefNormal(Vec3(0.0, 0.0, 1.0), 0.0)
 
 
 @shader
-def of_heights(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
-    """As the bilinear surface lies."""
-    slope = slope_at(field, moved.uv) * moved.scale
-    # v runs down where y runs up, and a tile is as high as it is wide ÷ aspect
-    normal = normalize(Vec3(-slope.x, slope.y * aspect(met.frame), 1.0))
-    return Slope(normal, moved.height * moved.scale)
+def height_field_normal(
+    field: HeightField, relief_hit: ReliefHit, intersection: Intersection
+) -> ReliefNormal:
+    """The normal of the bilinear surface."""
+    gradient = gradient_at(field, relief_hit.uv) * relief_hit.scale
+    # v points down, y up, and a tile is as high as it is wide ÷ aspect
+    normal = normalize(Vec3(-gradient.x, gradient.y * aspect(intersection.frame), 1.0))
+    return ReliefNormal(normal, relief_hit.height * relief_hit.scale)
 
 
 @shader
-def column_slope(field: HeightField, moved: Intersection, met: Meeting) -> Slope:
-    """Level on the top of a box; on its side, as the side faces."""
-    deep = moved.height * moved.scale
-    if moved.scale <= 0.0 or not moved.found:
-        return Slope(Vec3(0.0, 0.0, 1.0), deep)
-    side = side_at(field, moved.uv, moved.height, to_texture(met.frame, -met.view.xy))
-    # v runs down where y runs up
-    return Slope(Vec3(side.x, -side.y, 1.0 - abs(side.x) - abs(side.y)), deep)
+def column_normal(
+    field: HeightField, relief_hit: ReliefHit, intersection: Intersection
+) -> ReliefNormal:
+    """The normal of a column's top or side."""
+    height_in_tiles = relief_hit.height * relief_hit.scale
+    if relief_hit.scale <= 0.0 or not relief_hit.found:
+        return ReliefNormal(Vec3(0.0, 0.0, 1.0), height_in_tiles)
+    side = side_normal(
+        field,
+        relief_hit.uv,
+        relief_hit.height,
+        to_texture(intersection.frame, -intersection.view.xy),
+    )
+    # v points down, y up
+    return ReliefNormal(Vec3(side.x, -side.y, 1.0 - abs(side.x) - abs(side.y)), height_in_tiles)
 
 
-# --- what it hides from a light ------------------------------------------------------------------
+# --- self-shadow ---------------------------------------------------------------------------------
 
 
 @shader
 def self_shadow_visibility(
     field: HeightField,
     baked: Texture,
-    met: Meeting,
-    moved: Intersection,
+    intersection: Intersection,
+    relief_hit: ReliefHit,
     smoothing: Smoothing,
     towards: Vec3,
     settings: Settings,
     shadowing: Shadowing,
     variant: Variant,
-) -> Reaching:
-    """How much of a light, in a direction of object space, the relief leaves for the displaced
-    point; nothing of a light behind the polygon."""
-    light = to_tangent(met.frame, normalize(towards))
-    if light.z <= SHALLOWEST:
-        return Reaching(0.0, 0)
-    if moved.scale <= 0.0:
-        return Reaching(1.0, 0)
-    uv = moved.uv
-    height = moved.height
+) -> LightVisibility:
+    """The visibility of a light from the displaced point through the relief; 0 for a light below
+    the polygon. `towards` is the direction to the light in object space."""
+    light = to_tangent(intersection.frame, normalize(towards))
+    if light.z <= MIN_COSINE:
+        return LightVisibility(0.0, 0)
+    if relief_hit.scale <= 0.0:
+        return LightVisibility(1.0, 0)
+    uv = relief_hit.uv
+    height = relief_hit.height
     if variant.columns:
-        # from the box's top, or as far before its side as the view ray was put within it
-        side = side_at(field, uv, height, to_texture(met.frame, -met.view.xy))
+        # start outside the column: mirror the inset at which the hit lies within its side
+        side = side_normal(field, uv, height, to_texture(intersection.frame, -intersection.view.xy))
         extent = size(field, 0)
         uv = uv + side * (2.0 * INSET) / Vec2(float(extent.x), float(extent.y))
     else:
-        # from the surface itself: a technique may end the view ray below it
-        height = surface_height(field, uv, moved.lod, smoothing.mip_fade)
+        # start on the surface: a technique may end the view ray below it
+        height = surface_height(field, uv, relief_hit.lod, smoothing.mip_fade)
     climb = 1.0 - height
-    whole = moved.scale * met.frame.width / light.z
+    whole = relief_hit.scale * intersection.frame.width / light.z
     ray = Ray(
         uv=uv,
-        travel=to_texture(met.frame, light.xy * (whole * climb)),
+        travel=to_texture(intersection.frame, light.xy * (whole * climb)),
         height=height,
         drop=-climb,
         cosine=light.z,
-        scale=moved.scale,
-        lod=moved.lod,
+        scale=relief_hit.scale,
+        lod=relief_hit.lod,
         fade=smoothing.mip_fade,
     )
-    span = Interval(0.0, whole * climb / length(towards))
-    ended = trace(field, baked, ray, span, settings, shadowing, True, variant)
-    return Reaching(ended.open, ended.reads + 1)
+    interval = Interval(0.0, whole * climb / length(towards))
+    hit = trace(field, baked, ray, interval, settings, shadowing, True, variant)
+    return LightVisibility(hit.visibility, hit.reads + 1)

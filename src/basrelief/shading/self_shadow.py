@@ -1,24 +1,32 @@
-"""Self-shadow: from where the view ray ended, on towards a light, through the same height field.
+"""Self-shadow: the visibility of a light through the height field, by a march towards the light.
 
-S. Halliwell's second march; N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed
-Surface Rendering, 2006, for the soft form.
+The ray starts at the hit of the view ray and rises to the top of the relief. With h(t) the surface
+height below it and r(t) its own height,
+
+    hard:  0 if h(t) > r(t) + offset for any t, else 1
+    soft:  1 − softness · max over t of (h(t) − r(t) − offset) · (1 − t)
+
+The factor 1 − t weights near blockers more: their shadow edges are sharper.
+
+S. Halliwell, Parallax Offset, 2014 (second march); N. Tatarchuk, Practical Parallax Occlusion
+Mapping for Highly Detailed Surface Rendering, 2006 (soft form).
 """
 
 from __future__ import annotations
 
 from basrelief.lang import HeightField, saturate, setting, shader, size, struct
 from basrelief.shading.variant import Variant
-from basrelief.techniques.columns import MAX_COLUMNS, leaving, line_over, next_column, top_of
+from basrelief.techniques.columns import MAX_COLUMNS, column_top, grid_line, next_column, t_exits
 from basrelief.techniques.height import height_under
 from basrelief.techniques.ray import Ray, height_at
 
-MOST_READS = 4096
-"""However many steps are asked for, no light takes more."""
+MAX_READS = 4096
+"""Upper limit of the steps to one light, whatever the settings."""
 
 
 @struct
 class Shadowing:
-    """The numbers of the self-shadow."""
+    """Settings of the self-shadow."""
 
     shadow_steps: int = setting(
         default=16, doc="heights read on the way to each light", low=1, high=4096
@@ -35,87 +43,102 @@ class Shadowing:
 
 
 @struct
-class Reaching:
-    """How much of a light reaches a point, 0 to 1, and how many heights were read to know."""
+class LightVisibility:
+    """The visibility of a light, 0 to 1, and the number of heights read for it."""
 
-    share: float
+    visibility: float
     reads: int
 
 
 @shader
-def shadow(field: HeightField, ray: Ray, shadowing: Shadowing, variant: Variant) -> Reaching:
-    """How much of a light reaches the start of a ray that rises to the light, out of the relief."""
+def light_visibility(
+    field: HeightField, ray: Ray, shadowing: Shadowing, variant: Variant
+) -> LightVisibility:
+    """The visibility of a light along a ray that rises towards it, out of the relief."""
     if variant.columns:
         if variant.shadows == "hard":
-            return hard_on_columns(field, ray, shadowing)
-        return soft_on_columns(field, ray, shadowing)
+            return hard_visibility_on_columns(field, ray, shadowing)
+        return soft_visibility_on_columns(field, ray, shadowing)
     if variant.shadows == "hard":
-        return hard(field, ray, shadowing)
-    return soft(field, ray, shadowing)
+        return hard_visibility(field, ray, shadowing)
+    return soft_visibility(field, ray, shadowing)
 
 
 @shader
-def hard(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
-    """All of it, or none once anything stands above the ray."""
-    count = min(max(shadowing.shadow_steps, 1), MOST_READS)
+def hard_visibility(field: HeightField, ray: Ray, shadowing: Shadowing) -> LightVisibility:
+    """0 if the surface is above the ray at any step, else 1."""
+    count = min(max(shadowing.shadow_steps, 1), MAX_READS)
     step = 1.0 / float(count)
     reads = 0
     for k in range(count):
         t = (float(k) + 1.0) * step
         reads = reads + 1
         if height_under(field, ray, t) > height_at(ray, t) + shadowing.shadow_offset:
-            return Reaching(0.0, reads)
-    return Reaching(1.0, reads)
+            return LightVisibility(0.0, reads)
+    return LightVisibility(1.0, reads)
 
 
 @shader
-def soft(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
-    """Less the more stands above the ray, what is near counting most."""
-    count = min(max(shadowing.shadow_steps, 1), MOST_READS)
+def soft_visibility(field: HeightField, ray: Ray, shadowing: Shadowing) -> LightVisibility:
+    """Less the higher a blocker stands above the ray, weighted by its nearness."""
+    count = min(max(shadowing.shadow_steps, 1), MAX_READS)
     step = 1.0 / float(count)
-    darkest = 0.0
+    occlusion = 0.0
     for k in range(count):
         t = (float(k) + 1.0) * step
         above = height_under(field, ray, t) - height_at(ray, t) - shadowing.shadow_offset
-        darkest = max(darkest, above * (1.0 - t))
-    return Reaching(1.0 - saturate(darkest * shadowing.shadow_softness), count)
+        occlusion = max(occlusion, above * (1.0 - t))
+    return LightVisibility(1.0 - saturate(occlusion * shadowing.shadow_softness), count)
 
 
-# --- where texels are boxes -----------------------------------------------------------------------
+# --- on columns -----------------------------------------------------------------------------------
+
+
+@struct
+class Blocker:
+    """The highest blocker of a ray: its weighted height above the ray, 0 without a blocker, and the
+    number of heights read."""
+
+    above: float
+    reads: int
 
 
 @shader
-def hard_on_columns(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
-    """All of it, or none once a box stands above the ray: exact, however many steps are asked."""
-    most = highest_column_above(field, ray, shadowing.shadow_offset, 0.0)
-    return Reaching(1.0 if most.share <= 0.0 else 0.0, most.reads)
+def hard_visibility_on_columns(
+    field: HeightField, ray: Ray, shadowing: Shadowing
+) -> LightVisibility:
+    """0 if any column is above the ray, else 1: exact, whatever the number of steps."""
+    blocker = highest_blocker(field, ray, shadowing.shadow_offset, 0.0)
+    return LightVisibility(1.0 if blocker.above <= 0.0 else 0.0, blocker.reads)
 
 
 @shader
-def soft_on_columns(field: HeightField, ray: Ray, shadowing: Shadowing) -> Reaching:
-    """Less the more of a box stands above the ray, what is near counting most."""
+def soft_visibility_on_columns(
+    field: HeightField, ray: Ray, shadowing: Shadowing
+) -> LightVisibility:
+    """Less the higher a column stands above the ray, weighted by its nearness."""
     softness = shadowing.shadow_softness
-    most = highest_column_above(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
-    return Reaching(1.0 - saturate(most.share * softness), most.reads)
+    blocker = highest_blocker(field, ray, shadowing.shadow_offset, 1.0 / max(softness, 1e-6))
+    return LightVisibility(1.0 - saturate(blocker.above * softness), blocker.reads)
 
 
 @shader
-def highest_column_above(field: HeightField, ray: Ray, offset: float, enough: float) -> Reaching:
-    """How far boxes stand above the ray where it comes to them, the most of it, and the reads.
+def highest_blocker(field: HeightField, ray: Ray, offset: float, limit: float) -> Blocker:
+    """The largest weighted height of a column above the ray where the ray enters the column.
 
-    The box that the ray leaves does not count, and the walk ends once it is more than `enough`.
+    The column in which the ray starts does not count. The search ends once `limit` is exceeded.
     """
     extent = size(field, 0)
-    line = line_over(extent, ray.uv, ray.travel)
-    cell = line.cell
-    most = 0.0
+    line = grid_line(extent, ray.uv, ray.travel)
+    column = line.first
+    highest = 0.0
     reads = 0
     t = 0.0
-    while reads < MAX_COLUMNS and t < 1.0 and most <= enough:
-        leave = leaving(line, cell)
-        t = max(min(leave.x, leave.y), t)
-        cell = next_column(line, cell, leave)
-        above = top_of(field, extent, cell) - height_at(ray, t) - offset
-        most = max(most, above * max(1.0 - t, 0.0))
+    while reads < MAX_COLUMNS and t < 1.0 and highest <= limit:
+        exits = t_exits(line, column)
+        t = max(min(exits.x, exits.y), t)
+        column = next_column(line, column, exits)
+        above = column_top(field, extent, column) - height_at(ray, t) - offset
+        highest = max(highest, above * max(1.0 - t, 0.0))
         reads = reads + 1
-    return Reaching(most, reads)
+    return Blocker(highest, reads)

@@ -1,4 +1,4 @@
-"""Reading colour and data maps: bilinear within a level, linear between levels."""
+"""Sampling colour and data maps: bilinear within a mip level, linear between levels."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from basrelief.shading.ray_differentials import Footprint, level_of_detail
 from basrelief.techniques.edge import in_tile
 
 UNIT = 1.0 / 65535.0
-"""Channels are stored as 16-bit fractions of one."""
+"""The unit of a 16-bit channel: texels store fractions of 65535."""
 
 
 @shader
 def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
-    """The four channels at texture coordinates, from one level."""
+    """The four channels at texture coordinates, bilinear in one mip level."""
     extent = size(map, mip)
     tile = in_tile(map, uv)
     x = tile.x * float(extent.x) - 0.5
@@ -34,22 +34,23 @@ def bilinear(map: Texture, uv: Vec2, mip: int) -> Vec4:
 
 @shader
 def pixelated(map: Texture, uv: Vec2, footprint: Footprint) -> Vec4:
-    """One texel's channels wherever a pixel sees no more than that, else as wide as it sees."""
+    """The nearest texel where a pixel covers no more than one, else `trilinear`: magnified texels
+    stay sharp squares."""
     extent = size(map, 0)
     texels = Vec2(float(extent.x), float(extent.y))
-    place = uv * texels
-    centre = Vec2(floor(place.x) + 0.5, floor(place.y) + 0.5) / texels
-    seen = level_of_detail(footprint, extent) > 0.0
-    return trilinear(map, uv if seen else centre, footprint)
+    position = uv * texels
+    center = Vec2(floor(position.x) + 0.5, floor(position.y) + 0.5) / texels
+    minified = level_of_detail(footprint, extent) > 0.0
+    return trilinear(map, uv if minified else center, footprint)
 
 
 @shader
 def trilinear(map: Texture, uv: Vec2, footprint: Footprint) -> Vec4:
-    """The four channels at texture coordinates, as wide as the pixel sees them."""
+    """The four channels at texture coordinates, filtered to the pixel footprint."""
     lod = level_of_detail(footprint, size(map, 0))
     finer = floor(lod)
     value = bilinear(map, uv, int(finer))
-    between = lod - finer
-    if between > 0.0:
-        value = mix(value, bilinear(map, uv, int(finer) + 1), between)
+    fraction = lod - finer
+    if fraction > 0.0:
+        value = mix(value, bilinear(map, uv, int(finer) + 1), fraction)
     return value

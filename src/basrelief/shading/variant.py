@@ -1,4 +1,4 @@
-"""The choices on which the shaders of a pixel branch."""
+"""Static conditions of the pixel shaders."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from basrelief.techniques.technique import Projection
 
 @static
 class Variant:
-    """What decides which code runs for a pixel, as `Object` and `Scene` have it.
+    """The options of `Object` and `Scene` that select a pixel's code.
 
-    Everything else is a number or a map, and turns no program into another. Beside it a program has
-    its technique and surface, which are slots, and the edge and filter of its maps.
+    All others are numbers or maps, which never change a program. A program also depends on its
+    slots, technique and surface, and on the edge and filter of its maps.
 
-    `displaced` says whether there is a relief, `columns` whether each texel of it is a box, `fades`
-    whether it fades with distance; `own_tilings` whether maps have tilings of their own, `layer`
-    whether there is a second one; `X_map` whether there is such a map; `shadow_maps` whether other
-    objects cast shadows on this one; `depth_only` whether the picture is a depth map, in which only
-    distance and opacity count. Of `edge` only "clip" matters beside the edge of the maps.
+    `displaced`: the object has a relief; `columns`: its height field is one column per texel;
+    `fades`: it fades with distance. `own_tilings`: maps have tilings of their own; `layer`: there
+    is a second layer; `X_map`: the map X exists. `shadow_maps`: other objects cast shadows on this
+    one. `depth_only`: the picture is a depth map, which needs distance and opacity alone. Of the
+    values of `edge` only "clip" matters here; the others are the edge of the maps.
     """
 
     # --- of the object

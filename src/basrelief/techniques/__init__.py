@@ -1,6 +1,14 @@
-"""Every technique, one file a family; a file that is put here is found.
+"""The techniques, one file for each family; a file put here is discovered.
 
-Read `offset.py` first, then `march.py`; `technique.py` says what a technique is.
+A technique computes where a view ray hits a height field. In reading order:
+
+- `ray.py`: the ray in texture space and the hit, `height.py`: the height field.
+- `offset.py`: one read. `march.py`: equal steps. `refine.py`: a second search in the last step.
+- `cone.py`: leaps over baked cones. `exact.py`: leaps over proven bounds, with cells solved.
+- `texel.py`: columns, one per texel, on `columns.py`.
+- `projection.py`: the direction of the ray. `edge.py`: coordinates outside a map.
+- `technique.py`: the decorator and the slot. `own.py`: a technique from a file of the user's.
+- `*_bake.py`: the shaders that compute tables, normals and horizons from the heights.
 """
 
 from __future__ import annotations
@@ -32,20 +40,20 @@ __all__ = [
 ]  # fmt: skip
 
 
-def _found() -> Iterator[Technique[..., Hit]]:
-    """The techniques that the files of this folder define."""
+def _discovered() -> Iterator[Technique[..., Hit]]:
+    """The techniques defined in the files of this package."""
     for file in pkgutil.iter_modules(__path__):
         module = importlib.import_module(f"{__name__}.{file.name}")
-        for made in vars(module).values():
-            if isinstance(made, Technique) and made.__module__ == module.__name__:
-                yield made
+        for value in vars(module).values():
+            if isinstance(value, Technique) and value.__module__ == module.__name__:
+                yield value
 
 
 TECHNIQUES: dict[str, Technique[..., Hit]] = {
-    made.name: made for made in sorted(_found(), key=lambda each: each.most_reads)
+    item.name: item for item in sorted(_discovered(), key=lambda item: item.most_reads)
 }
-"""The techniques by name, from the cheapest on."""
+"""All techniques by name, from the cheapest on."""
 BAKES: dict[str, Bake] = {
-    made.bake.name: made.bake for made in TECHNIQUES.values() if made.bake is not None
+    item.bake.name: item.bake for item in TECHNIQUES.values() if item.bake is not None
 }
-"""What the techniques have baked, by name."""
+"""The bakes of all techniques by name."""

@@ -1,6 +1,6 @@
-"""A bake: a table computed once from the heights of a map, for techniques that read it.
+"""Bakes: tables computed once from a height map, for the techniques that read them.
 
-Declare it beside its shaders and name it on the technique, `@technique(bake=CONE_MAP)`. The
+Declare a bake next to its shaders and pass it to the technique, `@technique(bake=CONE_MAP)`. The
 function that runs its passes is listed in `basrelief.baking.tables`.
 """
 
@@ -14,12 +14,19 @@ from basrelief.lang import Shader
 
 @dataclass(frozen=True, eq=False)
 class Bake:
-    """The declaration of a bake; two are the same only if they are one object."""
+    """The declaration of a bake. Two declarations are equal only if they are the same object.
+
+    Attributes
+    ----------
+    name : str
+        The name on the command line, in the viewer and in messages.
+    programs : tuple of Shader
+        The entry of each pass, in order.
+    all_levels : bool
+        Whether the table can hold records of all mip levels. Its techniques then read the level of
+        the ray, by `ray_level` and `patch_heights` of `techniques.height`.
+    """
 
     name: str
-    """Its name on the command line, in the viewer and in messages."""
     programs: tuple[Shader[..., Any], ...]
-    """The entry of each pass, from the first on."""
     all_levels: bool = False
-    """Whether the table can go on with the lower levels of the map; its techniques then read the
-    level that a ray asks for, by `level_under` and `patch_of`."""

@@ -1,8 +1,8 @@
-"""The highest texel of every window of a height map, by doubling the windows' width.
+"""The highest texel in every window of a height map, by doubling the width of the windows.
 
-A texture of windows holds for each texel four windows of w × w texels: the one that begins there,
-the one right of it, the one below, the one below that. Where the border goes on, the texture
-begins 2w − 1 texels before the map, so that windows that reach into the map are among them.
+A texture of windows holds, for each texel, four windows of w × w texels: the one that begins there,
+the one right of it, the one below and the one below right. With the edge `clamp` the texture begins
+2w − 1 texels before the map, so that windows which only partly cover the map are included.
 """
 
 from __future__ import annotations
@@ -22,19 +22,21 @@ from basrelief.lang import (
 from basrelief.techniques.edge import cell_in_map
 
 UNIT = 1.0 / 65535.0
+"""The unit of 16-bit heights."""
 
 
 @struct
-class Windows:
-    """How wide windows are, in texels, and how many texels before the map their texture begins."""
+class WindowLayout:
+    """A texture of windows: their `width` in texels, and the number of texels `before` the map at
+    which the texture begins."""
 
     width: int
     before: int
 
 
 @struct
-class Four:
-    """Four channels of 16 bits, as whole numbers."""
+class WindowHeights:
+    """The highest heights of a texel's four windows, in 65535ths."""
 
     x: float
     y: float
@@ -43,39 +45,41 @@ class Four:
 
 
 @shader
-def first_windows(at: IVec2, made: Windows, field: HeightField) -> Four:
-    """Windows of one texel: the heights themselves, rounded up."""
-    four = corners(field, IVec2(at.x - made.before, at.y - made.before), 0)
+def first_windows(at: IVec2, layout: WindowLayout, field: HeightField) -> WindowHeights:
+    """Windows of one texel: the heights, rounded up."""
+    four = corners(field, IVec2(at.x - layout.before, at.y - layout.before), 0)
     codes = floor(four * -65535.0) * -1.0
-    return Four(codes.x, codes.y, codes.z, codes.w)
+    return WindowHeights(codes.x, codes.y, codes.z, codes.w)
 
 
 @shader
-def next_windows(at: IVec2, made: Windows, narrower: Windows, windows: Texture) -> Four:
-    """Windows of twice the width."""
-    x = at.x - made.before
-    y = at.y - made.before
-    return Four(
+def next_windows(
+    at: IVec2, layout: WindowLayout, narrower: WindowLayout, windows: Texture
+) -> WindowHeights:
+    """Windows of twice the width, from the `narrower` ones."""
+    x = at.x - layout.before
+    y = at.y - layout.before
+    return WindowHeights(
         highest(windows_at(windows, narrower, x, y)),
-        highest(windows_at(windows, narrower, x + made.width, y)),
-        highest(windows_at(windows, narrower, x, y + made.width)),
-        highest(windows_at(windows, narrower, x + made.width, y + made.width)),
+        highest(windows_at(windows, narrower, x + layout.width, y)),
+        highest(windows_at(windows, narrower, x, y + layout.width)),
+        highest(windows_at(windows, narrower, x + layout.width, y + layout.width)),
     )
 
 
 @shader
-def windows_at(windows: Texture, held: Windows, x: int, y: int) -> Vec4:
-    """The four windows, in 65535ths, of a texel of the map or near it."""
+def windows_at(windows: Texture, layout: WindowLayout, x: int, y: int) -> Vec4:
+    """The four windows, in 65535ths, of a texel in or near the map."""
     extent = size(windows, 0)
-    place = IVec2(
-        cell_in_map(windows, x + held.before, extent.x),
-        cell_in_map(windows, y + held.before, extent.y),
+    texel = IVec2(
+        cell_in_map(windows, x + layout.before, extent.x),
+        cell_in_map(windows, y + layout.before, extent.y),
     )
-    # before the first, where the border goes on, the first stands for all
-    return stored(windows, IVec2(max(place.x, 0), max(place.y, 0)))
+    # before a clamped border all windows equal the first
+    return stored(windows, IVec2(max(texel.x, 0), max(texel.y, 0)))
 
 
 @shader
 def highest(four: Vec4) -> float:
-    """The highest of four."""
+    """The largest of four heights."""
     return max(max(four.x, four.y), max(four.z, four.w))

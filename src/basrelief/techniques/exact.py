@@ -1,8 +1,43 @@
-"""The exact technique: the first hit on the bilinear surface, guaranteed.
+r"""The exact technique: the first hit on the bilinear surface, guaranteed.
 
-No step is a guess. At each cell that the ray comes to, records that are baked beside the heights
-prove how far the ray may go on unhindered; a cell that they do not clear is solved, as the
-quadratic that a bilinear patch is along a line. `basrelief.baking.exact` makes the records.
+At each cell the ray either leaps over empty space that baked records prove, or its cell is solved.
+`basrelief.baking.exact` makes the records.
+
+**A cell, solved.** With (x, y) the position in the cell and h the heights of its corners, the
+surface is the bilinear patch
+
+    f(x, y) = h₀₀ + right · x + down · y + twist · x · y
+    right = h₁₀ − h₀₀,  down = h₀₁ − h₀₀,  twist = h₁₁ − h₁₀ − h₀₁ + h₀₀
+
+A ray enters the cell at t₀, at (x₀, y₀) and height r₀, and moves by (vx, vy) cells per t. With
+s = t − t₀ its height is r₀ − descent · s + bend · s². Height − f is the clearance, a quadratic
+
+    c + b s + a s²,   a = bend − twist · vx · vy
+                      b = −descent − vx (right + twist · y₀) − vy (down + twist · x₀)
+                      c = r₀ − f(x₀, y₀)
+
+and the hit is its first root from 0 to span, the s at which the ray leaves the cell.
+
+**Empty space ahead.** All rays are mirrored to run towards +u and +v, so that the cells ahead of a
+block form a square at its corner; a block has a record for each of the four quadrants. "Room" is
+the distance below height 1: of a ray 1 − its height, of a record 1 − the height that it bounds.
+
+    height 1 --------------------------------   A window record: no point of the W × W cells ahead
+       ray *                   ^                has less room than w. The ray is free until its own
+             `.                | w              room is w, or until it may leave the window,
+                `.             v                whichever comes first:
+         . . . . . `. . . . . . . . . . . . .
+                ___           /\                    Δt = min((w − room) ÷ descent, window's end)
+          _____/   \_________/  \____
+         |block|  W × W cells ahead  |
+
+A plane record bounds the 4 × 4 cells ahead more tightly: their surface lies below a plane with the
+room p at the block's corner and the slopes g along u and v. At a position q from that corner,
+moving by v per t, the ray is free until
+
+    room + descent · Δt = p − g · (q + v · Δt),   Δt = (p − room − g · q) ÷ (descent + g · v)
+
+The longest leap of all records counts. If it does not reach the cell's end, the cell is solved.
 """
 
 from __future__ import annotations
@@ -32,54 +67,57 @@ from basrelief.techniques.exact_records import (
     FAR_4,
     FAR_BLOCK,
     FAR_SHIFT,
-    HIGHEST,
-    LOWEST,
+    MAX_ROOM,
+    MAX_SLOPE,
+    MIN_ROOM,
     PLANE,
     SHIFT,
-    STEEPEST,
     WINDOW,
     far_blocks,
     first_row,
     near_blocks,
 )
-from basrelief.techniques.height import extent_of, level_under, patch_of
+from basrelief.techniques.height import extent_of, patch_heights, ray_level
 from basrelief.techniques.ray import (
-    SLOWEST,
+    MIN_DROP,
     Hit,
     Ray,
-    fall_at,
-    fastest_fall,
+    descent_at,
+    drop_at,
     height_at,
     hit_at,
-    lost_at,
+    max_descent,
 )
 from basrelief.techniques.technique import Nothing, technique
 
-MOST_STEPS = 16384
-"""A ray that takes more, at a grazing angle over many tiles, stays where it is."""
-FLATTEST = 1e-20
-"""The least way, in texels, that is divided by."""
-BLUR = 2.5e-7
-"""How far float32 may misplace a ray, as a share of its way."""
+MAX_STEPS = 16384
+"""Upper limit of a ray's steps; a ray that needs more, at a grazing angle over many tiles, stops
+there."""
+MIN_TRAVEL = 1e-20
+"""Lower limit of a ray's travel along an axis in divisions, in texels."""
+POSITION_ERROR = 2.5e-7
+"""The error of a ray's position in float32, as a fraction of its travel."""
 UNIT = 1.0 / 65535.0
+"""The unit of the table's 16-bit numbers."""
 
 
 @struct
-class Line:
-    """A ray in texels, mirrored so that it never runs back, from the corner of its first cell.
+class MirroredRay:
+    """A ray in texels from the corner of its first cell, mirrored to run towards +u and +v.
 
-    The `ray` begins at `start` and ends at `start + way`; `pace` is the share of it that one texel
-    along each axis takes, `brisk` the less of both. Of the map's level `level` its first cell is
-    `first`, and the next along each axis lies `sign` away. `near` and `far` are where the records
-    for the way it goes begin, `doubt` the height that its plane may be off by.
+    The `ray` runs from `start` to `start + travel`. `pace` is the t that one texel along each axis
+    takes, `min_pace` the smaller of both. `first` is its first cell in mip level
+    `level` of the map, and the next along each axis lies `sign` away. `near` and `far` are the
+    positions in the table of its quadrant's first records; `plane_error` is the height by which
+    rounding may misplace a record's plane.
     """
 
     ray: Ray
     start: Vec2
-    way: Vec2
+    travel: Vec2
     pace: Vec2
-    brisk: float
-    doubt: float
+    min_pace: float
+    plane_error: float
     first: Vec2
     sign: Vec2
     level: int
@@ -89,7 +127,7 @@ class Line:
 
 @struct
 class Clearance:
-    """The height of a line above a patch: c + b s + a s², s after where it comes in, to `span`."""
+    """The height of a ray above a patch, c + b s + a s², for s from its entry (0) to `span`."""
 
     a: float
     b: float
@@ -98,87 +136,95 @@ class Clearance:
 
 
 @struct
-class Walk:
-    """How far a ray has come: the cell, the share of its way, what it met there, what it read."""
+class Traversal:
+    """The state of a traversal: the cell, t, whether the surface is hit in it, the clearance there,
+    and the number of reads."""
 
     cell: Vec2
     t: float
     found: bool
-    above: Clearance
+    patch: Clearance
     reads: int
 
 
 @technique(bake=BOUNDS, most_reads=24)
 def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
-    """Go on as far as bounds prove that nothing is in the way, and solve the cells that are left.
+    """The exact first hit: leap as far as the bounds prove empty space, solve the other cells.
 
-    No feature is missed, whatever the angle, on a way of up to 16,384 steps; with heights "mip"
-    none of the level that the pixel sees. Cost: two records for each step, and a read for each cell
-    that is solved. After P. Tevs, I. Ihrke and H.-P. Seidel, Maximum Mipmaps for Fast, Accurate,
-    and Scalable Dynamic Height Field Rendering, 2008, with overlapping windows and planes in place
-    of their pyramid.
+        t ← t + Δt, the longest leap that a record proves, or the first root of the cell's clearance
+
+    No feature is missed at any angle, within 16,384 steps. With heights "mip" this holds for the
+    surface of the ray's mip level.
+    Cost: two records a step, and a read for each cell that is solved.
+
+    References
+    ----------
+    P. Tevs, I. Ihrke and H.-P. Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic
+    Height Field Rendering, 2008; here with overlapping windows and planes in place of the pyramid.
     """
-    level = level_under(field, ray)
+    level = ray_level(field, ray)
     extent = extent_of(field, level)
-    line = line_of(ray, extent, level, first_row(field, level))
-    walk = Walk(Vec2(0.0, 0.0), 0.0, False, Clearance(0.0, 0.0, 0.0, 0.0), 0)
+    line = mirrored_ray(ray, extent, level, first_row(field, level))
+    state = Traversal(Vec2(0.0, 0.0), 0.0, False, Clearance(0.0, 0.0, 0.0, 0.0), 0)
     k = 0
-    while k < MOST_STEPS // 2 and goes_on(walk):
-        walk = step(field, baked, line, extent, walk)
-        # two steps a turn: a loop costs a GPU more than what is in it
-        if goes_on(walk):
-            walk = step(field, baked, line, extent, walk)
+    while k < MAX_STEPS // 2 and is_active(state):
+        state = step(field, baked, line, extent, state)
+        # two steps per iteration: on a GPU the loop costs more than its body
+        if is_active(state):
+            state = step(field, baked, line, extent, state)
         k = k + 1
-    t = walk.t + first_root(walk.above) if walk.found else min(walk.t, 1.0)
-    return hit_at(ray, t, walk.found, walk.reads)
+    t = state.t + first_root(state.patch) if state.found else min(state.t, 1.0)
+    return hit_at(ray, t, state.found, state.reads)
 
 
 @shader
-def goes_on(walk: Walk) -> bool:
-    """Whether the ray has neither met anything nor come to its end."""
-    return not walk.found and walk.t < 1.0
+def is_active(state: Traversal) -> bool:
+    """Whether the ray has neither hit the surface nor reached its end."""
+    return not state.found and state.t < 1.0
 
 
 @shader
-def step(field: HeightField, baked: Texture, line: Line, extent: Vec2, walk: Walk) -> Walk:
-    """From a cell as far as nothing is in the way, or to what is."""
-    walls = walls_of(line, walk.cell)
-    out = min(max(min(walls.x, walls.y), walk.t), 1.0)
-    t = free_until(baked, line, walk.cell, extent, walk.t, out)
-    reads = walk.reads + 2
-    above = walk.above
+def step(
+    field: HeightField, baked: Texture, line: MirroredRay, extent: Vec2, state: Traversal
+) -> Traversal:
+    """Advance from a cell over proven empty space, or solve the cell."""
+    exits = cell_exits(line, state.cell)
+    t_exit = min(max(min(exits.x, exits.y), state.t), 1.0)
+    t = clear_until(baked, line, state.cell, extent, state.t, t_exit)
+    reads = state.reads + 2
+    patch = state.patch
     found = False
-    if t < out:
-        above = clearance(field, line, walk.cell, extent, walk.t, out)
-        found = is_met(above)
+    if t < t_exit:
+        patch = clearance(field, line, state.cell, extent, state.t, t_exit)
+        found = hits_patch(patch)
         reads = reads + 1
-        t = walk.t if found else out
-    return Walk(cell_after(line, walk.cell, walls, t), t, found, above, reads)
+        t = state.t if found else t_exit
+    return Traversal(next_cell(line, state.cell, exits, t), t, found, patch, reads)
 
 
 # --- the ray among the cells ----------------------------------------------------------------------
 
 
 @shader
-def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
-    """The ray in texels of a level whose records begin at a row of the table."""
+def mirrored_ray(ray: Ray, extent: Vec2, level: int, row: int) -> MirroredRay:
+    """The ray in texels of a mip level, whose records begin at a `row` of the table."""
     start = ray.uv * extent - 0.5
     signed = ray.travel * extent
     back_u = signed.x < 0.0
     back_v = signed.y < 0.0
     sign = Vec2(-1.0 if back_u else 1.0, -1.0 if back_v else 1.0)
     first = floor(start)
-    way = signed * sign
-    pace = 1.0 / maximum(way, FLATTEST)
+    travel = signed * sign
+    pace = 1.0 / maximum(travel, MIN_TRAVEL)
     near = near_blocks(extent)
     far = far_blocks(extent)
-    return Line(
+    return MirroredRay(
         ray=ray,
         start=0.5 + (start - first - 0.5) * sign,
-        way=way,
+        travel=travel,
         pace=pace,
-        brisk=min(pace.x, pace.y),
-        doubt=max(way.x, way.y) * (BLUR * STEEPEST),
+        min_pace=min(pace.x, pace.y),
+        plane_error=max(travel.x, travel.y) * (POSITION_ERROR * MAX_SLOPE),
         first=first,
         sign=sign,
         level=level,
@@ -188,54 +234,70 @@ def line_of(ray: Ray, extent: Vec2, level: int, row: int) -> Line:
 
 
 @shader
-def cell_of_map(map: Map, line: Line, cell: Vec2, extent: Vec2) -> Vec2:
-    """A cell of the line's as the map has it."""
+def cell_of_map(map: Map, line: MirroredRay, cell: Vec2, extent: Vec2) -> Vec2:
+    """The map's cell for a cell of the mirrored ray."""
     return cells_in_map(map, line.first + line.sign * cell, extent)
 
 
 @shader
-def walls_of(line: Line, cell: Vec2) -> Vec2:
-    """When the line crosses the two walls that lead out of a cell."""
+def cell_exits(line: MirroredRay, cell: Vec2) -> Vec2:
+    """The t at which the ray crosses the far sides of a cell, along u and along v."""
     return (cell + 1.0 - line.start) * line.pace
 
 
 @shader
-def cell_after(line: Line, cell: Vec2, walls: Vec2, t: float) -> Vec2:
-    """The cell that the line is in at t, having left one."""
-    # the one beside at least: rounding never takes the ray back
-    beside = cell + (Vec2(1.0, 0.0) if walls.x <= walls.y else Vec2(0.0, 1.0))
-    return maximum(beside, floor(line.start + line.way * t))
+def next_cell(line: MirroredRay, cell: Vec2, exits: Vec2, t: float) -> Vec2:
+    """The cell of the ray at t, after it has left a cell."""
+    # at least the neighbour: rounding never moves the ray back
+    neighbour = cell + (Vec2(1.0, 0.0) if exits.x <= exits.y else Vec2(0.0, 1.0))
+    return maximum(neighbour, floor(line.start + line.travel * t))
 
 
-# --- how far nothing is in the way ----------------------------------------------------------------
+# --- empty space ahead ----------------------------------------------------------------------------
 
 
 @shader
-def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, out: float) -> float:
-    """How far along the line is proven free, seen from a cell from t until it leaves it."""
-    held = cell_of_map(baked, line, cell, extent)
-    x = max(int(held.x), 0)
-    y = max(int(held.y), 0)
+def clear_until(
+    baked: Texture, line: MirroredRay, cell: Vec2, extent: Vec2, t: float, t_exit: float
+) -> float:
+    """The t up to which the records of a cell prove empty space, for a ray in the cell from t to
+    t_exit."""
+    in_map = cell_of_map(baked, line, cell, extent)
+    x = max(int(in_map.x), 0)
+    y = max(int(in_map.y), 0)
     near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
     far = stored(baked, line.far + IVec2(x >> FAR_SHIFT, y >> FAR_SHIFT)) * UNIT
-    # how far below the top the ray is here, and how soon it may be as low as a record
-    room = 1.0 - line.ray.height + lost_at(line.ray, t)
-    fall = fastest_fall(line.ray, t)
-    pace = 1.0 / max(fall, SLOWEST)
-    past = out - t
-    free = min((near.w * UNIT - room) * pace, past + line.brisk * float(WINDOW - BLOCK))
-    free = max(free, min((far.x - room) * pace, past + line.brisk * float((FAR - 1) * FAR_BLOCK)))
-    free = max(free, min((far.y - room) * pace, past + line.brisk * float((FAR_2 - 1) * FAR_BLOCK)))
-    free = max(free, min((far.z - room) * pace, past + line.brisk * float((FAR_3 - 1) * FAR_BLOCK)))
-    free = max(free, min((far.w - room) * pace, past + line.brisk * float((FAR_4 - 1) * FAR_BLOCK)))
-    if cell_is_baked(baked, held, extent):
-        slope = near.yz * (2.0 * STEEPEST * UNIT) - STEEPEST
-        deepest = LOWEST + near.x * ((HIGHEST - LOWEST) * UNIT) - line.doubt
-        # which cell of its block the ray is in, from the block's back
-        deep = 0.5 + line.sign * (Vec2(float(x & (BLOCK - 1)), float(y & (BLOCK - 1))) - 0.5)
-        place = line.start + line.way * t - cell + deep
-        gain = (deepest - room - dot(slope, place)) / max(fall + dot(slope, line.way), SLOWEST)
-        free = max(free, min(gain, past + line.brisk * float(PLANE - BLOCK)))
+    # the ray's room here, and the least t in which it reaches the room of a record
+    room = 1.0 - line.ray.height + drop_at(line.ray, t)
+    descent = max_descent(line.ray, t)
+    t_per_room = 1.0 / max(descent, MIN_DROP)
+    rest = t_exit - t
+    free = min((near.w * UNIT - room) * t_per_room, rest + line.min_pace * float(WINDOW - BLOCK))
+    free = max(
+        free, min((far.x - room) * t_per_room, rest + line.min_pace * float((FAR - 1) * FAR_BLOCK))
+    )
+    free = max(
+        free,
+        min((far.y - room) * t_per_room, rest + line.min_pace * float((FAR_2 - 1) * FAR_BLOCK)),
+    )
+    free = max(
+        free,
+        min((far.z - room) * t_per_room, rest + line.min_pace * float((FAR_3 - 1) * FAR_BLOCK)),
+    )
+    free = max(
+        free,
+        min((far.w - room) * t_per_room, rest + line.min_pace * float((FAR_4 - 1) * FAR_BLOCK)),
+    )
+    if cell_is_baked(baked, in_map, extent):
+        slope = near.yz * (2.0 * MAX_SLOPE * UNIT) - MAX_SLOPE
+        plane_room = MIN_ROOM + near.x * ((MAX_ROOM - MIN_ROOM) * UNIT) - line.plane_error
+        # the ray's cell within its block, counted from the block's back corner
+        in_block = 0.5 + line.sign * (Vec2(float(x & (BLOCK - 1)), float(y & (BLOCK - 1))) - 0.5)
+        position = line.start + line.travel * t - cell + in_block
+        to_plane = (plane_room - room - dot(slope, position)) / max(
+            descent + dot(slope, line.travel), MIN_DROP
+        )
+        free = max(free, min(to_plane, rest + line.min_pace * float(PLANE - BLOCK)))
     return t + free
 
 
@@ -244,43 +306,48 @@ def free_until(baked: Texture, line: Line, cell: Vec2, extent: Vec2, t: float, o
 
 @shader
 def clearance(
-    field: HeightField, line: Line, cell: Vec2, extent: Vec2, t: float, out: float
+    field: HeightField, line: MirroredRay, cell: Vec2, extent: Vec2, t: float, t_exit: float
 ) -> Clearance:
-    """The line above a cell's patch, from t until it leaves the cell."""
+    """The clearance of the ray above a cell's patch, from t to t_exit."""
     ray = line.ray
-    held = cell_of_map(field, line, cell, extent)
-    four = patch_of(field, IVec2(int(held.x), int(held.y)), line.level)
-    place = 0.5 + line.sign * (line.start + line.way * t - cell - 0.5)
-    way = line.sign * line.way
+    in_map = cell_of_map(field, line, cell, extent)
+    four = patch_heights(field, IVec2(int(in_map.x), int(in_map.y)), line.level)
+    position = 0.5 + line.sign * (line.start + line.travel * t - cell - 0.5)
+    v = line.sign * line.travel
     right = four.y - four.x
     down = four.z - four.x
     twist = four.w - four.y - down
     return Clearance(
-        a=ray.bend - twist * way.x * way.y,
-        b=-fall_at(ray, t) - way.x * (right + twist * place.y) - way.y * (down + twist * place.x),
-        c=height_at(ray, t) - four.x - right * place.x - place.y * (down + twist * place.x),
-        span=out - t,
+        a=ray.bend - twist * v.x * v.y,
+        b=-descent_at(ray, t)
+        - v.x * (right + twist * position.y)
+        - v.y * (down + twist * position.x),
+        c=height_at(ray, t)
+        - four.x
+        - right * position.x
+        - position.y * (down + twist * position.x),
+        span=t_exit - t,
     )
 
 
 @shader
-def clearance_after(line: Clearance, s: float) -> float:
-    """How far above the patch the line is after s more."""
-    return line.c + s * (line.b + s * line.a)
+def clearance_at(patch: Clearance, s: float) -> float:
+    """The clearance at s."""
+    return patch.c + s * (patch.b + s * patch.a)
 
 
 @shader
-def is_met(line: Clearance) -> bool:
-    """Whether the line comes down to the patch: at the end, or in between, to rise above again."""
-    below = line.c <= 0.0 or clearance_after(line, line.span) <= 0.0
-    turns = line.a > 0.0 and line.b < 0.0 and -line.b < 2.0 * line.a * line.span
-    return below or (turns and line.b * line.b >= 4.0 * line.a * line.c)
+def hits_patch(patch: Clearance) -> bool:
+    """Whether the clearance reaches 0: at either end, or at a minimum in between."""
+    below = patch.c <= 0.0 or clearance_at(patch, patch.span) <= 0.0
+    turns = patch.a > 0.0 and patch.b < 0.0 and -patch.b < 2.0 * patch.a * patch.span
+    return below or (turns and patch.b * patch.b >= 4.0 * patch.a * patch.c)
 
 
 @shader
-def first_root(line: Clearance) -> float:
-    """Where a line that meets the patch does so first."""
-    half = 0.5 * (abs(line.b) + sqrt(max(line.b * line.b - 4.0 * line.a * line.c, 0.0)))
-    # where the clearance grows at first, the root is that of the falling branch
-    root = line.c / max(half, 1e-30) if line.b < 0.0 else half / max(-line.a, 1e-30)
-    return 0.0 if line.c <= 0.0 else clamp(root, 0.0, line.span)
+def first_root(patch: Clearance) -> float:
+    """The first root of a clearance that reaches 0."""
+    half = 0.5 * (abs(patch.b) + sqrt(max(patch.b * patch.b - 4.0 * patch.a * patch.c, 0.0)))
+    # of the two forms of the root, the one that does not cancel; b ≥ 0 means that it rises first
+    root = patch.c / max(half, 1e-30) if patch.b < 0.0 else half / max(-patch.a, 1e-30)
+    return 0.0 if patch.c <= 0.0 else clamp(root, 0.0, patch.span)

@@ -1,9 +1,9 @@
-"""The records that the technique `exact` goes by, each worked out by one invocation.
+"""The bake of the technique `exact`: the records of empty space, one per shader invocation.
 
-First the highest point of each block of cells, a margin around the map included, so that no later
-step has to know what lies beyond an edge; then windows of blocks, each from smaller ones that
-overlap; then the records, for each of the four quadrants that a ray can run towards. Everything is
-rounded to the safe side: up, and so room down.
+Three passes: the highest point of each block of cells, with a margin around the map, so that later
+passes do not depend on the edge; the highest points of windows of blocks, each from smaller windows
+that overlap; and the records, for the four quadrants that a ray can run towards. All heights are
+rounded up, and so all room (1 − height) down.
 """
 
 from __future__ import annotations
@@ -29,30 +29,31 @@ from basrelief.techniques.exact_records import (
     FAR_3,
     FAR_4,
     FAR_BLOCK,
-    HIGHEST,
-    LOWEST,
+    MAX_ROOM,
+    MAX_SLOPE,
+    MIN_ROOM,
     PLANE,
-    STEEPEST,
     WINDOW,
     far_blocks,
     near_blocks,
 )
 from basrelief.techniques.height import extent_of
 
-MOST = 65535.0
-SHADOW_BIAS_TEXELS = 1e-6
-"""Heights that float32 may lose on the way."""
-PLACE_SLACK = 0.002
-"""Texels by which float32 may misplace a ray, and so what a slope makes of them."""
+MAX_CODE = 65535.0
+"""The largest number of 16 bits."""
+HEIGHT_ERROR = 1e-6
+"""Heights that float32 may lose along a ray."""
+POSITION_ERROR_TEXELS = 0.002
+"""Texels by which float32 may misplace a ray; times the slope, an error in height."""
 REACH = WINDOW // BLOCK
-"""Blocks along each side of the window of a near record, and the margin that takes."""
+"""Blocks along each side of a near record's window, and the margin that it needs."""
 FAR_REACH = FAR_4
 """The same for the widest window of a far record."""
 
 
 @struct
 class Blocks:
-    """How blocks of a map are taken: so many cells a side, so many blocks of margin around."""
+    """The blocks of a map: `side` cells along each side, and `margin` blocks around the map."""
 
     side: int
     margin: int
@@ -60,46 +61,46 @@ class Blocks:
 
 @struct
 class Overlap:
-    """Windows that begin so many blocks apart."""
+    """Overlapping windows that begin `spacing` blocks apart."""
 
-    apart: int
+    spacing: int
 
 
 @struct
-class Top:
-    """The highest point of something."""
+class MaxHeight:
+    """The highest point of a block or window."""
 
     height: float
 
 
 @struct
-class Packed:
-    """Four 16-bit numbers, the first in the lower half."""
+class PackedRecord:
+    """Four 16-bit numbers in two words, the first in the lower half of `low`."""
 
     low: int
     high: int
 
 
 @shader
-def block_top(at: IVec2, blocks: Blocks, field: HeightField) -> Top:
-    """The highest point of one block of cells."""
+def block_top(at: IVec2, blocks: Blocks, field: HeightField) -> MaxHeight:
+    """The highest point of a block of cells."""
     first = (at - blocks.margin) * blocks.side
     top = 0.0
     for j in range(blocks.side):
         for i in range(blocks.side):
             top = max(top, highest(patch(field, first + IVec2(i, j))))
-    return Top(top)
+    return MaxHeight(top)
 
 
 @shader
-def window_top(at: IVec2, overlap: Overlap, field: HeightField) -> Top:
-    """The highest point of four windows that overlap, those beside a window's own and itself."""
-    k = overlap.apart
+def window_top(at: IVec2, overlap: Overlap, field: HeightField) -> MaxHeight:
+    """The highest point of a window, from four smaller windows that overlap and cover it."""
+    k = overlap.spacing
     last = size(field, 0) - 1
-    beside = IVec2(min(at.x + k, last.x), min(at.y + k, last.y))
-    upper = max(one(field, at), one(field, IVec2(beside.x, at.y)))
-    lower = max(one(field, IVec2(at.x, beside.y)), one(field, beside))
-    return Top(max(upper, lower))
+    other = IVec2(min(at.x + k, last.x), min(at.y + k, last.y))
+    upper = max(texel_height(field, at), texel_height(field, IVec2(other.x, at.y)))
+    lower = max(texel_height(field, IVec2(at.x, other.y)), texel_height(field, other))
+    return MaxHeight(max(upper, lower))
 
 
 @shader
@@ -110,46 +111,48 @@ def far_record(
     second: HeightField,
     third: HeightField,
     most: HeightField,
-) -> Packed:
-    """The room above the highest points of four ever larger windows ahead of a block."""
+) -> PackedRecord:
+    """The room above the highest points of four windows ahead of a block, from the smallest on."""
     blocks = far_blocks(extent_of(field, 0))
     return packed(
         Vec4(
-            room_code(least, ahead_of(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
-            room_code(second, ahead_of(at, blocks, FAR_BLOCK, FAR_2, FAR_REACH).window),
-            room_code(third, ahead_of(at, blocks, FAR_BLOCK, FAR_3, FAR_REACH).window),
-            room_code(most, ahead_of(at, blocks, FAR_BLOCK, FAR_4, FAR_REACH).window),
+            room_code(least, quadrant_block(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
+            room_code(second, quadrant_block(at, blocks, FAR_BLOCK, FAR_2, FAR_REACH).window),
+            room_code(third, quadrant_block(at, blocks, FAR_BLOCK, FAR_3, FAR_REACH).window),
+            room_code(most, quadrant_block(at, blocks, FAR_BLOCK, FAR_4, FAR_REACH).window),
         )
     )
 
 
 @shader
-def near_record(at: IVec2, field: HeightField, windows: HeightField) -> Packed:
-    """The room above a plane over the cells ahead of a block, its slopes, and the room above the
-    highest point of a larger window ahead."""
-    ahead = ahead_of(at, near_blocks(extent_of(field, 0)), BLOCK, REACH, REACH)
-    codes = slope_codes(field, ahead)
-    slope = codes * (2.0 * STEEPEST / MOST) - STEEPEST
+def near_record(at: IVec2, field: HeightField, windows: HeightField) -> PackedRecord:
+    """The room above a plane over the cells ahead of a block, the plane's slopes, and the room
+    above the highest point of a larger window ahead."""
+    block = quadrant_block(at, near_blocks(extent_of(field, 0)), BLOCK, REACH, REACH)
+    codes = slope_codes(field, block)
+    slope = codes * (2.0 * MAX_SLOPE / MAX_CODE) - MAX_SLOPE
     top = -1.0e9
-    # patches two apart, and the last, have all points among their corners
+    # every second patch, and the last ones, have all points among their corners
     for j in range(0, PLANE, 2):
         for i in range(0, PLANE, 2):
-            top = max(top, above_plane(field, ahead, slope, IVec2(i, j)))
-        top = max(top, above_plane(field, ahead, slope, IVec2(PLANE - 1, j)))
-        top = max(top, above_plane(field, ahead, slope, IVec2(j, PLANE - 1)))
-    top = max(top, above_plane(field, ahead, slope, IVec2(PLANE - 1, PLANE - 1)))
-    top = top + SHADOW_BIAS_TEXELS + PLACE_SLACK * (abs(slope.x) + abs(slope.y))
-    room = floor((1.0 - top - LOWEST) * (MOST / (HIGHEST - LOWEST)))
-    return packed(Vec4(clamp(room, 0.0, MOST), codes.x, codes.y, room_code(windows, ahead.window)))
+            top = max(top, height_above_plane(field, block, slope, IVec2(i, j)))
+        top = max(top, height_above_plane(field, block, slope, IVec2(PLANE - 1, j)))
+        top = max(top, height_above_plane(field, block, slope, IVec2(j, PLANE - 1)))
+    top = max(top, height_above_plane(field, block, slope, IVec2(PLANE - 1, PLANE - 1)))
+    top = top + HEIGHT_ERROR + POSITION_ERROR_TEXELS * (abs(slope.x) + abs(slope.y))
+    room = floor((1.0 - top - MIN_ROOM) * (MAX_CODE / (MAX_ROOM - MIN_ROOM)))
+    return packed(
+        Vec4(clamp(room, 0.0, MAX_CODE), codes.x, codes.y, room_code(windows, block.window))
+    )
 
 
-# --- what lies ahead of a block -------------------------------------------------------------------
+# --- the cells ahead of a block -------------------------------------------------------------------
 
 
 @struct
-class Ahead:
-    """A block seen by rays of one quadrant: the texel at its back corner, the way on from there,
-    and which window begins at it, among those with a margin."""
+class QuadrantBlock:
+    """A block for rays of one quadrant: the texel at the `corner` where rays enter, the `sign` of
+    their direction along each axis, and the index of the `window` ahead, margin included."""
 
     corner: IVec2
     sign: IVec2
@@ -157,26 +160,27 @@ class Ahead:
 
 
 @shader
-def ahead_of(at: IVec2, blocks: IVec2, side: int, reach: int, margin: int) -> Ahead:
-    """The block of a record; the records of the four quadrants lie beside and below one another."""
+def quadrant_block(at: IVec2, blocks: IVec2, side: int, reach: int, margin: int) -> QuadrantBlock:
+    """The block and quadrant of a record; the quadrants lie side by side and below each other in
+    the table."""
     back = IVec2(1 if at.x >= blocks.x else 0, 1 if at.y >= blocks.y else 0)
     block = at - back * blocks
-    return Ahead((block + back) * side, 1 - back * 2, block + margin - back * (reach - 1))
+    return QuadrantBlock((block + back) * side, 1 - back * 2, block + margin - back * (reach - 1))
 
 
 @shader
-def slope_codes(field: HeightField, ahead: Ahead) -> Vec2:
-    """The slopes of the plane that fits the heights ahead best, as they are stored.
+def slope_codes(field: HeightField, block: QuadrantBlock) -> Vec2:
+    """The slopes of the plane that fits the heights ahead best, as stored codes.
 
-    By least squares from the four patches at the corners; its middle column and row would add
-    nothing to the slope across them.
+    Least squares over the four corner patches of the window; its middle rows and columns have
+    little weight.
     """
     total = Vec2(0.0, 0.0)
     squares = 0.0
     middle = float(PLANE) * 0.5
     for j in range(0, PLANE, PLANE - 1):
         for i in range(0, PLANE, PLANE - 1):
-            four = patch_ahead(field, ahead, IVec2(i, j))
+            four = patch_ahead(field, block, IVec2(i, j))
             x = float(i) - middle
             y = float(j) - middle
             total = total + Vec2(
@@ -185,13 +189,14 @@ def slope_codes(field: HeightField, ahead: Ahead) -> Vec2:
             )
             squares = squares + 2.0 * (x * x + (x + 1.0) * (x + 1.0))
     slope = total / squares
-    return clamp(floor((slope * (0.5 / STEEPEST) + 0.5) * MOST + 0.5), 0.0, MOST)
+    return clamp(floor((slope * (0.5 / MAX_SLOPE) + 0.5) * MAX_CODE + 0.5), 0.0, MAX_CODE)
 
 
 @shader
-def above_plane(field: HeightField, ahead: Ahead, slope: Vec2, cell: IVec2) -> float:
-    """How far a patch ahead rises above the plane of these slopes through the block's corner."""
-    four = patch_ahead(field, ahead, cell)
+def height_above_plane(field: HeightField, block: QuadrantBlock, slope: Vec2, cell: IVec2) -> float:
+    """The largest height of a patch ahead above the plane with these slopes through height 0 at the
+    block's corner."""
+    four = patch_ahead(field, block, cell)
     start = float(cell.x) * slope.x + float(cell.y) * slope.y
     upper = max(four.x, four.y - slope.x)
     lower = max(four.z - slope.y, four.w - slope.x - slope.y)
@@ -199,11 +204,11 @@ def above_plane(field: HeightField, ahead: Ahead, slope: Vec2, cell: IVec2) -> f
 
 
 @shader
-def patch_ahead(field: HeightField, ahead: Ahead, cell: IVec2) -> Vec4:
-    """The corners of a patch ahead, the nearest first, then along u, along v, along both."""
-    first = ahead.corner + ahead.sign * cell
-    back_u = ahead.sign.x < 0
-    back_v = ahead.sign.y < 0
+def patch_ahead(field: HeightField, block: QuadrantBlock, cell: IVec2) -> Vec4:
+    """The corner heights of a patch ahead: the nearest, then along u, along v, along both."""
+    first = block.corner + block.sign * cell
+    back_u = block.sign.x < 0
+    back_v = block.sign.y < 0
     four = patch(field, IVec2(first.x - (1 if back_u else 0), first.y - (1 if back_v else 0)))
     four = four.yxwz if back_u else four
     return four.zwxy if back_v else four
@@ -214,33 +219,33 @@ def patch_ahead(field: HeightField, ahead: Ahead, cell: IVec2) -> Vec4:
 
 @shader
 def patch(field: HeightField, cell: IVec2) -> Vec4:
-    """The four heights around any cell, beyond the edges too."""
-    held = cells_in_map(field, Vec2(float(cell.x), float(cell.y)), extent_of(field, 0))
-    return corners(field, IVec2(int(held.x), int(held.y)), 0)
+    """The corner heights of any cell, inside the map or beyond its edge."""
+    in_map = cells_in_map(field, Vec2(float(cell.x), float(cell.y)), extent_of(field, 0))
+    return corners(field, IVec2(int(in_map.x), int(in_map.y)), 0)
 
 
 @shader
-def one(field: HeightField, cell: IVec2) -> float:
+def texel_height(field: HeightField, texel: IVec2) -> float:
     """The height of a texel of the map."""
-    return corners(field, cell, 0).x
+    return corners(field, texel, 0).x
 
 
 @shader
 def highest(four: Vec4) -> float:
-    """The largest of four."""
+    """The largest of four heights."""
     return max(max(four.x, four.y), max(four.z, four.w))
 
 
 @shader
 def room_code(windows: HeightField, window: IVec2) -> float:
-    """The room above a window as it is stored, a little less for what float32 may lose."""
-    return clamp(floor((1.0 - one(windows, window)) * MOST - 0.02), 0.0, MOST)
+    """The room above a window as a stored code, less a margin for float32 rounding."""
+    return clamp(floor((1.0 - texel_height(windows, window)) * MAX_CODE - 0.02), 0.0, MAX_CODE)
 
 
 @shader
-def packed(codes: Vec4) -> Packed:
-    """Four whole numbers up to 65535 in two words."""
-    return Packed(
+def packed(codes: Vec4) -> PackedRecord:
+    """Four integers up to 65535 in two words."""
+    return PackedRecord(
         int(codes.x) | (int(codes.y) << 16),
         int(codes.z) | (int(codes.w) << 16),
     )
@@ -253,3 +258,4 @@ BOUNDS = Bake(
     (block_top, window_top, near_record, far_record),
     all_levels=True,
 )
+"""The bake of `exact`."""

@@ -1,6 +1,8 @@
-"""The records that the technique `exact` reads: what they hold, and where each lies in its table.
+"""The records of the technique `exact`: their contents and their positions in the table.
 
-`exact_bake` has the shaders that make them, `docs/bake.md` the layout in words.
+A near record belongs to a block of 2 × 2 cells, a far record to one of 8 × 8; each exists once for
+every quadrant that a ray can run towards. `exact_bake` has the shaders that compute them,
+`docs/bake.md` the layout in words.
 """
 
 from __future__ import annotations
@@ -10,29 +12,29 @@ from basrelief.techniques.height import extent_of
 
 SHIFT = 1
 BLOCK = 1 << SHIFT
-"""Cells along each side that share a near record."""
+"""Cells along each side of the block of a near record."""
 PLANE = 4
-"""Cells along each side of the window ahead that a near record's plane lies above."""
+"""Cells along each side of the window below a near record's plane."""
 WINDOW = 10
-"""Cells along each side of the window ahead whose highest point a near record holds."""
+"""Cells along each side of the window of a near record's highest point."""
 FAR_SHIFT = 3
 FAR_BLOCK = 1 << FAR_SHIFT
-"""Cells along each side that share a far record."""
+"""Cells along each side of the block of a far record."""
 FAR = 3
 FAR_2 = 6
 FAR_3 = 12
 FAR_4 = 24
-"""Blocks along each side of the windows ahead whose highest points a far record holds."""
-STEEPEST = 0.5
-"""The steepest slope that a record can hold, in heights a texel."""
-LOWEST = -4.0
-HIGHEST = 4.0
-"""The least and the most that a record can hold of 1 − a plane's height at its block's corner."""
+"""Blocks along each side of the four windows of a far record's highest points."""
+MAX_SLOPE = 0.5
+"""The steepest slope of a record's plane, in heights per texel."""
+MIN_ROOM = -4.0
+MAX_ROOM = 4.0
+"""The range of a plane's room in a record: 1 − the plane's height at the block's corner."""
 
 
 @shader
 def first_row(field: HeightField, level: int) -> int:
-    """Where the records of a level begin in the table: below those of all levels above it."""
+    """The first row of a mip level's records in the table, below those of all finer levels."""
     rows = 0
     for k in range(level):
         rows = rows + rows_of(extent_of(field, k))
@@ -41,19 +43,19 @@ def first_row(field: HeightField, level: int) -> int:
 
 @shader
 def rows_of(extent: Vec2) -> int:
-    """How many rows the records of a level take."""
+    """The number of rows of the records of a map of `extent` texels."""
     return 2 * (near_blocks(extent).y + far_blocks(extent).y)
 
 
 @shader
 def near_blocks(extent: Vec2) -> IVec2:
-    """How many blocks of a near record cover a map."""
+    """The number of near records' blocks along each axis of a map."""
     more = BLOCK - 1
     return IVec2((int(extent.x) + more) >> SHIFT, (int(extent.y) + more) >> SHIFT)
 
 
 @shader
 def far_blocks(extent: Vec2) -> IVec2:
-    """How many blocks of a far record cover a map."""
+    """The number of far records' blocks along each axis of a map."""
     more = FAR_BLOCK - 1
     return IVec2((int(extent.x) + more) >> FAR_SHIFT, (int(extent.y) + more) >> FAR_SHIFT)

@@ -1,8 +1,9 @@
-"""Reading the height field: the bilinear surface through its texel centres, sharp or smooth.
+"""Reading the height field: the bilinear surface through the texel centres, sharp or smooth.
 
-A technique asks what lies under its ray with `height_under`. How that is read is the field's own
-`filter`: from the finest level, exactly; or from lower levels of the map, which lets small features
-go that a few steps would miss here and hit there.
+A technique reads the surface below its ray with `height_under`. The field's `filter` decides how:
+"sharp" reads the finest level, exactly; "smooth" and "mip" read lower mip levels, which removes
+small features that a few steps would hit at one pixel and miss at the next; "columns" is one flat
+column per texel.
 """
 
 from __future__ import annotations
@@ -21,17 +22,17 @@ from basrelief.lang import (
     size,
     struct,
 )
-from basrelief.techniques.columns import top_at
+from basrelief.techniques.columns import column_top_at
 from basrelief.techniques.edge import in_tile
 from basrelief.techniques.ray import Ray, at
 
-STILL_LOWER = 2.0
-"""How many levels lower the second reading of a smooth height is."""
+LOWER_LEVELS = 2.0
+"""The second reading of a smooth height is from this many levels lower."""
 
 
 @struct
 class Smoothing:
-    """The numbers of smooth heights."""
+    """Settings of smooth heights."""
 
     mip_bias: float = setting(
         default=1.0,
@@ -49,62 +50,75 @@ class Smoothing:
 
 @shader
 def height_under(field: HeightField, ray: Ray, t: float) -> float:
-    """The surface's height, 0 to 1, below or above the ray at t."""
+    """The height of the surface below or above the ray at t.
+
+    Parameters
+    ----------
+    field : HeightField
+        The heights.
+    ray : Ray
+        The ray.
+    t : float
+        The position along the ray, 0 to 1.
+
+    Returns
+    -------
+    float
+        The surface's height, 0 to 1; one read.
+    """
     return surface_height(field, at(ray, t), ray.lod, ray.fade)
 
 
 @shader
 def surface_height(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
-    """The height, 0 to 1, at texture coordinates: the finest level's, that of the one level which
-    the ray reads, or a smooth one's; of boxes that of the box's top."""
+    """The surface's height at texture coordinates, 0 to 1, by the field's filter."""
     if field.filter == "columns":
-        return top_at(field, uv)
+        return column_top_at(field, uv)
     if field.filter == "smooth":
         return smooth(field, uv, lod, fade)
     if field.filter == "mip":
-        return height_in(field, uv, int(lod))
+        return level_height(field, uv, int(lod))
     return sharp(field, uv)
 
 
 @shader
 def smooth(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
-    """A lower level's; where that differs much from a still lower one's, the latter.
+    """The height h₁ of mip level `lod`, or h₂ of a still lower one where the two differ much:
+    mix(h₁, h₂, |h₁ − h₂| · fade).
 
-    S. Halliwell, Parallax Offset, 2014. Counts as one read, though it takes four bilinear ones.
+    Counts as one read, of four bilinear samples. S. Halliwell, Parallax Offset, 2014.
     """
-    seen = height_between(field, uv, lod)
-    lower = height_between(field, uv, lod + STILL_LOWER)
-    return mix(seen, lower, saturate(abs(seen - lower) * fade))
+    finer = lod_height(field, uv, lod)
+    lower = lod_height(field, uv, lod + LOWER_LEVELS)
+    return mix(finer, lower, saturate(abs(finer - lower) * fade))
 
 
 @shader
-def height_between(field: HeightField, uv: Vec2, lod: float) -> float:
-    """The height from the two levels that `lod` lies between."""
+def lod_height(field: HeightField, uv: Vec2, lod: float) -> float:
+    """The height interpolated between the two mip levels around `lod`."""
     finer = floor(lod)
-    near = height_in(field, uv, int(finer))
-    return mix(near, height_in(field, uv, int(finer) + 1), lod - finer)
+    height = level_height(field, uv, int(finer))
+    return mix(height, level_height(field, uv, int(finer) + 1), lod - finer)
 
 
 @shader
 def sharp(field: HeightField, uv: Vec2) -> float:
-    """The height, 0 to 1, at texture coordinates; texel centres lie at (i + ½) ÷ N.
-
-    From the finest level, written out as 0: on a GPU that reads all four texels at once.
-    """
+    """The bilinear surface of the finest level; texel centres lie at (i + ½) ÷ N."""
+    # level 0 as a literal: a GPU then reads all four texels at once
     cell = cell_at(field, uv, size(field, 0))
-    return within(corners(field, cell.corner, 0), cell.x, cell.y)
+    return interpolated(corners(field, cell.corner, 0), cell.x, cell.y)
 
 
 @shader
-def height_in(field: HeightField, uv: Vec2, level: int) -> float:
-    """The same from any level."""
+def level_height(field: HeightField, uv: Vec2, level: int) -> float:
+    """The bilinear surface of any mip level."""
     cell = cell_at(field, uv, size(field, level))
-    return within(corners(field, cell.corner, level), cell.x, cell.y)
+    return interpolated(corners(field, cell.corner, level), cell.x, cell.y)
 
 
 @shader
-def slope_at(field: HeightField, uv: Vec2) -> Vec2:
-    """How the height changes over a tile, along u and along v: the bilinear surface's own slope."""
+def gradient_at(field: HeightField, uv: Vec2) -> Vec2:
+    """The gradient of the bilinear surface: height per tile along u and along v."""
     extent = size(field, 0)
     cell = cell_at(field, uv, extent)
     four = corners(field, cell.corner, 0)
@@ -115,7 +129,8 @@ def slope_at(field: HeightField, uv: Vec2) -> Vec2:
 
 @struct
 class Cell:
-    """The four texels around a place: the upper left one, and how far from it the place is."""
+    """A point among its four surrounding texels: the upper left texel `corner`, and the offset from
+    its centre, 0 to 1 along each axis."""
 
     corner: IVec2
     x: float
@@ -124,7 +139,7 @@ class Cell:
 
 @shader
 def cell_at(field: HeightField, uv: Vec2, extent: IVec2) -> Cell:
-    """The cell of a level of some size that texture coordinates lie in."""
+    """The cell at texture coordinates, in a level of `extent` texels."""
     tile = in_tile(field, uv)
     x = tile.x * float(extent.x) - 0.5
     y = tile.y * float(extent.y) - 0.5
@@ -134,8 +149,8 @@ def cell_at(field: HeightField, uv: Vec2, extent: IVec2) -> Cell:
 
 
 @shader
-def within(four: Vec4, x: float, y: float) -> float:
-    """Bilinear interpolation between upper left, upper right, lower left and lower right."""
+def interpolated(four: Vec4, x: float, y: float) -> float:
+    """Bilinear interpolation of upper left, upper right, lower left and lower right."""
     return mix(mix(four.x, four.y, x), mix(four.z, four.w, x), y)
 
 
@@ -144,21 +159,21 @@ def within(four: Vec4, x: float, y: float) -> float:
 
 @shader
 def extent_of(field: HeightField, level: int) -> Vec2:
-    """The size of a level in texels."""
+    """The size of a mip level in texels."""
     count = size(field, level)
     return Vec2(float(count.x), float(count.y))
 
 
 @shader
-def level_under(field: HeightField, ray: Ray) -> int:
-    """The level whose bilinear surface a ray meets."""
+def ray_level(field: HeightField, ray: Ray) -> int:
+    """The mip level whose bilinear surface the ray is intersected with."""
     return int(ray.lod) if field.filter == "mip" else 0
 
 
 @shader
-def patch_of(field: HeightField, cell: IVec2, level: int) -> Vec4:
-    """The four heights around a cell of a level, as `corners` has them."""
+def patch_heights(field: HeightField, cell: IVec2, level: int) -> Vec4:
+    """The four corner heights of a cell in a level, in the order of `corners`."""
     if field.filter == "mip":
         return corners(field, cell, level)
-    # written out as 0: on a GPU that reads all four texels at once
+    # level 0 as a literal: a GPU then reads all four texels at once
     return corners(field, cell, 0)

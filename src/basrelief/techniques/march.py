@@ -1,9 +1,23 @@
-"""The marches: read along the ray, layer by layer, until the surface is above it.
+r"""Marches: read the height field along the ray, layer by layer, until the surface is above it.
 
-A march of N steps reads at t = 0, 1/N, … (N − 1)/N. Features thinner than a step can be missed;
-where nothing is met the last position is the result. A ray that is only a part of the whole way
-takes its share of the steps; one that ends above the base is read at its end too, from where the
-next part goes on.
+    height
+      1  o . . . . . . . . . . . .  t = 0
+           \              ____
+         . . o . . . . ./. . .\. .  t = 1/N
+               \       /
+         . . . . o . ./. . . . . .  t = 2/N, the last layer above the surface
+                   \ /
+         . . . . . ./o . . . . . .  t = 3/N, the first layer below it, ends the march
+                  /
+
+A march of N steps reads the surface at t = 0, 1/N, … (N − 1)/N and ends at the first layer at which
+the ray is not above it. The hit lies between this layer and the one before. `steep` takes the layer
+itself, `parallax_occlusion` intersects the chord, `relief` searches by halving; `secant` and
+`contact` (`refine.py`) search by chords and by finer layers.
+
+Features thinner than a step can be missed. Where nothing is hit, the last position is the result. A
+segment that is a `share` of the whole ray takes that share of the steps; one that ends above the
+base is read at its end too, from where the next segment continues.
 """
 
 from __future__ import annotations
@@ -21,12 +35,12 @@ from basrelief.lang import (
     struct,
 )
 from basrelief.techniques.height import height_under
-from basrelief.techniques.projection import SHALLOWEST
+from basrelief.techniques.projection import MIN_COSINE
 from basrelief.techniques.ray import Hit, Ray, height_at, hit_at
 from basrelief.techniques.technique import technique
 
-MOST_READS = 4096
-"""However the number of steps comes about, no ray takes more."""
+MAX_READS = 4096
+"""Upper limit of a ray's steps, whatever the settings."""
 
 
 @struct
@@ -40,7 +54,7 @@ class Steps:
 
 @struct
 class March:
-    """Settings of a march whose steps follow the angle, or the texels passed over."""
+    """Settings of a march whose steps depend on the angle or on the texels passed over."""
 
     min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
     max_steps: int = setting(
@@ -67,7 +81,7 @@ class Relief:
 
 @struct
 class FixedLength:
-    """Settings of a march whose steps are all of one length."""
+    """Settings of a march with steps of constant length."""
 
     steps: int = setting(default=300, doc="steps at most", low=1, high=4096)
     step_length: float = setting(
@@ -76,52 +90,70 @@ class FixedLength:
 
 
 @struct
-class Layers:
-    """Where a march stopped: `t`, how far the ray is `over` the surface there, and both one layer
-    before."""
+class LastStep:
+    """The last step of a march: t and the ray's height above the surface at its end and at its
+    start (`previous_`), the step's length in t, and the number of heights read."""
 
     t: float
-    over: float
-    t_before: float
-    over_before: float
+    above: float
+    previous_t: float
+    previous_above: float
     step: float
     reads: int
 
 
 @technique(most_reads=10)
 def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
-    """March to the first layer that is below the surface, and stay there: visible layers.
+    """Steep parallax mapping: the first layer below the surface.
 
-    Cost: up to `steps` reads. M. McGuire and M. McGuire, Steep Parallax Mapping, 2005.
+        t = k/N, k the least with height_at(k/N) ≤ surface(k/N)
+
+    Layers are visible as steps.
+    Cost: up to `steps` reads.
+
+    References
+    ----------
+    M. McGuire and M. McGuire, Steep Parallax Mapping, 2005.
     """
-    end = march(field, ray, share_of(ray, settings.steps))
-    return hit_at(ray, end.t, end.over <= 0.0, end.reads)
+    end = march(field, ray, step_share(ray, settings.steps))
+    return hit_at(ray, end.t, end.above <= 0.0, end.reads)
 
 
 @technique(most_reads=32)
 def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
-    """March to the first layer below the surface, then cut the last step with the surface chord.
+    """Parallax occlusion mapping: a march, then the intersection with the chord of its last step.
 
-    Cost: up to the number of steps in reads. Z. Brawley and N. Tatarchuk, Parallax Occlusion
-    Mapping: Self-Shadowing, Perspective-Correct Bump Mapping Using Reverse Height Map Tracing,
-    2004.
+        t = t₁ + (t₂ − t₁) · a₁ ÷ (a₁ − a₂),  a the ray's height above the surface at t₁ and t₂
+
+    Cost: as many reads as steps.
+
+    References
+    ----------
+    Z. Brawley and N. Tatarchuk, Parallax Occlusion Mapping: Self-Shadowing, Perspective-Correct
+    Bump Mapping Using Reverse Height Map Tracing, 2004.
     """
     end = march(field, ray, step_count(field, ray, settings))
-    found = end.over <= 0.0
+    found = end.above <= 0.0
     return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
 
 @technique(most_reads=37)
 def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
-    """March to the first layer below the surface, then halve the last step again and again.
+    """Relief mapping: a march, then a binary search in its last step.
 
-    Cost: the march's reads and one for each halving. F. Policarpo, M. M. Oliveira and J. L. D.
-    Comba, Real-Time Relief Mapping on Arbitrary Polygonal Surfaces, 2005.
+        t ← t − δ if the ray is below the surface at t, else t + δ;  δ = 1/2, 1/4, … of the step
+
+    Cost: one read for each step and each halving.
+
+    References
+    ----------
+    F. Policarpo, M. M. Oliveira and J. L. D. Comba, Real-Time Relief Mapping on Arbitrary Polygonal
+    Surfaces, 2005.
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)
-    found = end.over <= 0.0
-    # there is a step to halve only between a layer above the surface and one below
+    found = end.above <= 0.0
+    # a step to halve exists only between a layer above the surface and one below
     rounds = settings.search_steps if found and end.reads > 1 else 0
     t = end.t
     below = True
@@ -135,79 +167,84 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
 
 @technique(most_reads=300)
 def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
-    """March in steps of one length along the ray, then weigh the last two places.
+    """March in steps of constant length, then the intersection with the chord of the last step.
 
-    Goes as deep as its steps reach, on each part of a way: what lies further is not found, and the
-    last place stays.
-    Cost: up to `steps` reads. Habrador, Advanced shaders in Unity: 3. Parallax mapping.
+        step in t = step_length ÷ (length of the ray) = step_length · cosine ÷ (scale · share)
+
+    The march reaches `steps · step_length` and no further: a surface beyond that is not found, and
+    the last position is the result.
+    Cost: up to `steps` reads.
+
+    References
+    ----------
+    Habrador, Advanced shaders in Unity: 3. Parallax mapping.
     """
-    # the whole way is scale ÷ cosine tile widths long
-    step = settings.step_length * max(ray.cosine, SHALLOWEST) / (ray.scale * ray.share)
+    # the whole ray is scale ÷ cosine tile widths long
+    step = settings.step_length * max(ray.cosine, MIN_COSINE) / (ray.scale * ray.share)
     end = layers(field, ray, min(settings.steps, int(1.0 / step) + 2), step)
-    found = end.over <= 0.0
+    found = end.above <= 0.0
     return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
 
-# --- what the marches share ----------------------------------------------------------------------
+# --- parts of the marches ------------------------------------------------------------------------
 
 
 @shader
-def march(field: HeightField, ray: Ray, steps: int) -> Layers:
-    """Go along all of the ray in a number of steps."""
-    return layers(field, ray, steps, 1.0 / float(min(max(steps, 1), MOST_READS)))
+def march(field: HeightField, ray: Ray, steps: int) -> LastStep:
+    """March along the whole segment in a number of equal steps."""
+    return layers(field, ray, steps, 1.0 / float(min(max(steps, 1), MAX_READS)))
 
 
 @shader
-def layers(field: HeightField, ray: Ray, steps: int, step: float) -> Layers:
-    """Go on layer by layer, to the first that is not above the surface, or to the last."""
-    count = min(max(steps, 1), MOST_READS)
-    # a ray that comes down to the base needs no look there; no other is left before its end
-    goes_on = height_at(ray, 1.0) > 0.0
-    last = count + 1 if goes_on else count
-    furthest = 1.0 if goes_on else 1.0 + step
+def layers(field: HeightField, ray: Ray, steps: int, step: float) -> LastStep:
+    """March layer by layer to the first at which the ray is not above the surface, or the last."""
+    count = min(max(steps, 1), MAX_READS)
+    # the base at height 0 is solid and needs no read; any other end has to be read
+    continues = height_at(ray, 1.0) > 0.0
+    last = count + 1 if continues else count
+    t_limit = 1.0 if continues else 1.0 + step
     t = 0.0
-    over = ray.height - height_under(field, ray, t)
-    t_before = t
-    over_before = over
+    above = ray.height - height_under(field, ray, t)
+    previous_t = t
+    previous_above = above
     k = 1
-    while k < last and over > 0.0:
-        t_before = t
-        over_before = over
-        t = min(float(k) * step, furthest)
-        over = height_at(ray, t) - height_under(field, ray, t)
+    while k < last and above > 0.0:
+        previous_t = t
+        previous_above = above
+        t = min(float(k) * step, t_limit)
+        above = height_at(ray, t) - height_under(field, ray, t)
         k = k + 1
-    return Layers(t, over, t_before, over_before, step, k)
+    return LastStep(t, above, previous_t, previous_above, step, k)
 
 
 @shader
-def chord(end: Layers) -> float:
-    """The t at which the ray cuts the straight line between the last two surface points."""
-    return crossing(end.t_before, end.over_before, end.t, -end.over)
+def chord(end: LastStep) -> float:
+    """The t at which the ray intersects the chord of the surface over the last step."""
+    return crossing(end.previous_t, end.previous_above, end.t, -end.above)
 
 
 @shader
-def crossing(above: float, over: float, below: float, under: float) -> float:
-    """The t at which the ray meets the surface that it is `over` at t = `above` and `under` at
-    t = `below`, if both run straight."""
-    share = saturate(over / max(over + under, 1e-9))
-    return mix(above, below, share)
+def crossing(t_above: float, above: float, t_below: float, below: float) -> float:
+    """The zero of the straight line through `above` at `t_above` and −`below` at `t_below`."""
+    fraction = saturate(above / max(above + below, 1e-9))
+    return mix(t_above, t_below, fraction)
 
 
 @shader
-def share_of(ray: Ray, steps: int) -> int:
-    """A ray's own share of the steps of the whole way, at least one."""
-    return max(-int(floor(-float(min(steps, MOST_READS)) * ray.share)), 1)
+def step_share(ray: Ray, steps: int) -> int:
+    """The segment's share of the whole ray's steps, rounded up, at least one."""
+    return max(-int(floor(-float(min(steps, MAX_READS)) * ray.share)), 1)
 
 
 @shader
 def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
-    """A ray's own share of the steps by angle."""
-    return share_of(ray, step_count_by_angle(ray, min_steps, max_steps))
+    """The segment's share of the steps by angle."""
+    return step_share(ray, step_count_by_angle(ray, min_steps, max_steps))
 
 
 @shader
 def step_count_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
-    """More steps the flatter the view: from the most along the surface to the least head-on.
+    """mix(max_steps, min_steps, V · N): more steps at flatter angles.
 
     N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
     """
@@ -220,6 +257,6 @@ def step_count(field: HeightField, ray: Ray, settings: March) -> int:
     extent = size(field, 0)
     travel = length(ray.travel * Vec2(float(extent.x), float(extent.y)))
     by_texels = int(travel * settings.steps_per_texel)
-    # a choice, not a branch: on a GPU the branch costs up to 8 % of a march
+    # a selection, not a branch: on a GPU the branch costs up to 8 % of a march
     by_angle = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     return by_texels if settings.steps_per_texel > 0.0 else by_angle

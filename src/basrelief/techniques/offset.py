@@ -1,4 +1,14 @@
-"""The techniques of one read: shift the texture by the height found where the ray comes in."""
+r"""Techniques with at most one height read: parallax mapping in its original form.
+
+The height h is read where the ray meets the polygon, and the ray is followed to that height, as if
+the surface were level in between.
+
+    reference height --*------------  polygon: h is read here, at uv
+                       :`.
+                   h ..:..`*........  the result, at uv'
+                     __:   :
+                    /   \__:_____     surface
+"""
 
 from __future__ import annotations
 
@@ -10,7 +20,7 @@ from basrelief.techniques.technique import Nothing, technique
 
 @struct
 class Offset:
-    """Settings of the techniques of one read."""
+    """Settings of the techniques with one read."""
 
     max_offset: float = setting(
         default=1.0, doc="the most that u and v each move, in tiles", low=0.0, high=1.0
@@ -19,37 +29,53 @@ class Offset:
 
 @technique()
 def flat(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    """No parallax at all. Cost: nothing."""
+    """No parallax: the hit is where the ray meets the polygon.
+
+    Cost: no reads.
+    """
     return hit_at(ray, t_at(ray, ray.reference_height), True, 0)
 
 
 @technique(reference_height=0.5, most_reads=1)
 def offset(field: HeightField, ray: Ray, settings: Offset) -> Hit:
-    """Take the height where the ray comes in for that where it ends.
+    """Parallax mapping: follow the ray to the height read at the polygon.
 
-    Right where the height does not change between the two, torn apart where it does. Cost: one
-    read. T. Kaneko et al., Detailed Shape Representation with Parallax Mapping, 2001; with the
-    projection `biased`, what Unity's standard shader does; the clamp is wikibooks'.
+        uv' = uv + travel · (t(h) − t(reference_height)),  h the height at uv
+
+    Exact where the height is the same at both points, distorted where it changes between them.
+    With the projection `biased` it is Unity's standard shader. Each component of the offset is
+    clamped to `max_offset`, after wikibooks.
+    Cost: one read.
+
+    References
+    ----------
+    T. Kaneko et al., Detailed Shape Representation with Parallax Mapping, 2001.
     """
     return shifted(field, ray, settings)
 
 
 @technique(reference_height=0.5, projection="limited", most_reads=1)
 def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
-    """The same, the offset never longer than the height: no tearing, little depth at an angle.
+    """Parallax mapping with offset limiting: `offset` with the projection `limited`.
 
-    Cost: one read. T. Welsh, Parallax Mapping with Offset Limiting: A Per-Pixel Approximation of
-    Uneven Surfaces, 2004.
+    The offset V.xy · scale · (h − reference_height) is never longer than the height difference:
+    less distortion, and little depth at grazing angles.
+    Cost: one read.
+
+    References
+    ----------
+    T. Welsh, Parallax Mapping with Offset Limiting: A Per-Pixel Approximation of Uneven Surfaces,
+    2004.
     """
     return shifted(field, ray, settings)
 
 
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
-    """One read, one shift, each component held to the most allowed."""
+    """One read and one shift, each component clamped to ± `max_offset`."""
     start = t_at(ray, ray.reference_height)
     height = height_under(field, ray, start)
     end = t_at(ray, height)
-    most = settings.max_offset
-    uv = at(ray, start) + clamp(ray.travel * (end - start), -most, most)
+    limit = settings.max_offset
+    uv = at(ray, start) + clamp(ray.travel * (end - start), -limit, limit)
     return Hit(uv, height, end, True, 1)

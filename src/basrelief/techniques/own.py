@@ -1,4 +1,4 @@
-"""A technique of a user's own, from a file."""
+"""Techniques from Python files of the user's."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from basrelief.techniques.technique import Technique, displace
 
 
 def technique_from_file(file: str, name: str) -> Technique[..., Any]:
-    """The technique or shader `name` of a Python file, checked to fit.
+    """Load the technique or shader `name` from a Python file and check it.
 
     Raises InputError for a missing file or name, for a file that fails to run, and for a function
-    that is no technique; ShaderError, with file and line, for a signature that does not fit.
+    that is not a technique; ShaderError, with file and line, for a signature that does not fit.
     """
     path = Path(file)
     if not path.is_file():
         raise InputError(f"{file}: there is no such file; --technique takes FILE.py:NAME")
-    found = getattr(_module(path), name, None)
-    if not isinstance(found, Shader) or found.is_slot:
-        what = "has no" if found is None else "does not mark"
+    value = getattr(_module(path), name, None)
+    if not isinstance(value, Shader) or value.is_slot:
+        what = "has no" if value is None else "does not mark"
         raise InputError(f"{file}: it {what} {name}; mark a technique with @technique()")
-    return checked_technique(found)
+    return checked_technique(value)
 
 
 def _module(path: Path) -> ModuleType:
-    """The module of a file; run from its text, so that no compiled copy is left or out of date."""
+    """Run a file as a module, from its text, so that no stale compiled copy is left."""
     module = ModuleType(f"basrelief_own_{path.stem}")
     module.__file__ = str(path)
-    # records look up their annotations in the module that defines them
+    # records look up their annotations in their module
     sys.modules[module.__name__] = module
     try:
         code = compile(path.read_bytes(), str(path), "exec", dont_inherit=True)
@@ -48,7 +48,7 @@ def _module(path: Path) -> ModuleType:
 
 
 def _failure(path: Path, error: BaseException) -> str:
-    """What went wrong when a file ran, and at which line of it."""
+    """The error of a file that failed to run, with its line."""
     what = f"{type(error).__name__}: {error}"
     lines = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
     line, text = (lines[-1].lineno, lines[-1].line) if lines else (None, None)
@@ -58,24 +58,25 @@ def _failure(path: Path, error: BaseException) -> str:
     return f"{place}: the file fails to run: {what}"
 
 
-def checked_technique(given: Any) -> Technique[..., Any]:
-    """A technique, or a shader that is used as one, checked to fit.
+def checked_technique(value: Any) -> Technique[..., Any]:
+    """Check a technique, or a shader that is used as one.
 
-    Raises InputError for anything else, ShaderError, with file and line, for a signature that does
+    Raises InputError for anything else; ShaderError, with file and line, for a signature that does
     not fit.
     """
-    if not isinstance(given, Shader) or given.is_slot:
-        name = getattr(given, "__name__", repr(given))
+    if not isinstance(value, Shader) or value.is_slot:
+        name = getattr(value, "__name__", repr(value))
         raise InputError(f"{name} is no technique; mark one with @technique()")
-    made = given if isinstance(given, Technique) else Technique(given.function)
-    if not is_record(made.settings):
+    marked = value if isinstance(value, Technique) else Technique(value.function)
+    if not is_record(marked.settings):
         raise InputError(
-            f"{made.location}: {made.name}: its settings are no record; make one with @struct, "
-            "or take Nothing"
+            f"{marked.location}: {marked.name}: its settings are no record; make one with "
+            "@struct, or take Nothing"
         )
-    bound_types({displace: made})
-    if Texture in made.signature[0].values() and made.bake is None:
+    bound_types({displace: marked})
+    if Texture in marked.signature[0].values() and marked.bake is None:
         raise InputError(
-            f"{made.location}: {made.name} takes a table; say which, as @technique(bake=CONE_MAP)"
+            f"{marked.location}: {marked.name} takes a table; say which, as "
+            "@technique(bake=CONE_MAP)"
         )
-    return made
+    return marked

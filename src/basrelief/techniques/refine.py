@@ -1,6 +1,7 @@
-"""Marches that look again within their last step: the surface lies between two layers there.
+"""Marches with a second search within their last step, between a layer above the surface and one
+below it.
 
-`relief`, which halves that step, stands with the plain marches in `march.py`.
+`relief`, whose search halves that step, is with the plain marches in `march.py`.
 """
 
 from __future__ import annotations
@@ -8,11 +9,11 @@ from __future__ import annotations
 from basrelief.lang import HeightField, setting, struct
 from basrelief.techniques.height import height_under
 from basrelief.techniques.march import (
-    MOST_READS,
+    MAX_READS,
     crossing,
     march,
-    share_of,
     step_count_by_angle,
+    step_share,
     steps_by_angle,
 )
 from basrelief.techniques.ray import Hit, Ray, height_at, hit_at
@@ -34,7 +35,7 @@ class Secant:
 
 @struct
 class Contact:
-    """Settings of a march that is taken again, finer, within its last step."""
+    """Settings of a march with a second, finer march in its last step."""
 
     min_steps: int = setting(
         default=4, doc="steps when looking straight down, twice over", low=1, high=4096
@@ -46,62 +47,75 @@ class Contact:
 
 @technique(most_reads=35)
 def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
-    """March to the first layer below the surface, then cut the last step by its chord, read the
-    surface there, and cut what is left again: regula falsi.
+    """A march, then a secant search (regula falsi) in its last step.
 
-    Of a chord's two ends the one that stays twice counts half (M. Dowell and P. Jarratt, A Modified
-    Regula Falsi Method for Computing the Root of an Equation, 1971, "Illinois"), or one end would
-    stay for ever and the other come nearer in ever smaller steps. Cost: the march's reads and one
-    for each cut. After E. Risser, M. Shah and S. Pattanaik, Faster Relief Mapping Using the
-    Secant Method, 2007.
+        t = t₁ + (t₂ − t₁) · a₁ ÷ (a₁ − a₂),  a₁ > 0 ≥ a₂ the ray's heights above the surface
+
+    The surface is read at t, and t replaces t₁ or t₂, whichever has the same sign; then again. The
+    height of an end that stays twice in a row is halved ("Illinois"); otherwise that end would stay
+    for ever and the other approach in ever smaller steps.
+    Cost: one read for each step and each cut.
+
+    References
+    ----------
+    E. Risser, M. Shah and S. Pattanaik, Faster Relief Mapping Using the Secant Method, 2007.
+    M. Dowell and P. Jarratt, A Modified Regula Falsi Method for Computing the Root of an Equation,
+    1971.
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
     end = march(field, ray, steps)
-    found = end.over <= 0.0
-    # there is a step to cut only between a layer above the surface and one below
+    found = end.above <= 0.0
+    # a step to cut exists only between a layer above the surface and one below
     rounds = settings.search_steps if found and end.reads > 1 else 0
-    above = end.t_before
-    over = end.over_before
-    below = end.t
-    under = -end.over
-    moved = 0
+    t_above = end.previous_t
+    above = end.previous_above
+    t_below = end.t
+    below = -end.above
+    # which end was replaced last: 1 the upper, −1 the lower
+    replaced = 0
     for _ in range(rounds):
-        t = crossing(above, over, below, under)
+        t = crossing(t_above, above, t_below, below)
         clearance = height_at(ray, t) - height_under(field, ray, t)
         if clearance > 0.0:
-            above = t
-            over = clearance
-            under = under * (0.5 if moved == 1 else 1.0)
-            moved = 1
+            t_above = t
+            above = clearance
+            below = below * (0.5 if replaced == 1 else 1.0)
+            replaced = 1
         else:
-            below = t
-            under = -clearance
-            over = over * (0.5 if moved == -1 else 1.0)
-            moved = -1
-    t = crossing(above, over, below, under) if found else end.t
+            t_below = t
+            below = -clearance
+            above = above * (0.5 if replaced == -1 else 1.0)
+            replaced = -1
+    t = crossing(t_above, above, t_below, below) if found else end.t
     return hit_at(ray, t, found, end.reads + rounds)
 
 
 @technique(most_reads=31)
 def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
-    """March in coarse steps; from the layer before the first that is below the surface, march
-    again, in as many steps to that one step: N + N reads find what N · N layers would.
+    """Contact refinement: a coarse march, then a march of as many steps within its last step.
 
-    What lies between two coarse layers and above neither is missed. Cost: up to twice the number
-    of steps in reads, less one. A. Riccardi, Contact Refinement Parallax Mapping, 2019.
+        t = t₁ + j ÷ N · step,  t₁ the layer before the last, j the least with the ray below
+
+    2 N reads resolve what N² layers would. A feature between two coarse layers that reaches neither
+    is missed.
+    Cost: up to 2 N − 1 reads for N steps.
+
+    References
+    ----------
+    A. Riccardi, Contact Refinement Parallax Mapping, 2019.
     """
     whole = step_count_by_angle(ray, settings.min_steps, settings.max_steps)
-    steps = min(max(whole, 1), MOST_READS)
-    end = march(field, ray, share_of(ray, steps))
-    found = end.over <= 0.0
-    finer = end.step / float(steps)
-    # the last fine layer is the coarse one, and is known; met at once there is none before it
+    steps = min(max(whole, 1), MAX_READS)
+    end = march(field, ray, step_share(ray, steps))
+    found = end.above <= 0.0
+    fine_step = end.step / float(steps)
+    # the last fine layer is the coarse one, already read; a hit at the first layer has none before
     count = steps if found and end.reads > 1 else 1
     t = end.t
     below = False
     k = 1
     while k < count and not below:
-        t = end.t_before + float(k) * finer
+        t = end.previous_t + float(k) * fine_step
         below = height_at(ray, t) <= height_under(field, ray, t)
         k = k + 1
     return hit_at(ray, t if below else end.t, found, end.reads + k - 1)

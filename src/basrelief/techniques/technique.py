@@ -1,11 +1,13 @@
-"""What a technique is: one function, `(field, ray, settings) -> Hit`, and the slot it is bound to.
+"""Techniques: functions `(field, ray, settings) -> Hit`, and the slot that they are bound to.
 
-Mark your own with `@technique` in a file of its own and name it with `--technique FILE.py:NAME`:
+Mark a technique of your own with `@technique` in a file of its own and select it with
+`--technique FILE.py:NAME`:
 
     @technique()
     def top_half(field: HeightField, ray: Ray, settings: Halving) -> Hit: ...
 
-`settings` is a record (`@struct`) whose fields users turn; a technique without any takes `Nothing`.
+`settings` is a record (`@struct`) whose fields are the technique's settings; a technique without
+any takes `Nothing`.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ Projection = Literal["full", "biased", "limited"]
 
 
 class Settings(TypeSlot):
-    """The settings record of whichever technique is bound."""
+    """The settings record of the bound technique."""
 
 
 @struct
@@ -33,25 +35,53 @@ class Nothing:
 
 @slot
 def displace(field: HeightField, baked: Texture, ray: Ray, settings: Settings) -> Hit:
-    """Find where the view ray ends in the height field, by what is baked where that is needed."""
+    """The slot of the technique: the hit of a ray on the height field.
+
+    Parameters
+    ----------
+    field : HeightField
+        The heights, 0 to 1.
+    baked : Texture
+        The technique's table; a technique without a bake leaves this parameter out.
+    ray : Ray
+        The ray in texture space.
+    settings : Settings
+        The technique's settings record.
+
+    Returns
+    -------
+    Hit
+        Where the ray ends.
+    """
 
 
 class Technique(Shader[P, R]):
-    """A technique with what it prefers where nothing else is said."""
+    """A shader marked as a technique, with its defaults.
+
+    Attributes
+    ----------
+    reference_height : float
+        The default height that lies on the polygon, 0 to 1.
+    projection : {"full", "biased", "limited"}
+        The default projection.
+    most_reads : int
+        The largest number of heights read with the default settings, a first measure of cost.
+    bake : Bake or None
+        The declaration of the table that it reads.
+    columns : bool
+        Whether its height field is one column per texel (`techniques.columns`) instead of the
+        bilinear surface.
+    """
 
     reference_height: float = 1.0
-    """The height that lies on the polygon."""
     projection: Projection = "full"
     most_reads: int = 0
-    """Heights read at most with the default settings, a first idea of the cost."""
     bake: Bake | None = None
-    """The table that it reads, baked from the heights."""
     columns: bool = False
-    """Whether it takes each texel for a box (`techniques.columns`), and no bilinear surface."""
 
     @property
     def takes_heights(self) -> tuple[str, ...]:
-        """The ways to read heights that it can be drawn with."""
+        """The values of `heights` that it supports."""
         if self.columns:
             return ("sharp",)
         if self.bake is not None:
@@ -73,24 +103,44 @@ def technique(
     bake: Bake | None = None,
     columns: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
-    """Mark a shader as a technique; `reference_height` and `projection` are its defaults.
+    """Mark a shader as a technique.
 
-    `most_reads` says how many heights it reads at most with its default settings, `bake` what is
-    baked for it, as `CONE_MAP`: such a technique takes `(field, baked, ray, settings)`. With
-    `columns` the object's normals and shadows are those of boxes, one for each texel.
-    Raises TypeError for a bake that is no declaration.
+    Parameters
+    ----------
+    reference_height : float, default 1.0
+        The default height that lies on the polygon, 0 to 1.
+    projection : {"full", "biased", "limited"}, default "full"
+        The default projection.
+    most_reads : int, default 0
+        The largest number of heights read with the default settings.
+    bake : Bake, optional
+        The table that the technique reads, for example `CONE_MAP`. Such a technique takes
+        `(field, baked, ray, settings)`.
+    columns : bool, default False
+        Whether the height field is one column per texel; the object's normals and self-shadows are
+        then those of columns.
+
+    Returns
+    -------
+    callable
+        The decorator.
+
+    Raises
+    ------
+    TypeError
+        If `bake` is not a `Bake`.
     """
     if not (bake is None or isinstance(bake, Bake)):
         raise TypeError(f"bake is {bake!r}: give a declaration, as CONE_MAP of {__package__}")
 
     def mark(function: Callable[P, R]) -> Technique[P, R]:
-        made: Technique[P, R] = Technique(function)
-        made.reference_height, made.projection, made.most_reads = (
+        marked: Technique[P, R] = Technique(function)
+        marked.reference_height, marked.projection, marked.most_reads = (
             reference_height,
             projection,
             most_reads,
         )
-        made.bake, made.columns = bake, columns
-        return made
+        marked.bake, marked.columns = bake, columns
+        return marked
 
     return mark

@@ -1,4 +1,4 @@
-"""The viewer: one HTML page with a material's maps and the programs that the engines run.
+"""The viewer: one HTML page with a material's maps, and the same shaders that the engines run.
 
     write_view(scene, "page.html")
 
@@ -8,18 +8,21 @@ widget `Viewer`, which needs the extra `notebook`.
 
 from typing import TYPE_CHECKING, Any
 
-from basrelief.viewer.page import View, write_view
+from basrelief.viewer.page import ViewerPage, write_view
 from basrelief.viewer.state import Sources
 
 if TYPE_CHECKING:
     from basrelief.viewer.notebook import Viewer
 
-__all__ = ["Sources", "View", "Viewer", "write_view"]
+__all__ = ["Sources", "Viewer", "ViewerPage", "write_view"]
 
 
 def __getattr__(name: str) -> Any:
     if name != "Viewer":
-        raise AttributeError(f"module 'basrelief.viewer' has no attribute {name!r}")
+        from basrelief.errors import new_name
+
+        hint = new_name(name, __all__)
+        raise AttributeError(hint or f"module 'basrelief.viewer' has no attribute {name!r}")
     # imported when first used: anywidget comes with an extra
     from basrelief.viewer.notebook import Viewer
 

@@ -1,6 +1,6 @@
-"""What a page needs to bake as the library does: the programs, and the numbers of their steps.
+"""Data for baking in a page: the programs, and the parameters of their steps.
 
-The steps are those of `baking.exact` and `baking.cone`; `web/bakes.js` goes through them.
+The steps are those of `baking.exact` and `baking.cone`; `web/bakes.js` runs them.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from basrelief.lang import Shader
 from basrelief.techniques import BAKES, cone_bake, normal_bake
 from basrelief.techniques.exact_bake import FAR_REACH, REACH
 from basrelief.techniques.exact_records import BLOCK, FAR_BLOCK
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 
 PROGRAMS: tuple[Shader[..., Any], ...] = (
     normal_bake.normals,
     *dict.fromkeys(program for bake in BAKES.values() for program in bake.programs),
 )
-"""The programs that bake something; a page finds them by their names."""
+"""The programs that bake; a page finds them by name."""
 
 
 def bake_numbers() -> dict[str, Any]:
-    """The numbers of the steps: widths and margins in cells and blocks, sectors as directions."""
+    """Parameters of the steps: widths and margins in cells and blocks, sectors as directions."""
     return {
         "bounds": {
             "block": BLOCK,
@@ -35,7 +35,10 @@ def bake_numbers() -> dict[str, Any]:
         "cones": {
             "blocks": cone_bake.BLOCKS,
             "sectors": [
-                {"asked": plain(sector_of(k)), "ends": [plain(end) for end in sector_bounds(k)]}
+                {
+                    "record": json_value(sector_of(k)),
+                    "ends": [json_value(end) for end in sector_bounds(k)],
+                }
                 for k in range(SECTORS)
             ],
         },

@@ -1,6 +1,6 @@
-"""Records as a page writes them: where each field lies, what it means, and its range.
+"""Layouts and settings of records for a page: offsets, meanings and ranges of fields.
 
-Read off the records themselves, so that a page has no copy of its own to keep.
+They are derived from the records, so that a page has no copies.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from basrelief.lang.types import VECTORS, fields_of, is_record, leaf_values
 
 
 def layouts(names: Mapping[Any, str]) -> dict[str, Any]:
-    """Each record by its name: its size in words, and its fields: name, type, offset in words."""
+    """Layouts by the record's name: size and alignment in words; names, types, offsets."""
     return {
         name: {
             "words": align_and_size(record)[1] // 4,
             "align": align_and_size(record)[0] // 4,
             "fields": [
-                [each, names.get(t, t.__name__), offset // 4] for each, offset, t in offsets(record)
+                [field, names.get(t, t.__name__), offset // 4]
+                for field, offset, t in offsets(record)
             ],
         }
         for record, name in names.items()
@@ -31,41 +32,41 @@ def layouts(names: Mapping[Any, str]) -> dict[str, Any]:
 
 
 def _is_laid_out(record: type) -> bool:
-    """Whether a record can lie in memory: one with a bool, as a hit, stays within a program."""
+    """Whether a record has a layout in memory; records with a bool, such as hits, have none."""
     return all(
         _is_laid_out(t) if is_record(t) else t is not bool for t in fields_of(record).values()
     )
 
 
 def settings_of(record: type) -> list[dict[str, Any]]:
-    """The settings of a record: name, meaning, range, default, and whether it is a whole number."""
+    """Settings of a record: name, meaning, range, default, and whether it is a whole number."""
     return [
         {
-            "name": each.name,
-            "doc": each.metadata["doc"],
-            "low": each.metadata["low"],
-            "high": each.metadata["high"],
-            "default": plain(each.default),
-            "whole": fields_of(record)[each.name] is int,
+            "name": field.name,
+            "doc": field.metadata["doc"],
+            "low": field.metadata["low"],
+            "high": field.metadata["high"],
+            "default": json_value(field.default),
+            "whole": fields_of(record)[field.name] is int,
         }
-        for each in fields(record)
-        if "doc" in each.metadata and each.default is not MISSING
+        for field in fields(record)
+        if "doc" in field.metadata and field.default is not MISSING
     ]
 
 
-def plain(value: Any) -> Any:
-    """A value of the subset as JSON has it: a number, a list of them, or a record as a mapping.
+def json_value(value: Any) -> Any:
+    """A value of the shader subset for JSON: a number, a list of numbers, or a mapping of a record.
 
-    Matrices are lists of nine, column by column.
+    Matrices are lists of nine numbers, column by column.
     """
     t = type(value)
     if is_record(t):
-        return {name: plain(getattr(value, name)) for name in fields_of(t)}
+        return {name: json_value(getattr(value, name)) for name in fields_of(t)}
     if t.__name__ == "Mat3" or t in VECTORS:
         return [_short(leaf) for leaf in leaf_values(value, t)]
     return _short(value)
 
 
 def _short(value: Any) -> float | int:
-    """A number with as many digits as its 32 bits have: 0.1, not 0.10000000149."""
+    """The shortest number with the same 32 bits: 0.1, not 0.10000000149."""
     return int(value) if isinstance(value, int | np.integer) else float(str(value))

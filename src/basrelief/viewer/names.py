@@ -1,4 +1,4 @@
-"""What the name of a dropped file says, for a page: the tables of `material.conventions`."""
+"""Tables of `material.conventions` by which a page reads names of dropped files."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from basrelief.material import conventions
 from basrelief.material.conventions import Meaning, Part
 
 PACKED = "packed"
-"""The page's name for occlusion, roughness and metal in red, green and blue."""
+"""The page's slot for occlusion, roughness and metal in red, green and blue."""
 _PACKED = {Part("occlusion", "r"), Part("roughness", "g"), Part("metallic", "b")}
 
 
 def names() -> dict[str, Any]:
-    """Spellings and what a page takes them for, other words that count, how names are cut."""
+    """Spellings with their slots, other significant words, and patterns that split names."""
     return {
         "meanings": {text: place_of(meaning) for text, meaning in conventions.MEANINGS.items()},
         "unreal": dict(conventions.UNREAL),
@@ -21,16 +21,16 @@ def names() -> dict[str, Any]:
         "inverted": sorted(conventions.INVERTED),
         "formats": sorted(conventions.FORMATS),
         "resolutions": sorted(conventions.RESOLUTIONS),
-        "longest": conventions.LONGEST,
+        "longest": conventions.MAX_WORDS,
         "word": conventions.WORD.pattern,
         "sizes": conventions.SIZES.pattern,
     }
 
 
 def place_of(meaning: Meaning) -> list[Any]:
-    """The map that a page takes a file for, "" for none, and whether it is turned over.
+    """The slot of a file, "" for none, and whether its values are inverted.
 
-    Of a file that holds several maps the page takes the first, unless it is one that it knows.
+    Of a file with several maps the page uses the first, unless it is a packed map.
     """
     if set(meaning.parts) == _PACKED:
         return [PACKED, False]

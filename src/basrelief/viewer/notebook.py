@@ -3,7 +3,7 @@
     viewer = Viewer("FOLDER", scale=0.08)
     viewer                              # the page
     viewer.technique = "offset"         # changes the picture
-    viewer.camera                       # where the mouse has left it
+    viewer.camera                       # the camera, as moved by the mouse
     basrelief.render(viewer.scene())    # the same picture
 
 In Jupyter and in marimo, by anywidget (the extra `notebook`).
@@ -25,23 +25,23 @@ from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
-from basrelief.scene.checks import one_of, record_of, within
+from basrelief.scene.checks import check_choice, check_range, settings_record
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques.height import Smoothing
-from basrelief.viewer.layouts import plain
+from basrelief.viewer.layouts import json_value
 from basrelief.viewer.page import Progress, page_of
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.shown import camera_of, said_light, shown_scene, tiling_of
+from basrelief.viewer.shown import as_light_dict, camera_of, scene_from_state, tiling_of
 from basrelief.viewer.state import (
     SHOWS,
     Sources,
-    check_shown,
-    plain_tiling,
+    check_drawable,
     state_of,
     techniques_of,
+    tiling_to_dict,
 )
 
 try:
@@ -58,9 +58,9 @@ _RECORDS = {"shading": Shading, "shadowing": Shadowing, "smoothing": Smoothing}
 
 
 class _Setting(traitlets.TraitType):
-    """A setting, held to what its check makes of a value: `check(viewer, name, value)`.
+    """A trait whose values pass through its check: `check(viewer, name, value)`.
 
-    The check is run whenever a value is set, held notifications or not.
+    The check runs whenever a value is set, also while notifications are held.
     """
 
     def __init__(self, check: Callable[[Any, str, Any], Any]) -> None:
@@ -71,7 +71,7 @@ class _Setting(traitlets.TraitType):
         return self.check(viewer, str(self.name), value)
 
     def get(self, viewer: Any, cls: Any = None) -> Any:
-        """A copy: what is changed in place would change nothing."""
+        """A copy, since changes in place would have no effect."""
         return copy.deepcopy(super().get(viewer, cls))
 
 
@@ -79,12 +79,12 @@ class _Setting(traitlets.TraitType):
 
 
 def _choice(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, MENUS[name])
+    check_choice(name, value, MENUS[name])
     return value
 
 
 def _technique(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, tuple(viewer._techniques))
+    check_choice(name, value, tuple(viewer._techniques))
     Object(viewer._material, technique=viewer._techniques[value])
     return value
 
@@ -94,7 +94,7 @@ def _other_technique(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _show(viewer: Viewer, name: str, value: Any) -> Any:
-    one_of(name, value, SHOWS)
+    check_choice(name, value, SHOWS)
     if value == "missed":
         _technique(viewer, "technique", "exact")
     return value
@@ -108,7 +108,7 @@ def _number(viewer: Viewer, name: str, value: Any) -> float:
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:
-    within(name, value, 0.0, 1.0)
+    check_range(name, value, 0.0, 1.0)
     return float(value)
 
 
@@ -119,7 +119,7 @@ def _pixels(viewer: Viewer, name: str, value: Any) -> int:
 def _whole(name: str, value: Any, low: int, high: int | None) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise InputError(f"{name} is {value!r}: give a whole number")
-    within(name, int(value), low, high)
+    check_range(name, int(value), low, high)
     return int(value)
 
 
@@ -136,17 +136,17 @@ def _two_numbers(name: str, value: Any) -> Any:
 
 
 def _record(viewer: Viewer, name: str, value: Any) -> Any:
-    return plain(record_of(_RECORDS[name], value, f"the {name}"))
+    return json_value(settings_record(_RECORDS[name], value, f"the {name}"))
 
 
 def _fog(viewer: Viewer, name: str, value: Any) -> Any:
-    fog = record_of(Fog, value, "the fog")
+    fog = settings_record(Fog, value, "the fog")
     if fog.fog_start > fog.fog_end:
         raise InputError(
             f"fog from {fog.fog_start:g} to {fog.fog_end:g}: "
             "give a fog_end no nearer than fog_start"
         )
-    return plain(fog)
+    return json_value(fog)
 
 
 def _settings(viewer: Viewer, name: str, value: Any) -> Any:
@@ -154,7 +154,9 @@ def _settings(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _settings_of(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return _each(name, value, viewer._all_settings, viewer._settings_checked, "technique")
+    return _checked_records(
+        name, value, viewer._all_settings, viewer._settings_checked, "technique"
+    )
 
 
 def _surface_parameters(viewer: Viewer, name: str, value: Any) -> Any:
@@ -162,33 +164,33 @@ def _surface_parameters(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _all_surface_parameters(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return _each(
+    return _checked_records(
         name, value, viewer._all_surface_parameters_sent, _surface_parameters_checked, "surface"
     )
 
 
 def _surface_parameters_checked(surface: str, value: Any) -> Any:
-    return plain(record_of(SURFACES[surface], value, f"the {surface} surface"))
+    return json_value(settings_record(SURFACES[surface], value, f"the {surface} surface"))
 
 
-def _each(
-    name: str, value: Any, held: Mapping[str, Any], check: Callable[[str, Any], Any], what: str
+def _checked_records(
+    name: str, value: Any, current: Mapping[str, Any], check: Callable[[str, Any], Any], what: str
 ) -> dict[str, Any]:
-    """Records by the name of what has them, those that are not given as they are held."""
+    """Checked records by name; names that are missing keep their current records."""
     if not isinstance(value, Mapping):
         raise InputError(f"{name} is {value!r}: give numbers by the name of their {what}")
-    for each in value:
-        one_of(what, each, tuple(held))
-    return {**held, **{each: check(each, numbers) for each, numbers in value.items()}}
+    for key in value:
+        check_choice(what, key, tuple(current))
+    return {**current, **{key: check(key, numbers) for key, numbers in value.items()}}
 
 
 def _flag(viewer: Viewer, name: str, value: Any) -> bool:
-    one_of(name, value, (True, False))
+    check_choice(name, value, (True, False))
     return bool(value)
 
 
 def _layer(viewer: Viewer, name: str, value: Any) -> bool:
-    if _flag(viewer, name, value) and viewer._began.objects[0].layer is None:
+    if _flag(viewer, name, value) and viewer._original.objects[0].layer is None:
         raise InputError("layer is True: there is none; make the viewer of a scene with a layer")
     return bool(value)
 
@@ -202,11 +204,13 @@ def _background(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _tiling(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return plain_tiling(tiling_of(value))
+    return tiling_to_dict(tiling_of(value))
 
 
 def _tilings(viewer: Viewer, name: str, value: Any) -> dict[str, Any]:
-    return _each(name, value, viewer._all_tilings, lambda _, each: _tiling(viewer, "", each), "map")
+    return _checked_records(
+        name, value, viewer._all_tilings, lambda _, tiling: _tiling(viewer, "", tiling), "map"
+    )
 
 
 def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
@@ -214,43 +218,77 @@ def _lights(viewer: Viewer, name: str, value: Any) -> list[dict[str, Any]]:
         value = (value,)
     if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
         raise InputError(f"lights is {value!r}: give several, as (basrelief.directional(),)")
-    return [said_light(each) for each in value]
+    return [as_light_dict(light) for light in value]
 
 
 def _camera(viewer: Viewer, name: str, value: Any) -> Orbit:
     return camera_of(value)
 
 
-def _shared(check: Callable[[Any, str, Any], Any], **how: Any) -> Any:
-    """A setting that page and Python share."""
-    return _Setting(check).tag(sync=True, **how)
+def _shared(check: Callable[[Any, str, Any], Any], **metadata: Any) -> Any:
+    """A setting that the page and Python share."""
+    return _Setting(check).tag(sync=True, **metadata)
 
 
 # --- the widget ----------------------------------------------------------------------------------
 
 
 class Viewer(anywidget.AnyWidget):
-    """The viewer's page in a notebook, its settings both ways.
+    """The viewer's page as a widget in a notebook.
 
-    `what` and the settings are those of `basrelief.render`: a folder, a material, an object or a
-    scene; `technique`, `scale`, `camera`, `preset` and so on. Maps are scaled to at most `texels`
-    a side; `height` is that of the widget, in pixels of the screen.
+    Page and Python share all settings. Every setting is an attribute that is checked when it is
+    set, and that `observe` and marimo follow. As in the page, a change of the technique sets its
+    own reference height and projection, a change of the shape its own tiling.
 
-    Every setting of the page is an attribute, checked when it is set, that `observe` and marimo
-    follow: `technique`, `shape`, `projection`, `heights`, `edge`, `mapping`, `alpha`, `surface`,
-    `shadows`, `shading_model`, `occlusion_kind`, `fog_mode` (names); `scale`, `reference_height`,
-    `bias`, `divider` (numbers); `tiling`, `shift`, and `fade` where `fades` is True (two numbers);
-    `settings` (of the technique), `surface_parameters`, `smoothing`, `shading`, `shadowing`, `fog`
-    (set by a mapping of what differs from the defaults, read as a whole); where `apart` is True
-    `tilings` of single maps, and where there is a `layer` its `layer_tiling` (set by
-    `Tiling`s, read as mappings); `background` (a linear colour); `camera` (an `Orbit`); `lights`
-    (set by lights, read as mappings); `compare` (a second technique, or ""), `show` ("color",
-    "reads", "missed", "depth"). `settings_of` and `all_surface_parameters` hold those of all
-    techniques and surfaces by name. As in the page, another technique brings its own reference
-    height and projection, another shape its own tiling.
+    Parameters
+    ----------
+    what : Scene, Object, Material or path
+        The scene, or what to make it of, as in `basrelief.render`.
+    texels : int
+        Largest side of the page's maps, in texels.
+    height : int
+        Height of the widget in pixels of the screen, 100 to 10000.
+    compare : str
+        A second technique, right of the divider, or "".
+    show : {"color", "reads", "missed", "depth"}
+        The picture to show.
+    device : str or Engine
+        "auto", "cpu" or "gpu", or an engine, for bakes and still pictures.
+    progress : callable, optional
+        Called with the current task and the finished share, 0 to 1.
+    **settings
+        Options of `basrelief.render` that describe the scene.
 
-    Raises InputError for a value that is none of these, and for a scene that the page's programs
-    do not draw.
+    Attributes
+    ----------
+    technique, shape, projection, heights, edge, mapping, alpha, surface : str
+        Choices of the object.
+    shadows, shading_model, occlusion_kind, fog_mode : str
+        Choices of the scene.
+    scale, reference_height, bias, divider : float
+        Numbers of the relief, and the position of the divider, 0 to 1.
+    tiling, shift, fade : (float, float)
+        Tiles, shift in tiles, and distances of the fade, which applies where `fades` is True.
+    settings, surface_parameters, smoothing, shading, shadowing, fog : mapping
+        Records; set by a mapping of values that differ from the defaults, read as a whole.
+    settings_of, all_surface_parameters : mapping
+        Settings of all techniques, and surface parameters of all surfaces, by name.
+    tilings, layer_tiling : mapping
+        Tilings of single maps, which apply where `apart` is True, and of the layer, which is shown
+        where `layer` is True; set by `Tiling`s, read as mappings.
+    background : (float, float, float)
+        A linear colour.
+    camera : Orbit
+        The camera.
+    lights : list
+        Lights; set by lights, read as mappings.
+    compare, show : str
+        As above.
+
+    Raises
+    ------
+    InputError
+        For a value that a setting cannot have, and a scene that the page cannot draw.
     """
 
     _esm = (files("basrelief.viewer") / "web" / "widget.js").read_text("utf-8")
@@ -308,22 +346,22 @@ class Viewer(anywidget.AnyWidget):
         **settings: Any,
     ) -> None:
         scene = scene_of(what, settings)
-        check_shown(scene)
+        check_drawable(scene)
         texels = _whole("texels", texels, 1, None)
         height = _whole("height", height, 100, 10_000)
         obj = scene.objects[0]
         self._material = obj.material
-        self._began = scene
+        self._original = scene
         self._techniques = techniques_of(obj)
-        self._heard: frozenset[str] = frozenset()
+        self._received: frozenset[str] = frozenset()
         state = state_of(scene, obj)
         self._all_settings = state.pop("settings")
         self._all_surface_parameters_sent = state.pop("surface_parameters")
         self._all_tilings = state["tilings"]
         sources = Sources(str(what) if isinstance(what, str | Path) else None)
-        made = page_of(scene, texels, sources, device, progress or (lambda what, share: None))
+        page = page_of(scene, texels, sources, device, progress or (lambda what, share: None))
         super().__init__(
-            _page=made.html.encode(),
+            _page=page.html.encode(),
             height=height,
             compare=compare,
             show=show,
@@ -337,7 +375,7 @@ class Viewer(anywidget.AnyWidget):
         self._follow()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        # what the base class puts in place of its own methods is its affair
+        # the base class may replace its own methods
         method = name == "observe" or callable(vars(Viewer).get(name))
         if not name.startswith("_") and (method or not hasattr(type(self), name)):
             names = sorted(n for n, trait in self.traits().items() if isinstance(trait, _Setting))
@@ -346,22 +384,26 @@ class Viewer(anywidget.AnyWidget):
         super().__setattr__(name, value)
 
     def scene(self) -> Scene:
-        """What is shown, as a scene: `basrelief.render(viewer.scene())` draws it.
+        """The scene that the page shows, for example for `basrelief.render(viewer.scene())`.
 
-        Its material is the one that the viewer was made of, with maps as large as they are; a map
-        that was dropped on the page is not in it.
+        Its material is that of the viewer with its maps at full size, without maps that were
+        dropped on the page.
+
+        Returns
+        -------
+        Scene
         """
-        names = state_of(self._began, self._began.objects[0])
+        names = state_of(self._original, self._original.objects[0])
         state = {name: getattr(self, name) for name in names}
         both = {"settings": self.settings_of, "surface_parameters": self.all_surface_parameters}
-        return shown_scene({**state, **both}, self._began)
+        return scene_from_state({**state, **both}, self._original)
 
     def _settings_checked(self, technique: str, value: Any) -> Any:
-        return plain(record_of(self._techniques[technique].settings, value, technique))
+        return json_value(settings_record(self._techniques[technique].settings, value, technique))
 
     def set_state(self, sync_data: Mapping[str, Any]) -> None:
-        """Take what the page says; what cannot be is told back to it as it is here."""
-        self._heard = frozenset(sync_data)
+        """Apply settings of the page; invalid ones are sent back with their current values."""
+        self._received = frozenset(sync_data)
         refused: dict[str, InputError] = {}
         try:
             for name, value in sync_data.items():
@@ -370,13 +412,13 @@ class Viewer(anywidget.AnyWidget):
                 except InputError as error:
                     refused[name] = error
         finally:
-            self._heard = frozenset()
+            self._received = frozenset()
         if refused:
             self.send_state([*refused])
             raise next(iter(refused.values()))
 
     def _follow(self) -> None:
-        """Let settings follow one another; what the page says itself it has made follow."""
+        """Keep dependent settings consistent; the page has done so for settings that it sends."""
         for name in (
             "technique", "shape", "settings", "settings_of", "surface", "surface_parameters",
             "all_surface_parameters", "tilings",
@@ -384,13 +426,16 @@ class Viewer(anywidget.AnyWidget):
             self.observe(getattr(self, f"_follow_{name}"), name)
 
     def _follow_technique(self, change: Any) -> None:
-        if "technique" not in self._heard:
-            made = self._techniques[self.technique]
-            self.reference_height, self.projection = made.reference_height, made.projection
+        if "technique" not in self._received:
+            technique = self._techniques[self.technique]
+            self.reference_height, self.projection = (
+                technique.reference_height,
+                technique.projection,
+            )
         self.settings = self.settings_of[self.technique]
 
     def _follow_shape(self, change: Any) -> None:
-        if "shape" not in self._heard:
+        if "shape" not in self._received:
             self.tiling = Object(self._material, shape=self.shape, technique="flat").tiles
             self.camera = replace(self.camera, distance=None, target=(0.0, 0.0, 0.0))
 

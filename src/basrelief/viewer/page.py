@@ -1,4 +1,4 @@
-"""A scene of one object → one HTML page with its maps, programs, settings and code."""
+"""The HTML page of a scene of one object, with its maps, programs, settings and code."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from basrelief.baking.levels import halved
 from basrelief.engine import Engine, engine_of
 from basrelief.images import encode_png, srgb_encode
 from basrelief.material import Map, Material
-from basrelief.pages import check_ours, fill, write_page
+from basrelief.pages import check_overwritable, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
@@ -27,24 +27,24 @@ from basrelief.scene import Object, Scene
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
-from basrelief.viewer.printed import printed
-from basrelief.viewer.state import Sources, check_shown, manifest, techniques_of
+from basrelief.viewer.printed import program_library
+from basrelief.viewer.state import Sources, check_drawable, manifest, techniques_of
 
-__all__ = ["View", "write_view"]
+__all__ = ["ViewerPage", "write_view"]
 
 LARGEST = 12 * 1000**2
-"""Bytes of a page at most, its maps scaled until it fits."""
+"""Largest size of a page in bytes; maps are scaled until it fits."""
 GENERATOR = "basrelief view"
 _SMALLEST = 64
-"""Texels a side below which maps are not scaled."""
+"""Side of a map, in texels, below which it is not scaled."""
 _REST = 400_000
-"""Bytes of a page beside maps and pictures, programs the most of them."""
+"""Bytes of a page besides maps and pictures, mostly programs."""
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
-"""The techniques of the still pictures, for browsers that cannot draw."""
+"""Techniques of the still pictures, for browsers without WebGPU."""
 _BAKED_BY_PAGES = (BOUNDS, CONE_MAP)
-"""What pages soon bake themselves; other tables come with them. `web/bakes.js` bakes relaxed cones
-too, but without a GPU that takes it minutes."""
+"""Tables that pages bake; they contain the others. `web/bakes.js` bakes relaxed cones too, but that
+takes minutes without a GPU."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
     "text", "colors", "missed", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs",
@@ -53,8 +53,16 @@ _MODULES = (
 
 
 @dataclass(frozen=True)
-class View:
-    """A page: its `html`, and the size, (width, height), that its maps were scaled to, or None."""
+class ViewerPage:
+    """A page of the viewer.
+
+    Attributes
+    ----------
+    html : str
+        Text of the page.
+    scaled_to : (int, int) or None
+        Width and height of its largest map in texels, if maps were scaled.
+    """
 
     html: str
     scaled_to: tuple[int, int] | None
@@ -68,71 +76,92 @@ def write_view(
     sources: Sources | None = None,
     device: str | Engine = "auto",
     progress: Progress | None = None,
-) -> View:
-    """Write a page that shows the first object of a scene, whole or not at all.
+) -> ViewerPage:
+    """Write an interactive HTML page of a scene of one object, atomically.
 
-    Maps are scaled to at most `texels` a side, and further until the page has at most 12 MB.
-    `sources` say what the lines of Python and the commands that the page makes are to name. Raises
-    InputError for a file that is there and no such page, for one that cannot be written, and for a
-    scene without an object, or with more than one.
+    Parameters
+    ----------
+    scene : Scene
+        A scene of one object.
+    path : path
+        The HTML file.
+    texels : int
+        Largest side of the page's maps, in texels. Maps are scaled further until the page has
+        at most 12 MB.
+    sources : Sources, optional
+        Names of the material and its layer in the Python and the commands that the page copies.
+    device : str or Engine
+        "auto", "cpu" or "gpu", or an engine, for bakes and still pictures.
+    progress : callable, optional
+        Called with the current task and the finished share, 0 to 1.
+
+    Returns
+    -------
+    ViewerPage
+
+    Raises
+    ------
+    InputError
+        For another existing file, a file that cannot be written, and a scene without an object
+        or with several.
     """
     file = Path(path)
-    check_ours(file, GENERATOR, "a page of the viewer")
-    check_shown(scene)
-    made = page_of(
+    check_overwritable(file, GENERATOR, "a page of the viewer")
+    check_drawable(scene)
+    page = page_of(
         scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
     )
-    write_page(file, made.html)
-    return made
+    write_page(file, page.html)
+    return page
 
 
 def page_of(
     scene: Scene, texels: int, sources: Sources, device: str | Engine, progress: Progress
-) -> View:
+) -> ViewerPage:
     """The page of a scene."""
     obj = scene.objects[0]
     progress("printing the programs", 0.0)
-    programs = printed(techniques_of(obj))
+    programs = program_library(techniques_of(obj))
     engine = engine_of(device)
     stills = list(_stills(scene, engine, progress))
-    whole = max((max(one.width, one.height) for one in _all_maps(obj)), default=1)
-    most = min(whole, texels)
+    largest = max((max(map.width, map.height) for map in _all_maps(obj)), default=1)
+    most = min(largest, texels)
     while True:
         progress("packing the maps", 0.9)
-        shown = _shrunk(obj, most)
-        maps = _maps(shown, engine)
+        scaled_obj = _with_scaled_maps(obj, most)
+        maps = _maps(scaled_obj, engine)
         if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
             break
         most = most // 2
-    maps |= _bakes(shown.material, LARGEST - _bytes(maps, stills), engine)
-    scaled = shown_size(shown) if most < whole else None
+    maps |= _bakes(scaled_obj.material, LARGEST - _bytes(maps, stills), engine)
+    scaled = largest_map_size(scaled_obj) if most < largest else None
     data = {
-        "programs": programs.told(),
+        "programs": programs.to_dict(),
         "records": layouts(programs.library.names),
-        **manifest(replace(scene, objects=(shown,)), sources, scaled),
+        **manifest(replace(scene, objects=(scaled_obj,)), sources, scaled),
     }
-    return View(_html(obj.material.name, data, maps, stills), scaled)
+    return ViewerPage(_html(obj.material.name, data, maps, stills), scaled)
 
 
 def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
-    """About how large a page is with these."""
-    texts = [each["content"] for each in maps.values()] + [text for _, text in stills]
+    """Approximate size of a page in bytes."""
+    texts = [map["content"] for map in maps.values()] + [text for _, text in stills]
     return sum(map(len, texts)) + _REST
 
 
-def shown_size(obj: Object) -> tuple[int, int]:
-    """Width and height of an object's largest map."""
-    largest = max(_all_maps(obj), key=lambda one: one.width * one.height)
+def largest_map_size(obj: Object) -> tuple[int, int]:
+    """Width and height of an object's largest map, in texels."""
+    largest = max(_all_maps(obj), key=lambda map: map.width * map.height)
     return largest.width, largest.height
 
 
 def _all_maps(obj: Object) -> Iterator[Map]:
     for material in (obj.material, obj.layer and obj.layer.material):
-        yield from (one for _, one in (material.maps() if material else ()))
+        yield from (map for _, map in (material.maps() if material else ()))
 
 
-def _shrunk(obj: Object, most: int) -> Object:
-    """The object with maps of at most so many texels a side, its layer's too."""
+def _with_scaled_maps(obj: Object, most: int) -> Object:
+    """The object with its maps, and its layer's, scaled to at most `most` texels a side."""
     over = obj.layer
     return replace(
         obj,
@@ -142,59 +171,59 @@ def _shrunk(obj: Object, most: int) -> Object:
 
 
 def _scaled(material: Material, most: int) -> Material:
-    """The material with maps of at most so many texels a side, each halved until it fits."""
+    """The material with maps of at most `most` texels a side, each halved until it fits."""
     changed: dict[str, Map] = {}
-    for name, one in material.maps():
-        pixels = one.linear()
+    for name, map in material.maps():
+        pixels = map.linear()
         while max(pixels.shape[:2]) > most:
             pixels = halved(pixels)
-        if pixels.shape[:2] != (one.height, one.width):
-            changed[name] = _stored_as(one, pixels, name == "height")
+        if pixels.shape[:2] != (map.height, map.width):
+            changed[name] = _stored_as(map, pixels, name == "height")
     return replace(material, **changed) if changed else material  # type: ignore[arg-type]
 
 
-def _stored_as(one: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
-    """A scaled map with as many bits as it had, which packs better; heights keep all of theirs."""
-    if exact or one.pixels.dtype != np.uint8:
-        return Map(np.ascontiguousarray(pixels), False, one.source)
-    codes = srgb_encode(pixels) if one.srgb else pixels
-    return Map(np.rint(codes * 255.0).astype(np.uint8), one.srgb, one.source)
+def _stored_as(original: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
+    """A scaled map with the bits of the original, which packs better; heights stay exact."""
+    if exact or original.pixels.dtype != np.uint8:
+        return Map(np.ascontiguousarray(pixels), False, original.source)
+    codes = srgb_encode(pixels) if original.srgb else pixels
+    return Map(np.rint(codes * 255.0).astype(np.uint8), original.srgb, original.source)
 
 
 def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
-    """The finest level of each map that programs read."""
+    """Mip level 0 of each map that programs read, packed."""
     material = obj.material
-    found: dict[str, Any] = {}
+    packed_maps: dict[str, Any] = {}
     field = textures.height_field(material, "wrap")
     if field is not None:
-        found["field"] = packed(as_fractions(field.levels[0]))
+        packed_maps["field"] = packed(as_fractions(field.levels[0]))
     for name, source, made_of, scale in surface_maps(obj):
-        # a page makes the normals of heights itself
+        # pages derive normals from heights themselves
         own = name != "normal" or material.normal is not None
         map = source.texture(made_of, "wrap", scale, engine) if own else None
         if map is not None:
-            found[name] = packed(map.levels[0])
-    return found
+            packed_maps[name] = packed(map.levels[0])
+    return packed_maps
 
 
 def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
-    """What pages do not bake themselves, where it fits in so many bytes."""
-    found: dict[str, Any] = {}
+    """Tables that pages do not bake, as far as they fit in `room` bytes, packed."""
+    tables: dict[str, Any] = {}
     height = material.height
     for name, bake in BAKES.items():
         if bake in _BAKED_BY_PAGES or height is None or room <= height.width * height.height:
             continue
-        baked = textures.baked(material, "wrap", bake, engine)
+        baked = textures.bake_texture(material, "wrap", bake, engine)
         assert baked is not None
-        made = packed(baked.levels[0])
-        if len(made["content"]) <= room:
-            found[name] = made
-            room -= len(made["content"])
-    return found
+        packed_table = packed(baked.levels[0])
+        if len(packed_table["content"]) <= room:
+            tables[name] = packed_table
+            room -= len(packed_table["content"])
+    return tables
 
 
 def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[str, str]]:
-    """Techniques and their pictures as text, for browsers without WebGPU."""
+    """Techniques with still pictures in base64, for browsers without WebGPU."""
     obj = scene.objects[0]
     names = [n for n in _STILLS if n == "flat" or obj.material.height is not None]
     for number, name in enumerate(names):
@@ -213,9 +242,9 @@ def _html(
     name: str, data: dict[str, Any], maps: dict[str, Any], stills: list[tuple[str, str]]
 ) -> str:
     web = files("basrelief.viewer") / "web"
-    # base64 has no character that escaping would change: it is as large as before
-    contents = {key: each.pop("content") for key, each in maps.items()}
-    told = json.dumps({**data, "maps": maps}, separators=(",", ":"))
+    # base64 has no characters that are escaped
+    contents = {key: map.pop("content") for key, map in maps.items()}
+    text = json.dumps({**data, "maps": maps}, separators=(",", ":"))
     return fill(
         "viewer/templates/page.html.jinja",
         generator=GENERATOR,
@@ -223,12 +252,12 @@ def _html(
         version=__version__,
         modules={f"view/{module}.js": _module(web, module) for module in _MODULES},
         stills=stills,
-        data=base64.b64encode(zlib.compress(told.encode(), 9)).decode(),
+        data=base64.b64encode(zlib.compress(text.encode(), 9)).decode(),
         maps=contents,
     )
 
 
 def _module(web: Any, name: str) -> str:
-    """A module's source as an address that holds it whole."""
+    """A module's source as a data: address."""
     source = (web / f"{name}.js").read_bytes()
     return f"data:text/javascript;base64,{base64.b64encode(source).decode()}"

@@ -1,6 +1,6 @@
-"""The programs as a page holds them: each shader once, with its static conditions left open.
+"""Library of programs for a page: each shader once, with its static conditions undecided.
 
-A page links what it draws from these pieces (`web/link.js`).
+A page links its programs from these pieces (`web/link.js`).
 """
 
 from __future__ import annotations
@@ -25,62 +25,62 @@ from basrelief.viewer.bakes import PROGRAMS
 MENUS: dict[str, tuple[str, ...]] = {
     name: values
     for name, values in (menus_of(Object) | menus_of(Variant)).items()
-    # shadows on one another are those of several objects, of which a page has one
+    # shadows between objects need several objects; a page has one
     if name not in ("casts", "shadows_on")
 }
-"""What a page chooses by name, as `Object` and `Scene` have it."""
+"""Values of the menus of a page, by the fields of `Object` and `Scene`."""
 AnyShader = Shader[..., Any]
 ENTRIES: tuple[AnyShader, ...] = (pixel, missed_hit, *PROGRAMS)
 Techniques = Mapping[str, Technique[..., Any]]
 
 
 @dataclass(frozen=True)
-class Printed:
-    """The library of all programs, and what its slots are bound to: `bound[menu][name]`."""
+class ProgramLibrary:
+    """The library of all programs, and the bindings of its slots: `bound[menu][name]`."""
 
     library: Library
     bound: dict[str, dict[str, dict[str, str]]]
 
-    def told(self) -> dict[str, Any]:
-        """Both as JSON has them."""
-        made = self.library
+    def to_dict(self) -> dict[str, Any]:
+        """The library and the bindings for JSON."""
+        library = self.library
         return {
-            "pieces": made.pieces,
-            "slots": made.slots,
-            "entries": made.entries,
-            "conditions": made.conditions,
+            "pieces": library.pieces,
+            "slots": library.slots,
+            "entries": library.entries,
+            "conditions": library.conditions,
             "bindings": {
                 name: [
                     {
-                        "kind": each.kind,
-                        # a page has its maps by their own names
-                        "name": each.name.removeprefix("maps_"),
-                        "type": _type_name(each.type, made.names),
+                        "kind": binding.kind,
+                        # pages name maps without the prefix of their group
+                        "name": binding.name.removeprefix("maps_"),
+                        "type": _type_name(binding.type, library.names),
                     }
-                    for each in found
+                    for binding in bindings
                 ]
-                for name, found in made.bindings.items()
+                for name, bindings in library.bindings.items()
             },
             "bound": self.bound,
             "maps": [*members_of(SurfaceMaps)],
         }
 
 
-def printed(techniques: Techniques = TECHNIQUES) -> Printed:
-    """Every program that a page can choose, with these techniques by name.
+def program_library(techniques: Techniques = TECHNIQUES) -> ProgramLibrary:
+    """Print all programs that a page can choose, with techniques by name.
 
     Raises ShaderError for a technique that is outside the subset.
     """
-    chosen: dict[str, tuple[AnyShader, Mapping[str, AnyShader]]] = {
+    menus: dict[str, tuple[AnyShader, Mapping[str, AnyShader]]] = {
         "technique": (displace, techniques),
         "surface": (surface_at, SURFACES),
     }
-    library = library_of(ENTRIES, {slot: options.values() for slot, options in chosen.values()})
+    library = library_of(ENTRIES, {slot: options.values() for slot, options in menus.values()})
     bound = {
-        menu: {name: library.bound_names({slot: made}) for name, made in options.items()}
-        for menu, (slot, options) in chosen.items()
+        menu: {name: library.bound_names({slot: shader}) for name, shader in options.items()}
+        for menu, (slot, options) in menus.items()
     }
-    return Printed(library, bound)
+    return ProgramLibrary(library, bound)
 
 
 def _type_name(t: Any, names: Mapping[Any, str]) -> str:

@@ -1,4 +1,4 @@
-"""What a page shows, as a scene: the other way of `viewer.state`."""
+"""Scenes from the states of a page: the inverse of `viewer.state`."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
-from basrelief.scene.checks import one_of, within
-from basrelief.scene.lights import LIGHTS, MAKERS, numbers_of
+from basrelief.scene.checks import check_choice, check_range
+from basrelief.scene.lights import LIGHT_CONSTRUCTORS, LIGHTS, light_parameters
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.state import plain_camera, plain_light, techniques_of
+from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
 
 _SHARED = (
     *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading",
     "shadowing", "fog",
 )  # fmt: skip
-"""The settings that an object or a scene has by the same names."""
+"""Keys of a state that are fields of `Object` or `Scene`."""
 
 
-def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
-    """The scene that a page of `scene` shows in a state, with the material of `scene`.
+def scene_from_state(state: Mapping[str, Any], scene: Scene) -> Scene:
+    """The scene of a page's state, with the material of `scene`, which the page was made of.
 
     Raises InputError for values out of range.
     """
     obj = scene.objects[0]
     technique = techniques_of(obj)[state["technique"]]
-    over = obj.layer and replace(obj.layer, tiling=tiling_of(state["layer_tiling"]))
-    own = {name: tiling_of(each) for name, each in state["tilings"].items()}
+    layer = obj.layer and replace(obj.layer, tiling=tiling_of(state["layer_tiling"]))
+    own = {name: tiling_of(tiling) for name, tiling in state["tilings"].items()}
     of_object, of_scene = (
         {name: state[name] for name in _SHARED if hasattr(owner, name)} for owner in (obj, scene)
     )
     if state["heights"] not in technique.takes_heights:
         of_object["heights"] = "sharp"
-    shown = replace(
+    drawn = replace(
         obj,
         **of_object,
         technique=technique,
@@ -43,87 +43,88 @@ def shown_scene(state: Mapping[str, Any], scene: Scene) -> Scene:
         surface_parameters=state["surface_parameters"][state["surface"]],
         fade=tuple(state["fade"]) if state["fades"] else None,
         tilings=own if state["apart"] else {},
-        layer=over if state["layer"] else None,
-        # a transform is that of the shape that it was made for
+        layer=layer if state["layer"] else None,
+        # the scene's transform belongs to the shape of its object
         transform=obj.transform if state["shape"] == obj.shape else None,
     )
-    # black is what a page shows where there is nothing behind
-    behind = tuple(state["background"])
-    none = scene.background is None and not any(behind)
+    # a page shows no background as black
+    background = tuple(state["background"])
+    none = scene.background is None and not any(background)
     return replace(
         scene,
-        objects=(shown,),
+        objects=(drawn,),
         camera=camera_of(state["camera"]),
-        lights=tuple(light_of(each) for each in state["lights"]),
-        background=None if none else behind,
+        lights=tuple(light_of(light) for light in state["lights"]),
+        background=None if none else background,
         **of_scene,
     )
 
 
-def tiling_of(said: Any) -> Tiling:
-    """A tiling from a page's, or itself. Raises InputError for what makes none."""
+def tiling_of(value: Any) -> Tiling:
+    """A tiling from a `Tiling` or a page's mapping. Raises InputError for other values."""
     try:
-        pairs = (said.tiles, said.shift) if isinstance(said, Tiling) else _pairs(**said)
+        pairs = (value.tiles, value.shift) if isinstance(value, Tiling) else _pairs(**value)
         (u, v), (right, down) = pairs
-        made = Tiling((float(u), float(v)), (float(right), float(down)))
+        tiling = Tiling((float(u), float(v)), (float(right), float(down)))
     except (TypeError, ValueError):
-        raise InputError(f"a tiling is {said!r}: give a Tiling((2, 2))") from None
-    return made.checked("tiling")
+        raise InputError(f"a tiling is {value!r}: give a Tiling((2, 2))") from None
+    return tiling.checked("tiling")
 
 
 def _pairs(tiles: Any = (1.0, 1.0), shift: Any = (0.0, 0.0)) -> tuple[Any, Any]:
     return tiles, shift
 
 
-def camera_of(said: Any) -> Orbit:
-    """A page's camera from a camera, or from an orbit's numbers by name.
+def camera_of(value: Any) -> Orbit:
+    """An orbit from a camera, or from a mapping of an orbit's fields.
 
-    Raises InputError for what makes none.
+    Raises InputError for other values.
     """
-    if not isinstance(said, Orbit | LookAt):
+    if not isinstance(value, Orbit | LookAt):
         known = Orbit.__dataclass_fields__
-        if not isinstance(said, Mapping) or not all(name in known for name in said):
-            raise InputError(f"camera is {said!r}: give an Orbit or a LookAt")
-        said = Orbit(**said)
+        if not isinstance(value, Mapping) or not all(name in known for name in value):
+            raise InputError(f"camera is {value!r}: give an Orbit or a LookAt")
+        value = Orbit(**value)
     try:
-        said.camera((16, 9))
-        plain = plain_camera(said)
+        value.camera((16, 9))
+        numbers = camera_to_dict(value)
     except (TypeError, ValueError):
-        raise InputError(f"camera is {said!r}: give it finite numbers") from None
-    return Orbit(**{**plain, "target": tuple(plain["target"])})
+        raise InputError(f"camera is {value!r}: give it finite numbers") from None
+    return Orbit(**{**numbers, "target": tuple(numbers["target"])})
 
 
-def light_of(said: Mapping[str, Any]) -> Light:
-    """A light from a page's. Raises InputError for numbers that make none."""
-    within("intensity", float(said["intensity"]), 0.0, None)
-    one_of("the kind of a light", said["kind"], tuple(LIGHTS))
-    names, numbers = numbers_of(said["kind"]), {**said}
+def light_of(value: Mapping[str, Any]) -> Light:
+    """A light from a page's mapping. Raises InputError for invalid numbers."""
+    check_range("intensity", float(value["intensity"]), 0.0, None)
+    check_choice("the kind of a light", value["kind"], tuple(LIGHTS))
+    names, numbers = light_parameters(value["kind"]), {**value}
     if "target" in names:
-        # the way is that of a light from far away at these angles
-        way = directional(said["azimuth"], said["elevation"]).direction
-        numbers["target"] = [p + float(d) for p, d in zip(said["position"], way, strict=True)]
-    return LIGHTS[said["kind"]](**{name: numbers[name] for name in names})
+        # the direction is that of a directional light at these angles
+        direction = directional(value["azimuth"], value["elevation"]).direction
+        numbers["target"] = [
+            p + float(d) for p, d in zip(value["position"], direction, strict=True)
+        ]
+    return LIGHTS[value["kind"]](**{name: numbers[name] for name in names})
 
 
-def said_light(given: Any) -> dict[str, Any]:
-    """A page's light from a light, or from a mapping of what a page's light has.
+def as_light_dict(value: Any) -> dict[str, Any]:
+    """A page's light from a `Light`, or from a mapping of some of its numbers.
 
-    What a mapping leaves out is as the kind's own function has it. Raises InputError for what
-    makes no light.
+    Missing numbers are those of the kind's function. Raises InputError for other values.
     """
-    if isinstance(given, Light):
-        return plain_light(given)
-    if not isinstance(given, Mapping):
-        raise InputError(f"a light is {given!r}: give one made by {MAKERS}")
-    kind = given.get("kind", "directional")
-    one_of("the kind of a light", kind, tuple(LIGHTS))
-    place = {"position": (0.0, 1.0, 0.0)} if "position" in numbers_of(kind) else {}
-    usual = plain_light(LIGHTS[kind](**place))
-    for name in given:
-        one_of("a light's number", name, tuple(usual))
-    made = {**usual, **given}
+    if isinstance(value, Light):
+        return light_to_dict(value)
+    if not isinstance(value, Mapping):
+        raise InputError(f"a light is {value!r}: give one made by {LIGHT_CONSTRUCTORS}")
+    kind = value.get("kind", "directional")
+    check_choice("the kind of a light", kind, tuple(LIGHTS))
+    place = {"position": (0.0, 1.0, 0.0)} if "position" in light_parameters(kind) else {}
+    defaults = light_to_dict(LIGHTS[kind](**place))
+    for name in value:
+        check_choice("a light's number", name, tuple(defaults))
+    light = {**defaults, **value}
     try:
-        light_of(made)
+        light_of(light)
     except (TypeError, ValueError, ZeroDivisionError):
-        raise InputError(f"a light is {given!r}: give it finite numbers") from None
-    return made
+        raise InputError(f"a light is {value!r}: give it finite numbers") from None
+    return light

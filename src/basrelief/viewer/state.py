@@ -1,4 +1,4 @@
-"""What a page starts with: the scene's numbers, every technique's settings, shapes, presets."""
+"""Initial data of a page: the scene's state, settings of techniques, shapes, presets."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from basrelief.errors import BasreliefError, InputError
 from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
-from basrelief.rendering.render import sample_places
+from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
 from basrelief.scene.checks import FAR, NEAR
-from basrelief.scene.lights import LIGHTS, light_kind, numbers_of
+from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.scene import BACKGROUND
-from basrelief.scene.views import FILLED
+from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.kinds import ShapeKind
@@ -32,14 +32,14 @@ from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
-from basrelief.viewer.layouts import plain, settings_of
+from basrelief.viewer.layouts import json_value, settings_of
 from basrelief.viewer.names import names
 from basrelief.viewer.printed import MENUS
 
 SAMPLES = 16
-"""Places in a pixel that a picture at rest is averaged over."""
+"""Samples per pixel of a picture at rest."""
 SHOWS = ("color", "reads", "missed", "depth")
-"""What a page can draw."""
+"""Pictures that a page can show."""
 LIMITS: dict[str, Any] = {
     "numbers": {
         "scale": (0.0, 10.0),
@@ -68,14 +68,22 @@ LIMITS: dict[str, Any] = {
     "least": NEAR,
     "most": FAR,
 }
-"""Where the numbers end that are no settings of a record, as `Object` and `Scene` check them."""
+"""Ranges of numbers that are no settings of a record, as `Object` and `Scene` check them."""
 
 
 @dataclass(frozen=True)
 class Sources:
-    """What lines of Python and commands call the material and its layer, and how it is read.
+    """Names of the material and its layer in the Python and the commands that a page copies.
 
-    What is not said is the name of a sample, or else a word to be replaced.
+    Attributes
+    ----------
+    material : str or None
+        The material as `basrelief.load` takes it; None for the name of a procedural sample, or
+        else a placeholder.
+    reading : mapping
+        Options of `basrelief.load`.
+    layer : str or None
+        The layer's material, as above.
     """
 
     material: str | None = None
@@ -83,33 +91,33 @@ class Sources:
     layer: str | None = None
 
 
-def _named(material: Material | None, otherwise: str) -> str:
-    """What a command line would call a material: a sample by its name."""
+def _source_name(material: Material | None, otherwise: str) -> str:
+    """A material's name on a command line: sample:NAME of a procedural sample, else `otherwise`."""
     if material is None:
         return otherwise
-    sources = [one.source for _, one in material.maps()]
-    whole = all(each.startswith(f"sample {material.name},") for each in sources)
-    return f"sample:{material.name}" if whole and sources else otherwise
+    sources = [map.source for _, map in material.maps()]
+    is_sample = all(source.startswith(f"sample {material.name},") for source in sources)
+    return f"sample:{material.name}" if is_sample and sources else otherwise
 
 
 def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
-    """What the page knows beside programs and maps."""
+    """The data of a page without programs and maps."""
     obj = scene.objects[0]
     material = obj.material
-    over = None if obj.layer is None else obj.layer.material
+    layer = None if obj.layer is None else obj.layer.material
     techniques = techniques_of(obj)
     return {
         "name": material.name,
         "version": __version__,
-        "source": sources.material or _named(material, "FOLDER"),
+        "source": sources.material or _source_name(material, "FOLDER"),
         "reading": dict(sources.reading),
-        "layerSource": sources.layer or _named(over, "LAYER"),
+        "layerSource": sources.layer or _source_name(layer, "LAYER"),
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
-        "mapSources": {kind: one.source for kind, one in material.maps()},
+        "mapSources": {kind: map.source for kind, map in material.maps()},
         "bakes": bake_numbers(),
         "menus": {"technique": tuple(techniques), **MENUS},
-        "techniques": {name: _technique(made) for name, made in techniques.items()},
+        "techniques": {name: _technique(technique) for name, technique in techniques.items()},
         "shapes": {shape: _shape(obj, shape) for shape in SHAPES},
         "settings": {
             "surface_parameters": {name: settings_of(record) for name, record in SURFACES.items()},
@@ -119,8 +127,8 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
             "fog": settings_of(Fog),
         },
         "constants": _constants(obj),
-        "filled": FILLED,
-        "samples": sample_places(SAMPLES),
+        "filled": FRAME_FILL,
+        "samples": sample_positions(SAMPLES),
         "state": state_of(scene, obj, techniques),
         "defaults": _defaults_of(material),
         "colors": {
@@ -130,7 +138,7 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, obj, techniques),
         "shows": SHOWS,
-        "lightKinds": {kind: numbers_of(kind) for kind in LIGHTS},
+        "lightKinds": {kind: light_parameters(kind) for kind in LIGHTS},
         "limits": LIMITS,
         "names": names(),
         "slots": _slots(),
@@ -138,21 +146,20 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
 
 
 def _slots() -> dict[str, Any]:
-    """What a picture can be used as: which texture holds it, in which channels, and whether as
-    light."""
-    found: dict[str, Any] = {}
-    for name, source in textures.OF_MATERIAL.items():
+    """Slots for dropped pictures: the texture, its channels, and whether it is decoded to light."""
+    slots: dict[str, Any] = {}
+    for name, source in textures.MATERIAL_TEXTURES.items():
         for slot, channels in source.channels.items():
             light = source.light and len(channels) == 3
-            found[slot] = {"held": name, "channels": channels, "light": light}
-        found["height"] = {"held": "field", "channels": (0,), "light": False}
-    del found["layer_mask"]  # a page's layer is that of its scene
-    return found
+            slots[slot] = {"texture": name, "channels": channels, "light": light}
+        slots["height"] = {"texture": "field", "channels": (0,), "light": False}
+    del slots["layer_mask"]  # pages have no slots for layers
+    return slots
 
 
 def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
-    """The library's techniques by name, and the one that an object brings of its own."""
-    own = obj.drawn_with
+    """The library's techniques by name, and that of an object, if it is a user's."""
+    own = obj.selected_technique
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
     name = own.name
@@ -161,69 +168,69 @@ def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
     return {**TECHNIQUES, name: own}
 
 
-def _technique(made: Technique[..., Any]) -> dict[str, Any]:
-    doc = inspect.cleandoc(made.__doc__ or "").split("\n\n")
+def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
+    doc = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
     return {
         "doc": " ".join(doc[0].split()),
-        "called": _called(made),
-        "reference_height": made.reference_height,
-        "projection": made.projection,
-        "mostReads": made.most_reads,
-        "bake": made.bake and made.bake.name,
-        "columns": made.columns,
-        "heights": made.takes_heights,
-        "settings": settings_of(made.settings),
+        "commandName": _command_name(technique),
+        "reference_height": technique.reference_height,
+        "projection": technique.projection,
+        "mostReads": technique.most_reads,
+        "bake": technique.bake and technique.bake.name,
+        "columns": technique.columns,
+        "heights": technique.takes_heights,
+        "settings": settings_of(technique.settings),
     }
 
 
-def _called(made: Technique[..., Any]) -> str:
-    """What a command line calls a technique: its name, or its file and name."""
-    if made in TECHNIQUES.values():
-        return made.name
-    file = Path(made.function.__code__.co_filename)
+def _command_name(technique: Technique[..., Any]) -> str:
+    """A technique on a command line: its name, or FILE.py:NAME."""
+    if technique in TECHNIQUES.values():
+        return technique.name
+    file = Path(technique.function.__code__.co_filename)
     home = Path.cwd()
-    return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{made.name}"
+    return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{technique.name}"
 
 
 def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
-    """Where a shape stands, how many tiles it has, and how far it reaches."""
-    # a scene's own transform is that of its own shape
+    """Placement, tiling and extent of a shape."""
+    # the scene's transform belongs to the shape of its object
     placed = obj.transform if shape == obj.shape else None
     stands = Object(obj.material, shape=shape, technique="flat", transform=placed)
-    placement = plain(stands.placement())
+    placement = json_value(stands.placement())
     facts = SHAPES[shape]
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
         "tiling": list(map(float, stands.tiles)),
         "flat": facts.flat,
-        "radius": round(float(np.linalg.norm(facts.outline, axis=1).max()), 2),
-        "outline": [[round(float(x), 9) for x in point] for point in stands.outline()],
+        "radius": round(float(np.linalg.norm(facts.bounding_points, axis=1).max()), 2),
+        "outline": [[round(float(x), 9) for x in point] for point in stands.bounding_points()],
         "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
     }
 
 
 def _constants(obj: Object) -> dict[str, Any]:
-    """What the page's controls leave as it is."""
-    over = obj.layer and obj.layer.material
+    """Numbers that no control of the page changes."""
+    layer = obj.layer and obj.layer.material
     return {
         "proportion": obj.material.proportion,
-        "layer": over is not None,
-        "layerProportion": over.proportion if over else 1.0,
-        "glow": textures.glow(obj.material),
+        "layer": layer is not None,
+        "layerProportion": layer.proportion if layer else 1.0,
+        "glow": textures.emission_scale(obj.material),
     }
 
 
 def state_of(
     scene: Scene, obj: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
 ) -> dict[str, Any]:
-    """Everything that a person can change, as it is in a scene."""
+    """The state of a page that shows a scene: all that its controls can change."""
     techniques = techniques or techniques_of(obj)
-    name = next(name for name, each in techniques.items() if each is obj.drawn_with)
+    name = next(key for key, technique in techniques.items() if technique is obj.selected_technique)
     main = obj.main_tiling
-    made = {
+    state = {
         "technique": name,
-        **{each: getattr(obj if hasattr(obj, each) else scene, each) for each in MENUS},
+        **{menu: getattr(obj if hasattr(obj, menu) else scene, menu) for menu in MENUS},
         "projection": obj.relief_projection,
         "scale": obj.relief_scale,
         "reference_height": obj.relief_reference_height,
@@ -233,50 +240,50 @@ def state_of(
         "tiling": list(map(float, obj.tiles)),
         "shift": list(map(float, obj.shift)),
         "apart": bool(obj.tilings),
-        "tilings": {each: plain_tiling(obj.tilings.get(each, main)) for each in OWN_TILINGS},
+        "tilings": {map: tiling_to_dict(obj.tilings.get(map, main)) for map in OWN_TILINGS},
         "layer": obj.layer is not None,
-        "layer_tiling": plain_tiling(obj.layer.tiling if obj.layer else Tiling((10.0, 10.0))),
-        "settings": {name: _defaults(each) for name, each in techniques.items()},
-        "surface_parameters": {name: plain(record()) for name, record in SURFACES.items()},
-        "smoothing": plain(obj.smoothing),
-        "shading": plain(scene.shading),
-        "shadowing": plain(scene.shadowing),
-        "fog": plain(scene.fog),
+        "layer_tiling": tiling_to_dict(obj.layer.tiling if obj.layer else Tiling((10.0, 10.0))),
+        "settings": {key: _defaults(technique) for key, technique in techniques.items()},
+        "surface_parameters": {name: json_value(record()) for name, record in SURFACES.items()},
+        "smoothing": json_value(obj.smoothing),
+        "shading": json_value(scene.shading),
+        "shadowing": json_value(scene.shadowing),
+        "fog": json_value(scene.fog),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
-        "lights": [plain_light(each) for each in scene.lights],
-        "camera": plain_camera(scene.camera),
+        "lights": [light_to_dict(light) for light in scene.lights],
+        "camera": camera_to_dict(scene.camera),
     }
-    made["settings"][name] = plain(obj.settings)
-    made["surface_parameters"][obj.surface] = plain(obj.surface_parameters)
-    return made
+    state["settings"][name] = json_value(obj.settings)
+    state["surface_parameters"][obj.surface] = json_value(obj.surface_parameters)
+    return state
 
 
-def plain_tiling(tiling: Tiling) -> dict[str, Any]:
-    """A tiling as a page has it."""
+def tiling_to_dict(tiling: Tiling) -> dict[str, Any]:
+    """A tiling as a mapping for a page."""
     return {"tiles": list(map(float, tiling.tiles)), "shift": list(map(float, tiling.shift))}
 
 
 def _defaults_of(material: Material) -> dict[str, Any]:
-    """What the library takes where nothing is said."""
+    """The library's defaults, which copied Python and commands omit."""
     scene = Scene((Object(material, technique="flat"),), background=BACKGROUND)
     state = state_of(scene, scene.objects[0])
-    plainly = (*MENUS, "scale", "bias")
+    options = (*MENUS, "scale", "bias")
     return {
-        "plain": {name: state[name] for name in plainly},
+        "options": {name: state[name] for name in options},
         "background": state["background"],
         "lights": state["lights"],
         "camera": state["camera"],
     }
 
 
-def _defaults(made: Any) -> dict[str, Any]:
-    return {each["name"]: each["default"] for each in settings_of(made.settings)}
+def _defaults(technique: Any) -> dict[str, Any]:
+    return {setting["name"]: setting["default"] for setting in settings_of(technique.settings)}
 
 
-def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
-    """The camera as an orbit; one that stands somewhere is taken for the orbit it lies on."""
+def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
+    """A camera as a mapping of an orbit; a `LookAt` becomes the orbit through its position."""
     if isinstance(camera, LookAt):
-        camera.camera((1, 1))  # one that stands where it looks is told
+        camera.camera((1, 1))  # raises InputError where position and target coincide
         away = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
         distance = math.hypot(*away)
         camera = Orbit(
@@ -297,22 +304,22 @@ def plain_camera(camera: Orbit | LookAt) -> dict[str, Any]:
     }
 
 
-def plain_light(light: Light) -> dict[str, Any]:
-    """A light with its strength apart from its colour, its direction and its cone as angles."""
-    said = plain(light)
-    intensity = max(*said["color"], 1e-9)
-    x, y, z = (-float(each) for each in light.direction)
-    # a light without a cone has the one that it would get as a spot
-    cone = light if "angle" in numbers_of(light) else spot((0.0, 1.0, 0.0))
+def light_to_dict(light: Light) -> dict[str, Any]:
+    """A light as a mapping: intensity separate from colour, direction and cone as angles."""
+    numbers = json_value(light)
+    intensity = max(*numbers["color"], 1e-9)
+    x, y, z = (-float(component) for component in light.direction)
+    # a light without a cone has the default cone of a spot
+    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
         "kind": light_kind(light),
-        "position": said["position"],
+        "position": numbers["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
-        "color": [round(each / intensity, 6) for each in said["color"]],
+        "color": [round(component / intensity, 6) for component in numbers["color"]],
         "intensity": intensity,
-        "falloff": said["falloff"],
+        "falloff": numbers["falloff"],
         "angle": round(math.degrees(2.0 * outer), 4),
         "softness": round(1.0 - inner / outer if outer > 0.0 else 0.0, 4),
     }
@@ -321,34 +328,32 @@ def plain_light(light: Light) -> dict[str, Any]:
 def _presets(
     material: Material, shown: Object, techniques: Mapping[str, Technique[..., Any]]
 ) -> dict[str, Any]:
-    """The presets as states; those that a page's programs cannot draw say why not."""
-    found: dict[str, Any] = {}
+    """Presets as states, or the reasons why a page cannot draw them."""
+    presets: dict[str, Any] = {}
     for name in PRESETS:
         chosen = preset(name)
         about = " ".join(chosen.about.split())
         try:
             scene = chosen.scene(material)
         except BasreliefError as error:
-            found[name] = {"about": about, "why": str(error)}
+            presets[name] = {"about": about, "why": str(error)}
             continue
         obj = scene.objects[0]
         if _layer_of(obj) not in (None, _layer_of(shown)):
-            why = f"it lays {_layer_of(obj)} over; make a page with --preset {name}"
-            found[name] = {"about": about, "why": why}
+            why = f"it has a layer of {_layer_of(obj)}; make a page with --preset {name}"
+            presets[name] = {"about": about, "why": why}
             continue
-        found[name] = {"about": about, "state": state_of(scene, obj, techniques)}
-    return found
+        presets[name] = {"about": about, "state": state_of(scene, obj, techniques)}
+    return presets
 
 
 def _layer_of(obj: Object) -> str | None:
     return None if obj.layer is None else obj.layer.material.name
 
 
-def check_shown(scene: Scene) -> None:
+def check_drawable(scene: Scene) -> None:
     """Raise InputError for a scene that a page's programs cannot draw."""
     if not scene.objects:
-        raise InputError("there is nothing in the scene to show")
+        raise InputError("the scene has no object to show")
     if len(scene.objects) > 1:
-        raise InputError(
-            "the scene has further objects, which the page does not draw; leave them away"
-        )
+        raise InputError("the scene has further objects, which the page does not draw; remove them")

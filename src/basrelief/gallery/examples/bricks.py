@@ -12,7 +12,7 @@ CAMERA = LookAt(position=(0.85, 0.1, 0.75), target=(0.0, 0.0, 0.0), field_of_vie
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A wall, seen along it."""
+    """A wall at a grazing angle, with and without parallax mapping."""
     for caption, technique in (("with parallax", "parallax_occlusion"), ("without", "flat")):
         wall = Object(
             sample("bricks", texels),
@@ -31,8 +31,7 @@ PAGE = Page(
     source="habrador",
     rows={"L8": "the same wall twice, side by side"},
     look="With parallax the bricks stand out from the mortar and cover it on their far side.",
-    article="With a normal map alone bricks are still kind of flat; parallax mapping makes them "
-    "more real.",
+    article="With a normal map alone bricks look flat; parallax mapping makes them look real.",
     ours="The same.",
     panels=panels,
 )

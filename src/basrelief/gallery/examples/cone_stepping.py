@@ -1,4 +1,4 @@
-"""Cone stepping with few steps and many, relaxed cones, and the exact walk."""
+"""Cone stepping with few and many steps, relaxed cones, and the exact technique."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CAMERA = Orbit(
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Conservative cones three times, then relaxed ones with a search, then the truth."""
+    """Conservative cones three times, then relaxed cones with a search, then `exact`."""
     choices: tuple[tuple[str, str, dict[str, float]], ...] = (
         ("cone, 5 steps", "cone", {"steps": 5}),
         ("cone, 10 steps", "cone", {"steps": 10}),
@@ -30,19 +30,19 @@ def panels(texels: int) -> Iterator[Panel]:
 
 PAGE = Page(
     name="cone-stepping",
-    title="Stepping by cones",
+    title="Cone stepping",
     source="beyond",
     rows={
-        "B2": "cones that nothing rises into, and relaxed ones with a search",
+        "B2": "empty cones, and relaxed cones with a search",
     },
-    look="With five steps rays stop short in the air and smear the stones; with more they reach "
-    "them, from the tops down to the feet.",
-    article="J. Dummer, 2006: leap to where the ray leaves the cone below it, and never pass "
-    "through anything. F. Policarpo and M. M. Oliveira, 2007: wider cones, which a ray may enter, "
-    "and then a binary search.",
-    ours="The same, and no ray here passes through a stone: what errs is short. After twenty steps "
-    "that is one pixel in seven, around the feet of the stones, where cones are narrow; at so "
-    "flat an angle fifteen leaps by relaxed cones and six halvings leave a quarter. exact "
+    look="With five steps rays stop short of the surface and smear the stones; with more they "
+    "reach it, first at the tops and then at the feet of the stones.",
+    article="J. Dummer, 2006: step to the point where the ray leaves the cone below it, and never "
+    "pass through a feature. F. Policarpo and M. M. Oliveira, 2007: wider cones, through which a "
+    "ray may enter the surface once, then a binary search.",
+    ours="The same, and no ray passes through a stone: all errors are short. After twenty steps "
+    "one pixel in seven has one, around the feet of the stones, where cones are narrow. At this "
+    "grazing angle fifteen steps by relaxed cones and six halvings leave one in four. exact "
     "needs fewer reads than either.",
     panels=panels,
 )

@@ -24,7 +24,7 @@ def panels(texels: int) -> Iterator[Panel]:
             Scene(
                 (obj,),
                 camera=CAMERA,
-                # the article's light has no colour of its own, and does not fall off
+                # the article's light is white and has no falloff
                 lights=(point((0.8, 1.5, 2.0), intensity=2.2, falloff=0.0),),
                 shading_model="phong",
                 shading={"ambient": 0.1, "diffuse": 0.5, "specular": 0.0},
@@ -37,17 +37,17 @@ PAGE = Page(
     title="The cube",
     source="gamedev",
     rows={
-        "G11": "twelve triangles' worth of box, the whole texture on each face",
+        "G11": "a box, the equivalent of twelve triangles, with the whole texture on each face",
         "G1": "normals in RGB and heights in A: 1 on the polygon, 0 the deepest",
-        "G2": "eye, light and normal meet in one frame, face by face",
-        "G5": "what a pixel covers of the texture comes from the undisplaced coordinates",
+        "G2": "view, light and normal in the tangent frame of each face",
+        "G5": "the footprint of a pixel comes from the undisplaced coordinates",
         "G9": "ambient 0.1 and diffuse 0.5 on the colour map",
         "G12": "timed at the article's size, with its 4 to 20 samples",
     },
     look="With parallax occlusion bricks hide the joints behind them; the cube's outline stays.",
     article="A cube of twelve triangles with normal mapping, and then with parallax occlusion.",
-    ours="The same. The light is 2.2 times as bright as the article's factor 0.5 asks for, so "
-    "that the picture is not dark on a page.",
+    ours="The same. The light is 2.2 times as bright as the article's factor of 0.5, so that the "
+    "picture is not too dark.",
     panels=panels,
     headline=Headline(
         (640, 480), "over 60 frames a second, 4 to 20 samples, on a laptop with a GeForce 8600M GT"

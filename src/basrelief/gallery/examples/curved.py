@@ -1,4 +1,4 @@
-"""Parallax on curved surfaces, where the tangent plane is only nearly the surface."""
+"""Parallax on curved surfaces, which the tangent plane approximates."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ CAMERA = Orbit(azimuth=30.0, elevation=15.0, field_of_view=30.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Growing strength on a sphere and on a cylinder; last a march."""
-    shown: tuple[tuple[ShapeKind, str, float], ...] = (
+    """Increasing strength on a sphere and a cylinder, and a march."""
+    choices: tuple[tuple[ShapeKind, str, float], ...] = (
         ("sphere", "offset", 0.03),
         ("sphere", "offset", 0.15),
         ("sphere", "relief", 0.15),
@@ -21,7 +21,7 @@ def panels(texels: int) -> Iterator[Panel]:
         ("cylinder", "offset", 0.15),
         ("cylinder", "relief", 0.15),
     )
-    for shape, technique, strength in shown:
+    for shape, technique, strength in choices:
         obj = Object(
             sample("tiles" if shape == "cylinder" else "cobbles", texels),
             shape=shape,
@@ -38,12 +38,12 @@ PAGE = Page(
     source="catlike",
     rows={
         "C19": "a sphere and a cylinder, weak and strong",
-        "C4": "tangent frames that turn from pixel to pixel",
+        "C4": "tangent frames that vary from pixel to pixel",
     },
-    look="Small strengths hold up; with greater ones the map slides and folds near the outline.",
+    look="Small strengths look right; with larger ones the map slides and folds near the outline.",
     article="Curved surfaces have curved tangent spaces, so the result is physically wrong, which "
-    "passes unseen while strength and curvature are small.",
-    ours="The same, and the march shows it too: its ray falls in the tangent plane of the point "
-    "it meets, so near the outline the stones are drawn out, while the outline stays round.",
+    "is not visible while strength and curvature are small.",
+    ours="The same, also for the march: its ray uses the tangent plane of the point on the "
+    "polygon, so the stones are stretched near the outline, which stays round.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Detail maps: the offset is to be scaled by their tiling, or they float above the surface."""
+"""Detail maps: unless the offset is scaled by their tiling, they float above the surface."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TEN = (10.0, 10.0)
 
 
 def glass(grid: Material) -> Material:
-    """The grid's dark lines on clear glass."""
+    """The grid's dark lines on transparent glass."""
     assert grid.base_color is not None
     light = grid.base_color.pixels.mean(axis=2, keepdims=True)
     lines = np.where(light < 0.6 * light.max(), 255, 0).astype(np.uint8)
@@ -30,17 +30,17 @@ def panels(texels: int) -> Iterator[Panel]:
         stones = Object(
             cobbles, technique=technique, scale=0.1, projection="biased", reference_height=1.0
         )
-        bare = Object(glass(grid), tiling=TEN, alpha="blend")
-        above = replace(bare, transform=placed((0.0, 1e-3, 0.0)) @ bare.to_world)
+        glass_grid = Object(glass(grid), tiling=TEN, alpha="blend")
+        above = replace(glass_grid, transform=placed((0.0, 1e-3, 0.0)) @ glass_grid.to_world)
         yield Panel(
-            f"{technique}, details unaffected",
+            f"{technique}, details not displaced",
             Scene((stones, above), camera=CAMERA),
-            "the grid on a clear sheet over the polygon",
+            "the grid on a transparent plane above the polygon",
         )
-        tied = replace(stones, layer=Layer(grid, Tiling(TEN)))
+        layered = replace(stones, layer=Layer(grid, Tiling(TEN)))
         yield Panel(
-            f"{technique}, details moved by the offset × 10",
-            Scene((tied,), camera=CAMERA),
+            f"{technique}, details displaced by the offset × 10",
+            Scene((layered,), camera=CAMERA),
             "layer: grid, 10 × 10 tiles",
         )
 
@@ -49,11 +49,11 @@ PAGE = Page(
     name="detail-grid",
     title="Detail maps",
     source="catlike",
-    rows={"C10": "a grid of 10 × 10 over 1 × 1 stones, left behind and moved along"},
-    look="Left behind, the lines run straight over the stones; moved along, they follow them.",
-    article="Details that the offset does not reach stay flat; moved by the offset itself they "
-    "change too little; scaled by the detail tiling ÷ main tiling they lie on the surface.",
-    ours="The same. The first picture is put together, as this library has no switch to get it "
-    "wrong: there the grid is printed on a clear sheet that lies over the polygon.",
+    rows={"C10": "a grid of 10 × 10 tiles over stones of 1 × 1, with and without displacement"},
+    look="Without displacement the lines are straight; with it they follow the stones.",
+    article="Without the offset details stay flat; with the offset itself they move too little; "
+    "scaled by detail tiling ÷ main tiling they lie on the surface.",
+    ours="The same. The library has no option for the error, so the first picture imitates it: "
+    "the grid is on a transparent plane above the polygon.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Displaced depth: what stands in the relief meets it where it is seen, and so does its shadow."""
+"""Displaced depth: objects intersect the visible relief, and their shadows fall on it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LIGHT = directional(80.0, 40.0, intensity=2.6)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A ball and a pole on stones: flat, with relief, and with shadows of three kinds."""
+    """A ball and a pole on stones: flat, with relief, and with three kinds of shadows."""
     stones = Object(sample("cobbles", texels), technique="relief", scale=0.15)
     tiles = replace(sample("tiles", texels // 2), height=None)
     ball = Object(
@@ -33,27 +33,25 @@ def panels(texels: int) -> Iterator[Panel]:
         return Scene((ground, ball, pole), camera=CAMERA, lights=(LIGHT,), **options)
 
     flat = replace(stones, technique="flat", settings={})
-    yield Panel("flat: they cut the polygon", scene(flat))
-    yield Panel("displaced depth: they cut the stones", scene(stones))
-    yield Panel(
-        "shadows that ignore the relief", scene(stones, shadows="hard", shadows_on="polygon")
-    )
-    yield Panel("shadows that fall on the stones", scene(stones, shadows="hard"))
-    yield Panel("the same, soft within the relief", scene(stones, shadows="soft"))
+    yield Panel("flat: the polygon cuts the objects", scene(flat))
+    yield Panel("displaced depth: the stones cut the objects", scene(stones))
+    yield Panel("shadows on the polygon", scene(stones, shadows="hard", shadows_on="polygon"))
+    yield Panel("shadows on the relief", scene(stones, shadows="hard"))
+    yield Panel("the same, with soft self-shadows", scene(stones, shadows="soft"))
 
 
 PAGE = Page(
     name="displaced-depth",
-    title="Displaced depth and the shadows of others",
+    title="Displaced depth and shadows of other objects",
     source="catlike",
     rows={
-        "C18": "ball and pole are cut by the stones, and cast their shadows into the joints",
+        "C18": "the stones cut ball and pole, whose shadows fall into the joints",
     },
-    look="Where ball and pole meet the ground; then the pole's shadow, a straight bar that floats "
-    "over the stones in one picture and bends over them in the next.",
-    article="Shadows and intersections of other objects ignore the relief; writing the depth of "
-    "each fragment would mend both, at a price.",
-    ours="Both are here. Our shadows are read from distances that each light sees, drawn anew for "
-    "every picture, which is most of the time that these pictures take.",
+    look="Compare where ball and pole meet the ground, and the pole's shadow: straight in one "
+    "picture, bent over the stones in the next.",
+    article="Shadows and intersections of other objects ignore the relief; writing a depth for "
+    "each fragment would fix both, at a cost.",
+    ours="Both are fixed. The shadow maps are drawn for every picture, which takes most of its "
+    "time.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Cost follows coverage; far away the relief fades to normal mapping."""
+"""Cost in proportion to coverage; far away the relief fades to normal mapping."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ACROSS = LookAt(position=(0.0, 0.5, 3.4), target=(0.0, -0.05, 1.6), field_of_vie
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A field that fades, and a cube at two distances."""
+    """A plane that fades, and a cube at three distances."""
     cobbles = sample("cobbles", texels)
     for caption, fade in (
         ("relief everywhere", None),
@@ -37,10 +37,11 @@ PAGE = Page(
     name="distance",
     title="Distance and coverage",
     source="gamedev",
-    rows={"G10": "reads fall to none where the relief has faded; time follows the cube's size"},
-    look="The fading field looks like the full one and needs fewer reads; the far cube needs "
-    "least time.",
-    article="What covers a fifth of the screen costs far less than what covers four fifths.",
-    ours="The same. The reads of the cubes are per pixel that they cover, so they stay alike.",
+    rows={"G10": "no reads where the relief has faded; time follows the size of the cube"},
+    look="The fading plane looks like the full one with fewer reads; the far cube takes the least "
+    "time.",
+    article="An object that covers a fifth of the screen costs far less than one that covers four "
+    "fifths.",
+    ours="The same. Reads are counted per covered pixel, so those of the cubes are similar.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Debug pictures of a march at 75 degrees: reads, missed hits, overshoot, and error in depth."""
+"""Debug pictures of a march at 75 degrees: reads, missed hits, overshoot and depth error."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ ANGLE = 75.0
 TILES = 8.0
 CAMERA = Orbit(azimuth=30.0, elevation=90.0 - ANGLE, distance=3.0, orthographic_height=0.3)
 TUNED: dict[str, float] = {"min_steps": 12, "max_steps": 46, "search_steps": 5}
-"""What `basrelief tune sample:cobbles --scale 0.08 --missed 1%` finds for 0 to 75 degrees."""
+"""Result of `basrelief tune sample:cobbles --scale 0.08 --missed 1%` for 0 to 75 degrees."""
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A march in its colours, then what they hide; and what a tuned one still misses."""
+    """A march in colours, its debug pictures, and the missed hits of tuned settings."""
     cobbles = Object(
         sample("cobbles", texels),
         technique="parallax_occlusion",
@@ -28,30 +28,30 @@ def panels(texels: int) -> Iterator[Panel]:
     )
     scene = Scene((cobbles,), camera=CAMERA)
     yield Panel("parallax_occlusion, 4 to 20 steps", scene)
-    yield Panel("its reads: pale where many", scene, shown="reads")
-    yield Panel("its missed hits: orange too far, blue too short", scene, shown="missed")
-    yield Panel("its overshoot: orange too far, blue too short", scene, shown="overshoot")
-    yield Panel("its error in depth, the same colours", scene, shown="depth-error")
+    yield Panel("reads: pale where many", scene, shown="reads")
+    yield Panel("missed hits: orange passed, blue short", scene, shown="missed")
+    yield Panel("overshoot: orange too far, blue too short", scene, shown="overshoot")
+    yield Panel("depth error, in the same colours", scene, shown="depth-error")
     tuned = Scene((replace(cobbles, technique="relief", settings=TUNED),), camera=CAMERA)
     yield Panel("missed hits of relief, tuned to 1 %", tuned, shown="missed")
 
 
 PAGE = Page(
     name="errors",
-    title="Where a march goes wrong",
+    title="Errors of a march",
     source="beyond",
     rows={
-        "B4": "each ray's true first hit, found in 64 bits; missed is what is a texel off",
-        "B5": "relief, with the settings that `basrelief tune` gives for 1 % of missed hits",
-        "B9": "four pictures of what a frame hides, as by `basrelief render --show`",
+        "B4": "true first hits in 64 bits; a hit is missed if it is more than a texel off",
+        "B5": "relief, with the settings of `basrelief tune` for 1 % of missed hits",
+        "B9": "four debug pictures, as by `basrelief render --show`",
     },
-    look="Orange lines on the stones are rays that went in and show what lies behind; tuned, "
+    look="Orange lines on the stones are rays that passed through an edge; with tuned settings "
     "hardly any are left.",
-    article="N. Tatarchuk, 2006: what is thinner than a step can be missed, so the flatter the "
-    "view, the more steps it takes.",
-    ours="At 75 degrees with at most twenty steps a third of all pixels show a place more than a "
-    "texel from the true one; most by little, those along the edges of stones by many texels. "
-    "Tuned to 1 %, relief takes up to 46 steps, and 20 reads in place of 7. What one ray "
-    "reads is drawn by `basrelief explain`.",
+    article="N. Tatarchuk, 2006: a march can miss features thinner than a step, so it needs more "
+    "steps at grazing angles.",
+    ours="At 75 degrees, with at most twenty steps, a third of all hits are more than a texel "
+    "off: most by little, those along the edges of stones by many texels. Tuned to 1 %, relief "
+    "takes up to 46 steps, and 20 reads instead of 7. `basrelief explain` draws the reads of "
+    "one ray.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""What marches miss: posts along a spiral and a wall, one texel wide, seen at a grazing angle."""
+"""Features that marches miss: posts and a wall, one texel wide, at a grazing angle."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GROUND_PLAN: Any = {
     "transform": placed((0.48, 0.0, 0.58)) @ LYING @ placed(scale=(4.0, 4.0, 4.0)),
     "tiling": (4.0, 4.0),
 }
-"""Four tiles a side, each 1 wide, one spiral in the middle of the picture."""
+"""Four by four tiles of width 1, with one spiral in the middle of the picture."""
 LIGHT = directional(-70.0, 38.0, intensity=2.2)
 MIDDLE, END = (0.95, 0.42, 0.04), (0.6, 0.03, 0.2)
 """The colours of the posts in the middle of the spiral and at its end."""
@@ -30,7 +30,7 @@ GROUND, WALL = (0.02, 0.09, 0.11), (0.25, 0.55, 0.4)
 
 @functools.cache
 def posts() -> Material:
-    """Posts of one texel along a spiral, and a wall as thin, on ground that rises and falls."""
+    """Posts of one texel along a spiral, and a wall as thin, on uneven ground."""
     rows, columns = np.mgrid[0:TEXELS, 0:TEXELS] / TEXELS * 2.0 * np.pi
     heights = 0.05 + 0.04 * np.sin(columns + 0.7) * np.cos(2.0 * rows)
     colors = np.full((TEXELS, TEXELS, 3), GROUND)
@@ -40,7 +40,7 @@ def posts() -> Material:
         colors[row, column % TEXELS] = WALL
     for number in range(POSTS):
         share = number / POSTS
-        # the golden angle, so that no two stand behind one another
+        # the golden angle, so that no post hides another
         angle, radius = number * np.pi * (3.0 - np.sqrt(5.0)), 0.36 * np.sqrt(share)
         column = int(TEXELS * (0.52 + radius * np.cos(angle)))
         row = int(TEXELS * (0.42 + radius * np.sin(angle)))
@@ -54,7 +54,7 @@ def posts() -> Material:
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The same posts by two marches and by the exact walk."""
+    """The same posts by two marches and by `exact`."""
     steps: dict[str, float] = {"min_steps": 32, "max_steps": 32}
     choices: tuple[tuple[str, str, dict[str, float]], ...] = (
         ("parallax_occlusion, 32 steps", "parallax_occlusion", steps),
@@ -68,19 +68,18 @@ def panels(texels: int) -> Iterator[Panel]:
 
 PAGE = Page(
     name="exact",
-    title="What marches miss",
+    title="Features that marches miss",
     source="beyond",
     rows={
-        "B1": "where a ray first meets the bilinear surface, however thin what it meets is",
+        "B1": "the first intersection of a ray with the bilinear surface, however thin the feature",
     },
-    look="Marches cut the posts and the wall behind them into slices that float; by exact each "
-    "stands whole, up to its tip.",
+    look="Marches cut the posts and the wall behind them into floating slices; with exact each is "
+    "whole up to its tip.",
     article="F. Policarpo, M. M. Oliveira and J. L. D. Comba, 2005, march in even steps and then "
-    "halve the last one: what is thin may lie between two steps.",
-    ours="One of 32 steps is a texel and a half here and many more far away, where posts and wall "
-    "are one texel wide: a third of all pixels show what lies behind, after 29 reads by "
-    "parallax_occlusion and 34 by relief. Halving smooths what was met, and finds nothing "
-    "that was not. exact takes 61: rays run far between the posts, and no place on their way "
-    "is left out.",
+    "halve the last one: thin features may lie between two steps.",
+    ours="A step, one of 32, is a texel and a half near the camera and many texels far away; posts "
+    "and wall are one texel wide. So a third of all pixels show the ground behind them, after 29 "
+    "reads by parallax_occlusion and 34 by relief. Halving refines hits but finds no missed ones. "
+    "exact takes 61 reads, as rays travel far between the posts and it leaves out no cell.",
     panels=panels,
 )

@@ -12,7 +12,7 @@ CAMERA = Orbit(azimuth=20.0, elevation=42.0, distance=1.15, field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Cracks and dust merged, the dust stronger from picture to picture."""
+    """Cracks and dust combined, the dust stronger in each picture."""
     cracks, dust = sample("cracks", texels), sample("dust", texels)
     for opening in (0.0, 0.3, 0.6, 1.0):
         obj = Object(hole(cracks, dust, opening), technique="relief", settings={"max_steps": 64})
@@ -23,11 +23,11 @@ PAGE = Page(
     name="hole-opening",
     title="A hole that opens",
     source="habrador",
-    rows={"L7": "a map of cracks and one of dust, merged, and a number that opens the hole"},
-    look="Cracks give way first; then the ground between them falls in.",
-    article="Two textures, a crack and a speckle of dust, are merged, and a slider sets the "
+    rows={"L7": "a map of cracks combined with one of dust, and a number that opens the hole"},
+    look="The cracks open first, then the ground between them.",
+    article="Two textures, of cracks and of specks of dust, are combined, and a slider sets the "
     "strength of the dust: the hole opens and closes.",
-    ours="The same. The article does not say how the two are merged; here the ground gives way "
-    "where both together are more than it bears.",
+    ours="The same. The article does not say how the two are combined; here the ground opens where "
+    "their sum exceeds a threshold.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""The maps around the heights, added one after the other."""
+"""The other maps of a material, added one after the other."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LIGHTS = (directional(150.0, 35.0, intensity=2.0), directional(-60.0, 40.0, inte
 
 
 def glowing(material: Material) -> Material:
-    """The material with light in its copper."""
+    """The material with an emission map on its copper."""
     assert material.metallic is not None
     copper = material.metallic.pixels[:, :, 0] > 127
     glow = np.where(copper[:, :, None], [255, 120, 20], 0).astype(np.uint8)
@@ -26,12 +26,12 @@ def glowing(material: Material) -> Material:
 def panels(texels: int) -> Iterator[Panel]:
     """Colour and heights; then normals, occlusion, roughness and metal; then emission."""
     circuit = sample("circuit", texels)
-    bare = replace(circuit, occlusion=None, roughness=None, metallic=None)
+    basic = replace(circuit, occlusion=None, roughness=None, metallic=None)
     flat_lit = SurfaceParameters(normal_strength=0.0)
     steps = (
-        ("colour, displaced", bare, flat_lit),
-        ("with normals", bare, SurfaceParameters()),
-        ("with strong normals and occlusion", replace(bare, occlusion=circuit.occlusion), STRONG),
+        ("colour, displaced", basic, flat_lit),
+        ("with normals", basic, SurfaceParameters()),
+        ("with strong normals and occlusion", replace(basic, occlusion=circuit.occlusion), STRONG),
         ("with roughness and metal", circuit, SurfaceParameters()),
         ("with emission", glowing(circuit), SurfaceParameters()),
     )
@@ -42,15 +42,15 @@ def panels(texels: int) -> Iterator[Panel]:
 
 PAGE = Page(
     name="lighting-around",
-    title="The lighting around it",
+    title="Parallax in a complete shader",
     source="catlike",
     rows={
         "C21": "colour, normals with a strength, occlusion, roughness, metal, emission",
-        "C5": "every map is read at the displaced place",
+        "C5": "every map is read at the displaced coordinates",
     },
-    look="Each map adds its part, and all of them lie exactly over one another.",
-    article="Parallax is the last part of a shader that has albedo, metallic, smoothness, normals, "
-    "occlusion, emission and detail maps already.",
-    ours="The same; smoothness is roughness turned round.",
+    look="Each map adds its effect, and all of them are aligned.",
+    article="Parallax completes a shader that already has albedo, metallic, smoothness, normals, "
+    "occlusion, emission and detail maps.",
+    ours="The same; smoothness is 1 − roughness.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Several lights: each sees the displaced surface, and they add up."""
+"""Several lights on a displaced surface, which add up."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RED = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, falloff=
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The sun, a lamp with either falloff, and more and more of them at once."""
+    """The sun, a lamp with two kinds of falloff, a light from behind, and sums of lights."""
     obj = Object(sample("cobbles", texels), technique="relief", scale=0.08)
 
     def lit(*lights: Light) -> Scene:
@@ -40,15 +40,15 @@ PAGE = Page(
     title="Several lights",
     source="wikibooks",
     rows={
-        "W8": "ambient, diffuse and specular, the shininess 10",
+        "W8": "ambient, diffuse and specular, with shininess 10",
         "W9": "a directional light, a lamp with 1 ÷ distance, one with its square",
         "W10": "one, two and three lights, added",
-        "C17": "relief and shading are the same in every light",
+        "C17": "the relief is the same in every light",
     },
-    look="The stones lie at the same place in every light; a light from behind leaves the ambient "
-    "light alone, without highlights.",
-    article="A pass for the first light with the ambient one, a pass for each further light, "
-    "added; no highlight from a light behind the surface; a lamp weakens with 1 ÷ distance.",
-    ours="The same in one pass. The inverse square is an option here.",
+    look="The stones are at the same place in every light; with a light from behind only ambient "
+    "light remains, without highlights.",
+    article="One pass for the first light and the ambient light, one for each further light, "
+    "added; no highlight from a light behind the surface; a lamp falls off with 1 ÷ distance.",
+    ours="The same in one pass. The inverse square is another option.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Marching along the ray: few steps, many, interpolation, and a search."""
+"""A march along the ray: few steps, many steps, interpolation, and a search."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ PAGE = Page(
     source="catlike",
     rows={
         "C11": "10 steps and 100; at most so many reads",
-        "C12": "the last step is cut with the surface between its two reads",
+        "C12": "the last step is intersected with the chord between its two reads",
         "C13": "the last step is halved 3 times, without interpolation",
     },
-    look="Ten steps show as ten layers; a hundred hide them, and so do interpolation and search "
-    "at a tenth of the reads.",
-    article="Ten steps give a pronounced effect, true occlusion, and obvious layers; a hundred "
-    "are smooth but too expensive; interpolation looks a lot better; three halvings look good, "
-    "not perfect: some stratification is left.",
-    ours="The same. Interpolation leaves wavy edges where two reads do not tell the shape "
-    "between them; three halvings leave layers an eighth as thick.",
+    look="Ten steps show ten layers; a hundred hide them, as do interpolation and search with a "
+    "tenth of the reads.",
+    article="Ten steps give a strong effect, true occlusion and obvious layers; a hundred are "
+    "smooth but too expensive; interpolation looks much better; three halvings look good but "
+    "leave some layers.",
+    ours="The same. Interpolation leaves wavy edges where the surface between two reads is not "
+    "straight; three halvings leave layers an eighth as thick.",
     panels=panels,
 )

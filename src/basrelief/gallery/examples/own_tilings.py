@@ -1,4 +1,4 @@
-"""Tilings of their own for colour, normals and heights."""
+"""Separate tilings of colour, normals and heights."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The same maps over one another, and each elsewhere; then tiles that are no squares."""
-    thrice, aside = Tiling((3.0, 3.0)), Tiling((1.0, 1.0), shift=(0.25, 0.125))
+    """Maps with one tiling, with separate ones, and with tiles that are not square."""
+    thrice, shifted = Tiling((3.0, 3.0)), Tiling((1.0, 1.0), shift=(0.25, 0.125))
     choices: tuple[tuple[str, Mapping[str, Tiling], tuple[float, float] | None], ...] = (
         ("all maps together", {}, None),
         ("colour 3 × 3", {"base_color": thrice}, None),
         ("normals 3 × 3", {"normal": thrice}, None),
-        ("colour moved by ¼, ⅛", {"base_color": aside}, None),
+        ("colour shifted by ¼, ⅛", {"base_color": shifted}, None),
         ("all maps 4 × 2", {}, (4.0, 2.0)),
         ("heights 4 × 2, colour 1 × 1", {"base_color": Tiling()}, (4.0, 2.0)),
     )
@@ -39,11 +39,11 @@ PAGE = Page(
     source="wikibooks",
     rows={
         "W5": "colour, normals and heights each have tiles and a shift",
-        "W4": "tiles half as wide as high: the offset is right along u and along v",
+        "W4": "tiles half as wide as high: the offset is right along both u and v",
     },
-    look="The relief stays while colour or normals are laid on otherwise.",
-    article="Each map has its own scale and offset, and the offset of the parallax comes before "
-    "them; tangent and binormal carry the scale of each axis.",
-    ours="The same, with a march in place of the single step, so that one sees which map is where.",
+    look="The relief stays while colour or normals have another tiling.",
+    article="Each map has its own scale and offset, which apply after the parallax offset; tangent "
+    "and binormal carry the scale of each axis.",
+    ours="The same, with a march instead of the single step, which shows the place of each map.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Pixel art: each texel of the height map a box of its own, drawn from a picture of letters."""
+"""Pixel art: each texel of the height map is a column; the map is made from text."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ HEIGHTS = """
 ..7.7.7.........
 ................
 """
-"""Eighths of the whole height; a dot is the ground."""
+"""Heights in eighths; a dot is the ground."""
 COLORS = {
     0: (0.35, 0.5, 0.2), 1: (0.7, 0.55, 0.35), 2: (0.5, 0.25, 0.15), 3: (0.3, 0.3, 0.35),
     4: (0.85, 0.75, 0.3), 5: (0.2, 0.45, 0.7), 6: (0.9, 0.9, 0.9), 7: (0.6, 0.2, 0.4),
@@ -37,7 +37,7 @@ COLORS = {
 
 
 def art() -> Material:
-    """Sixteen texels by sixteen, a colour for each height."""
+    """A material of sixteen by sixteen texels, with a colour for each height."""
     rows = HEIGHTS.split()
     steps = [[0 if letter == "." else int(letter) for letter in row] for row in rows]
     colors = np.array([[COLORS[step] for step in row] for row in steps], np.float32)
@@ -50,10 +50,10 @@ def art() -> Material:
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Boxes, boxes with shadows, and the surface that all other techniques draw."""
+    """Columns, columns with shadows, and the surface that all other techniques draw."""
     choices: tuple[tuple[str, str, Any], ...] = (
-        ("texel: a box for each texel", "texel", "none"),
-        ("its shadows, which are those of boxes", "texel", "hard"),
+        ("texel: a column for each texel", "texel", "none"),
+        ("with shadows of the columns", "texel", "hard"),
         ("relief: the bilinear surface through the same heights", "relief", "none"),
     )
     for caption, technique, shadows in choices:
@@ -63,13 +63,13 @@ def panels(texels: int) -> Iterator[Panel]:
 
 PAGE = Page(
     name="pixel-art",
-    title="Each texel a box",
+    title="Texels as columns",
     source="beyond",
-    rows={"B3": "a walk from box to box, exact; the side of a box is lit as a wall"},
-    look="Steps stay steps, and each wall has one shade by where it faces.",
-    article="J. Amanatides and A. Woo, 1987, walk a grid cell by cell and miss none; a height map "
-    "of pixels is such a grid, of columns.",
-    ours="Sixteen texels a side. No pixel mixes two texels' colours, and shadows are found by the "
-    "same walk.",
+    rows={"B3": "exact traversal of columns; their sides are lit as walls"},
+    look="Steps stay steps, and each wall has one shade, by its direction.",
+    article="J. Amanatides and A. Woo, 1987, traverse a grid cell by cell and miss none; a height "
+    "map is such a grid of columns.",
+    ours="Sixteen by sixteen texels. No pixel blends the colours of two texels, and shadows use "
+    "the same traversal.",
     panels=panels,
 )

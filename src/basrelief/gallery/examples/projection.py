@@ -1,4 +1,4 @@
-"""Three ways to project the view ray onto the texture, for an offset and for a march."""
+"""Three projections of the view ray, for an offset and for a march."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from basrelief.gallery.page import Page, Panel, sample
 CAMERA = Orbit(azimuth=20.0, elevation=20.0, distance=0.85, field_of_view=36.0)
 
 
-WAYS: dict[str, dict[str, Any]] = {
+PROJECTIONS: dict[str, dict[str, Any]] = {
     "limited": {"projection": "limited"},
     "bias 0: the true projection": {"projection": "biased", "bias": 0.0},
     "bias 0.42": {"projection": "biased", "bias": 0.42},
@@ -22,8 +22,8 @@ def panels(texels: int) -> Iterator[Panel]:
     """Limited, true (bias 0) and biased by 0.42: first the offset, then the march."""
     bricks = sample("bricks", texels)
     for technique, settings in (("offset", {}), ("parallax_occlusion", {"max_steps": 64})):
-        for caption, way in WAYS.items():
-            obj = Object(bricks, technique=technique, settings=settings, scale=0.06, **way)
+        for caption, options in PROJECTIONS.items():
+            obj = Object(bricks, technique=technique, settings=settings, scale=0.06, **options)
             yield Panel(f"{technique}, {caption}", Scene((obj,), camera=CAMERA))
 
 
@@ -32,15 +32,15 @@ PAGE = Page(
     title="Limited, true and biased projection",
     source="catlike",
     rows={
-        "C8": "xy ÷ (z + bias) with the bias 0 and 0.42",
-        "C9": "the same three before the offset and before the march",
+        "C8": "xy ÷ (z + bias) with a bias of 0 and 0.42",
+        "C9": "the same three for the offset and the march",
         "C6": "limited: the offset is never longer than the height",
     },
     look="The true projection tears the offset towards the far edge and deepens the march; the "
-    "bias tames both.",
-    article="Limiting is no true perspective; dividing by z is, but worsens the artefacts at "
-    "shallow angles; a bias of 0.42 warps the perspective and keeps them manageable.",
-    ours="The same for the offset. For the march the true projection has no artefacts: there the "
-    "other two merely make the relief shallower, and slide it as the camera moves.",
+    "bias reduces both.",
+    article="Limiting is no true perspective; dividing by z is, but increases the artefacts at "
+    "shallow angles; a bias of 0.42 distorts the perspective and keeps them acceptable.",
+    ours="The same for the offset. For the march the true projection has no artefacts; the other "
+    "two make the relief shallower, and it slides as the camera moves.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""The height that lies on the polygon: pushed in, centred, or raised."""
+"""The reference height: a relief pushed in, centred, or raised."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CAMERA = Orbit(azimuth=25.0, elevation=28.0, distance=1.6, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The same relief at three levels, cut off where it leaves the tile."""
+    """The same relief at three reference heights, clipped at the edges of the tile."""
     for caption, reference_height in (("pushed in", 1.0), ("centred", 0.5), ("raised", 0.0)):
         obj = Object(
             sample("cobbles", texels),
@@ -31,11 +31,11 @@ PAGE = Page(
     name="reference-level",
     title="Pushed in, centred, raised",
     source="halliwell",
-    rows={"H6": "the height that lies on the polygon is 1, ½ or 0"},
-    look="Pushed in, the ground shrinks away from the polygon's near edge; raised, it comes up "
-    "to the viewer and is cut off at the polygon's outline.",
-    article="Everything is pushed in, away from the surface, so things shrink.",
-    ours="That is the first picture, and the other two do without it. No ray starts outside the "
-    "polygon, so what is raised ends at the polygon's outline.",
+    rows={"H6": "reference heights of 1, ½ and 0"},
+    look="Pushed in, the ground recedes from the polygon's near edge; raised, it comes towards the "
+    "viewer and is cut off at the polygon's outline.",
+    article="The relief is always pushed in, so objects shrink.",
+    ours="That is the first picture; the other two avoid it. No ray starts outside the polygon, so "
+    "a raised relief ends at the polygon's outline.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Scaled and stretched objects: the relief goes with them, unwarped."""
+"""Scaled and stretched objects, whose relief is scaled with them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ EYE = (0.8, 0.9, 1.85)
 
 
 def box(texels: int, scale: tuple[float, float, float], eye: tuple[float, float, float]) -> Scene:
-    """A box of bricks of some size, seen from some place."""
+    """A box of bricks, scaled and seen from `eye`."""
     obj = Object(
         sample("bricks", texels),
         shape="box",
@@ -22,10 +22,10 @@ def box(texels: int, scale: tuple[float, float, float], eye: tuple[float, float,
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A box of size 1, of size 10 from ten times as far, and stretched along one axis each."""
+    """A box of size 1, of size 10 at ten times the distance, and stretched along one axis."""
     far = (10.0 * EYE[0], 10.0 * EYE[1], 10.0 * EYE[2])
     yield Panel("size 1", box(texels, (1.0, 1.0, 1.0), EYE))
-    yield Panel("size 10, from ten times as far", box(texels, (10.0, 10.0, 10.0), far), "× 10")
+    yield Panel("size 10, at ten times the distance", box(texels, (10.0, 10.0, 10.0), far), "× 10")
     yield Panel("twice as wide", box(texels, (2.0, 1.0, 1.0), (1.0, 1.2, 2.5)), "× 2, 1, 1")
     yield Panel("half as high", box(texels, (1.0, 0.5, 1.0), EYE), "× 1, 0.5, 1")
 
@@ -35,14 +35,13 @@ PAGE = Page(
     title="Scaled and stretched objects",
     source="catlike",
     rows={
-        "C15": "even and uneven scaling, with the relief set in object space",
-        "C4": "tangents and normals are normalised before the view is taken to their frame",
+        "C15": "uniform and non-uniform scale, with the relief in object space",
+        "C4": "tangents and normals are normalised before the view is transformed",
     },
-    look="The first two pictures are the same; in the others joints stay as deep as bricks "
-    "stretched with their box would have them.",
-    article="Batched objects of scale 10 have tangents and normals of that length: the relief is "
-    "warped until they are normalised.",
-    ours="Always right. There is no switch to get it wrong, so the warped picture is not here; "
-    "that the first two are the same is the proof.",
+    look="The first two pictures are equal; in the others the relief is stretched with the box.",
+    article="Batched objects of scale 10 have tangents and normals of that length, which distort "
+    "the relief unless they are normalised.",
+    ours="Always right, as the equal first two pictures show. The library has no option for the "
+    "error.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""The relief's shadow on itself: none, hard and soft."""
+"""Self-shadows of a relief: none, hard and soft."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LIGHTS = (directional(-70.0, 22.0, intensity=2.6),)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The same stones in a low light."""
+    """The same stones in a low light, with three kinds of self-shadow."""
     kinds: tuple[Literal["none", "hard", "soft"], ...] = ("none", "hard", "soft")
     for shadows in kinds:
         obj = Object(sample("cobbles", texels), technique="relief", scale=0.12)
@@ -32,10 +32,10 @@ PAGE = Page(
     title="Hard and soft self-shadows",
     source="halliwell",
     rows={
-        "H3": "from the hit on towards the light: anything in the way, or how much",
+        "H3": "a march from the hit to the light: hard or soft occlusion",
     },
-    look="Long shadows lie across the stones; the soft ones fade out at their far end.",
-    article="Marching on from the hit towards the light tells whether the light gets there.",
-    ours="The same, and a soft form. The reads count the way to the light too.",
+    look="Long shadows fall on the stones; soft ones fade out at their far end.",
+    article="A march from the hit towards the light finds whether the light reaches it.",
+    ours="The same, and a soft form. Reads include the march to the light.",
     panels=panels,
 )

@@ -11,8 +11,8 @@ CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Heights of ± half the most, clamped to what the article allows."""
-    for caption, technique, scale, most in (
+    """Heights of ± half the maximum, with the article's clamp."""
+    for caption, technique, scale, max_offset in (
         ("normal mapping alone", "flat", 0.01, 0.0),
         ("a single step, height 0.01", "offset", 0.01, 0.01),
         ("a single step, height 0.04", "offset", 0.04, 0.04),
@@ -21,7 +21,7 @@ def panels(texels: int) -> Iterator[Panel]:
             sample("cobbles", texels),
             technique=technique,
             scale=scale,
-            settings={} if technique == "flat" else {"max_offset": most},
+            settings={} if technique == "flat" else {"max_offset": max_offset},
         )
         yield Panel(
             caption,
@@ -41,14 +41,14 @@ PAGE = Page(
     source="wikibooks",
     rows={
         "W1": "offset = height · V.xy ÷ V.z, from one read",
-        "W2": "height = most · (h − ½), with 0.01 and 0.04 for the most",
-        "W6": "heights may lie in A or in R; once loaded there is no difference",
-        "W7": "nor is there once z is rebuilt from normals in A and G",
+        "W2": "height = maximum · (h − ½), with maxima of 0.01 and 0.04",
+        "W6": "heights in A or in R; once loaded they are the same",
+        "W7": "normals in A and G; once z is reconstructed they are the same as in RGB",
     },
-    look="With height the near sides of the stones draw together and the far sides open.",
-    article="Seen from an angle, bumps ought to stick out and dents to recede; a single read moves "
-    "them by several pixels, within small heights.",
-    ours="The same. At 0.01 the stones move by two or three pixels, which shows when one picture "
-    "is laid over the other; 0.04 shows it side by side.",
+    look="With parallax the near sides of the stones narrow and the far sides widen.",
+    article="At an angle bumps should stick out and dents recede; a single read moves them by "
+    "several pixels, for small heights.",
+    ours="The same. At 0.01 the stones move by two or three pixels, visible when the pictures "
+    "alternate; at 0.04 it is visible side by side.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Six ways to draw the same ground, from the front and at a skew."""
+"""Six shadings of the same ground, from the front and obliquely."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from basrelief.gallery.page import Headline, Page, Panel, sample
 
 VIEWS = {
     "front": Orbit(azimuth=0.0, elevation=62.0, distance=0.75, field_of_view=40.0),
-    "skew": Orbit(azimuth=28.0, elevation=23.0, distance=0.75, field_of_view=40.0),
+    "oblique": Orbit(azimuth=28.0, elevation=23.0, distance=0.75, field_of_view=40.0),
 }
 LIGHTS = (directional(-65.0, 24.0, (1.0, 0.95, 0.85), 2.6),)
 FLAT: dict[str, Any] = {"technique": "flat"}
@@ -30,7 +30,7 @@ SHADINGS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Six shadings from two sides."""
+    """Six shadings in two views."""
     for side, camera in VIEWS.items():
         for caption, (of_object, of_scene) in SHADINGS.items():
             obj = Object(sample("gravel", texels), scale=0.1, **of_object)
@@ -45,19 +45,19 @@ PAGE = Page(
     source="halliwell",
     rows={
         "H1": "the stock offset: h·height − height ÷ 2, z + 0.42",
-        "H8": "six shadings from the front, the same six at a skew",
+        "H8": "six shadings from the front, the same six obliquely",
         "H2": "8 to 32 steps by the angle, then 5 halvings; the article gives no numbers",
-        "H3": "the self-shadow of the march",
-        "H5": "occlusion that acts on light, the more the flatter it comes",
+        "H3": "self-shadows by a march",
+        "H5": "directional occlusion, stronger for light at a low angle",
         "H9": "timed at the article's size, with and without shadows",
     },
-    look="From the front the shadows make the difference; at a skew the stock offset slides and "
-    "smears, and only the marches have stones that stand before one another.",
-    article="The stock offset is cheap and impressive for low heights; at great ones textures "
-    "slide like chrome. The march is smooth and predictable, the shadow costs a third of the "
-    "frames, and directional occlusion gives fake soft shadows.",
+    look="From the front the shadows make the difference; obliquely the stock offset slides and "
+    "smears, and only the marches have stones that hide one another.",
+    article="The stock offset is cheap and impressive for low heights; for large ones textures "
+    "slide like chrome. The march is smooth and predictable, self-shadows cost a third of the "
+    "frame rate, and directional occlusion gives fake soft shadows.",
     ours="The same. Directional occlusion alone darkens the ground between the stones even without "
-    "any parallax.",
+    "parallax.",
     panels=panels,
     headline=Headline(
         (1600, 900),

@@ -1,4 +1,4 @@
-"""Heights from lower mip levels: fewer misses, softer edges."""
+"""Heights from coarser mip levels: fewer missed hits, softer edges."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ CAMERA = Orbit(azimuth=25.0, elevation=20.0, distance=1.0, field_of_view=30.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Sharp heights, a lower level, and one that gives way to a still lower one."""
+    """Sharp heights, a coarser level, and fades to a still coarser one."""
     choices: tuple[tuple[str, Any, dict[str, float]], ...] = (
         ("sharp", "sharp", {}),
-        ("one level lower", "smooth", {"mip_bias": 1.0, "mip_fade": 0.0}),
-        ("and faded to a still lower one", "smooth", {"mip_bias": 1.0, "mip_fade": 4.0}),
-        ("two levels lower, faded", "smooth", {"mip_bias": 2.0, "mip_fade": 4.0}),
+        ("one level coarser", "smooth", {"mip_bias": 1.0, "mip_fade": 0.0}),
+        ("one level coarser, faded", "smooth", {"mip_bias": 1.0, "mip_fade": 4.0}),
+        ("two levels coarser, faded", "smooth", {"mip_bias": 2.0, "mip_fade": 4.0}),
     )
     for caption, heights, smoothing in choices:
         obj = Object(
@@ -37,12 +37,12 @@ PAGE = Page(
     title="Smooth heights",
     source="halliwell",
     rows={
-        "H4": "heights from a lower level by explicit gradients, faded to a still lower one",
+        "H4": "heights from a coarser level by explicit gradients, faded to a still coarser one",
         "G5": "the level comes from the undisplaced coordinates, outside the loop",
     },
-    look="Slices and sparkling grains on the far stones go; so does some of their sharpness.",
-    article="Reading lower mips removes misses and sparkling; comparing with a still lower one and "
-    "fading by the difference makes the sharp edge less regular.",
-    ours="The same. A still picture shows the slices go; that nothing sparkles shows in motion.",
+    look="Slices and sparkling grains on the far stones vanish, with some of their sharpness.",
+    article="Coarser mip levels remove missed hits and sparkling; a comparison with a still "
+    "coarser one, and a fade by the difference, make sharp edges less regular.",
+    ours="The same. A still picture shows that the slices vanish, a film that the sparkling does.",
     panels=panels,
 )

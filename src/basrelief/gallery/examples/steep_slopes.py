@@ -1,4 +1,4 @@
-"""Colour laid on from one side or from three."""
+"""Planar and tri-planar mapping of the colour."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ CAMERA = Orbit(azimuth=32.0, elevation=34.0, distance=1.1, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Stones on steep hills, planar and tri-planar, with many steps so that slopes are smooth."""
+    """Stones on steep hills, planar and tri-planar, with many steps for smooth slopes."""
     hills = replace(
         sample("noise", texels),
         name="noise with cobbles",
         base_color=sample("cobbles", texels).base_color,
         roughness=None,
     )
-    ways: tuple[Literal["planar", "triplanar"], ...] = ("planar", "triplanar")
-    for mapping in ways:
+    mappings: tuple[Literal["planar", "triplanar"], ...] = ("planar", "triplanar")
+    for mapping in mappings:
         obj = Object(
             hills,
             settings={"max_steps": 64},
@@ -38,10 +38,10 @@ PAGE = Page(
     title="Stretched texels on steep slopes",
     source="halliwell",
     rows={"H7": "tri-planar colour in tangent space"},
-    look="On the steep sides planar stones are drawn out into streaks; tri-planar ones keep "
-    "their size.",
-    article="At great heights texels on slopes are pulled in ways they were never meant to be; "
-    "tri-planar mapping in tangent space might mend it.",
-    ours="It does, in colour; it is a suggestion of the article's, without a picture there.",
+    look="On steep sides planar stones are stretched into streaks; tri-planar ones keep their "
+    "size.",
+    article="At large heights texels on slopes are stretched; tri-planar mapping in tangent space "
+    "might fix it.",
+    ours="It does, for the colour. The article suggests it without a picture.",
     panels=panels,
 )

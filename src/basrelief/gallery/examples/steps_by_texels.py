@@ -1,4 +1,4 @@
-"""As many samples as texels lie under the ray."""
+"""One sample for each texel along the ray."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CAMERA = Orbit(azimuth=25.0, elevation=22.0, distance=0.75, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Samples by the angle; by texels, one for each; by texels, one for every other."""
+    """Samples by angle, one for every second texel, and one for every texel."""
     for caption, settings in (
         ("by angle, 4 to 20", {"min_steps": 4, "max_steps": 20}),
         ("one for every second texel", {"steps_per_texel": 0.5}),
@@ -30,10 +30,10 @@ PAGE = Page(
     name="steps-by-texels",
     title="Samples by texels",
     source="gamedev",
-    rows={"G8": "a way of 0.5 over 256 texels is never read more than 128 times"},
-    look="Thin blades are whole only where no texel is passed over; the price is in the reads.",
-    article="Reading every texel on the way gives the best quality and takes the longest: a "
-    "parallax limit of 0.5 on a map of 256 is at most 128 samples.",
-    ours="The same. The reads given are the mean: most rays end long before their limit.",
+    rows={"G8": "a travel of 0.5 over 256 texels takes at most 128 reads"},
+    look="Thin blades are whole only where no texel is skipped; that costs reads.",
+    article="Reading every texel along the ray gives the best quality and is the slowest: a "
+    "parallax limit of 0.5 on a map of 256 texels is at most 128 samples.",
+    ours="The same. Reads are means: most rays end long before their limit.",
     panels=panels,
 )

@@ -1,4 +1,4 @@
-"""Procedural patterns: each draws height, colour and roughness on a periodic canvas."""
+"""Procedural patterns: functions that draw height, colour and roughness on a periodic canvas."""
 
 from __future__ import annotations
 

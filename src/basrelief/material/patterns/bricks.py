@@ -1,4 +1,4 @@
-"""Bricks in running bond: worn edges, sanded mortar, a few bricks that one recognises again."""
+"""Bricks in running bond with worn edges, sanded mortar and a few distinctive bricks."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def bricks(canvas: Canvas) -> Relief:
 
 
 class _Wall:
-    """For each texel: how far it lies inside its brick, in metres, and the brick's own nature."""
+    """For each texel, the distance inside its brick in metres, and the brick's lift and colour."""
 
     def __init__(self, canvas: Canvas) -> None:
         down = max(2, 2 * round((DOWN + 1) * canvas.height / canvas.width / 2))
@@ -67,19 +67,19 @@ class _Wall:
         self.random = canvas.random("bricks")
         self.count = (down, ACROSS)
         ripple = 0.0011 * canvas.noise("ripple", 24, octaves=3)
-        across = (along - np.floor(along) - 0.5) * run + ripple
-        upright = (
+        across_offset = (along - np.floor(along) - 0.5) * run + ripple
+        down_offset = (
             canvas.y * TILE - (row + 0.5) * rise + 0.0009 * canvas.noise("sway", 24, octaves=3)
         )
-        self._place(canvas, across, upright, run, rise)
+        self._place(canvas, across_offset, down_offset, run, rise)
         self._paint(canvas)
 
     def draw(self, low: float, high: float) -> Plane:
-        """A random number of each brick, at each texel."""
-        return self.of_brick(self.random.uniform(low, high, self.count))
+        """A random number per brick, at each texel."""
+        return self.per_brick(self.random.uniform(low, high, self.count))
 
-    def of_brick(self, values: np.ndarray) -> Plane:
-        """Values by (row, column) of the brick, at each texel."""
+    def per_brick(self, values: np.ndarray) -> Plane:
+        """Values by (row, column) of a brick, at each texel."""
         spread: Plane = values.astype(np.float32)[self.row, self.column]
         return spread
 

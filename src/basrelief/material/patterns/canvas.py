@@ -1,8 +1,8 @@
-"""The ground that patterns are drawn on: a periodic square or strip, and periodic noise.
+"""The periodic canvas that patterns are drawn on, with periodic noise.
 
 x runs from 0 to 1 across the picture, y downwards in the same unit, so a picture twice as high as
-wide has y from 0 to 2. Everything repeats at the edges. Each draw of random numbers has a name of
-its own and does not depend on the picture's size: a larger picture shows the same pattern, finer.
+wide has y from 0 to 2. Everything repeats at the edges. Each sequence of random numbers has its own
+name and does not depend on the size: a larger picture shows the same pattern in finer detail.
 """
 
 from __future__ import annotations
@@ -24,12 +24,11 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """What a pattern draws; the rest is derived. Planes are (height, width).
+    """A drawn pattern, from which the maps of a material are derived. Planes are (height, width).
 
-    `height` is any float range; `color` (height, width, 3) are sRGB values 0 to 1; `roughness`,
-    `metallic` and `opacity` 0 to 1. `depth` and `tile`, in metres, are the full height range and
-    the width. Of a `detail` only the colour and the normals are kept: it lies over other maps,
-    whose relief it follows.
+    `height` has any range; `color` (height, width, 3) is sRGB, 0 to 1; `roughness`, `metallic` and
+    `opacity` are 0 to 1. `depth` and `tile`, in metres, are the full height range and the width.
+    `detail` marks a detail map, of which only colour and normals are used.
     """
 
     height: Plane
@@ -44,17 +43,18 @@ class Relief:
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The texels around a point: `there` indexes a plane, `x` (1, w) and `y` (h, 1) lead to them.
+    """The texels around a point, each of them once.
 
-    Both are counted from the point, in widths of the picture. No texel occurs twice.
+    `texels` indexes a plane; `x` (1, w) and `y` (h, 1) are the offsets of the texels from the
+    point, in widths of the picture.
     """
 
-    there: tuple[NDArray[np.intp], ...]
+    texels: tuple[NDArray[np.intp], ...]
     x: Plane
     y: Plane
 
     def to_segment(self, x: float, y: float) -> Plane:
-        """The distance from the straight line between the point and the point (x, y) from it."""
+        """The distance from the segment between the point and the point at offset (x, y)."""
         square = max(x * x + y * y, 1e-12)
         along = np.clip(
             (self.x * np.float32(x) + self.y * np.float32(y)) / np.float32(square), 0, 1
@@ -63,7 +63,7 @@ class Window:
         return distance
 
     def to_box(self, x: float, y: float) -> Plane:
-        """The signed distance from a box around the point with the half sides x and y."""
+        """The signed distance from a box around the point with half sides x and y."""
         out_x, out_y = np.abs(self.x) - np.float32(x), np.abs(self.y) - np.float32(y)
         outside = np.hypot(np.maximum(out_x, 0), np.maximum(out_y, 0))
         distance: Plane = outside + np.minimum(np.maximum(out_x, out_y), 0)
@@ -72,7 +72,7 @@ class Window:
 
 @dataclass(frozen=True)
 class Canvas:
-    """A periodic picture of `height` × `width` texels, and its `seed`."""
+    """A periodic picture of `height` × `width` texels with a random `seed`."""
 
     height: int
     width: int
@@ -81,28 +81,28 @@ class Canvas:
     @cached_property
     def x(self) -> Plane:
         """Texel centres, (1, width), 0 to 1."""
-        return self._middles(self.width)[None, :]
+        return self._centres(self.width)[None, :]
 
     @cached_property
     def y(self) -> Plane:
         """Texel centres, (height, 1), 0 to height/width."""
-        return self._middles(self.height)[:, None]
+        return self._centres(self.height)[:, None]
 
-    def _middles(self, count: int) -> Plane:
+    def _centres(self, count: int) -> Plane:
         return ((np.arange(count) + 0.5) / self.width).astype(np.float32)
 
     def rows(self, columns: int, *, even: bool = False) -> int:
-        """How many rows of about square cells fit, when `columns` fit across."""
+        """Number of rows of about square cells for `columns` cells across."""
         step = 2 if even else 1
         return max(step, step * round(columns * self.height / self.width / step))
 
     @property
     def aspect(self) -> float:
-        """How far y reaches: height ÷ width."""
+        """Height ÷ width, the largest y."""
         return self.height / self.width
 
     def around(self, x: float, y: float, reach: float, reach_y: float | None = None) -> Window:
-        """The texels within reach of the point (x, y), along x and y, over the edges too."""
+        """The texels within `reach` of the point (x, y) along x and y, across the edges too."""
         reach_y = reach if reach_y is None else reach_y
         columns = _near(x * self.width, reach * self.width, self.width)
         rows = _near(y * self.width, reach_y * self.width, self.height)
@@ -113,19 +113,19 @@ class Canvas:
         )
 
     def softness(self, width: float) -> float:
-        """A width for an edge to be soft over: not less than a texel, so that edges do not jag."""
+        """Width of a soft edge, at least a texel to avoid aliasing."""
         return max(width, 1 / self.width)
 
     def random(self, name: str) -> np.random.Generator:
-        """Random numbers of their own for each name."""
+        """An independent random generator for each name."""
         return np.random.default_rng([self.seed, zlib.crc32(name.encode())])
 
     def noise(self, name: str, cells: int, *, octaves: int = 1, gain: float = 0.5) -> Plane:
         """Smooth periodic noise, mean 0 and standard deviation about 1.
 
         A cubic B-spline through random values on a lattice of `cells` across; each further octave
-        has twice the cells and `gain` times the weight. Octaves finer than two texels are left
-        out, so that a small picture is a smooth version of a large one.
+        has twice the cells and `gain` times the weight. Octaves finer than two texels are
+        omitted, so that a small picture is a smooth version of a large one.
         """
         total = np.zeros((self.height, self.width), np.float64)
         for octave in range(octaves):
@@ -142,7 +142,7 @@ class Canvas:
 
 
 def _near(middle: float, reach: float, count: int) -> NDArray[np.intp]:
-    """Texels within reach of a place on a periodic line of `count`, each of them once."""
+    """Texels within reach of a position on a periodic line of `count`, each of them once."""
     if 2 * reach + 2 >= count:
         return int(np.floor(middle - count / 2)) + np.arange(count)
     return np.arange(int(np.floor(middle - reach)), int(np.floor(middle + reach)) + 2)
@@ -165,32 +165,32 @@ def _spline(texels: int, cells: int) -> NDArray[np.float64]:
 
 
 def to_unit(values: NDArray[Any]) -> NDArray[np.float64]:
-    """Values stretched to 0…1; all ½ where they are one and the same."""
+    """Values stretched to 0…1; all ½ if they are equal."""
     values = values.astype(np.float64)
     low, high = values.min(), values.max()
     return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
 
 
 def smoothstep(low: float, high: float, values: Any) -> Plane:
-    """0 below `low`, 1 above `high`, and a smooth S between them."""
+    """0 below `low`, 1 above `high`, and a smooth cubic between."""
     t = np.clip((values - np.float32(low)) / np.float32(high - low), 0, 1)
     curve: Plane = (t * t * (3 - 2 * t)).astype(np.float32)
     return curve
 
 
-def mix(one: Any, other: Any, share: Any) -> NDArray[np.float32]:
-    """`one` where `share` is 0, `other` where it is 1: numbers, planes, or colours.
+def mix(a: Any, b: Any, t: Any) -> NDArray[np.float32]:
+    """Linear interpolation from `a` at `t` = 0 to `b` at 1: numbers, planes or colours.
 
     A colour is three numbers, or three for each texel.
     """
-    one, other, share = (np.asarray(each, np.float32) for each in (one, other, share))
-    if share.ndim == 2 and {one.ndim, other.ndim} & {1, 3}:
-        share = share[:, :, None]
-    mixed: NDArray[np.float32] = one + (other - one) * share
+    a, b, t = (np.asarray(value, np.float32) for value in (a, b, t))
+    if t.ndim == 2 and {a.ndim, b.ndim} & {1, 3}:
+        t = t[:, :, None]
+    mixed: NDArray[np.float32] = a + (b - a) * t
     return mixed
 
 
 def shade(color: NDArray[np.float32], factor: Any) -> NDArray[np.float32]:
-    """Colours made lighter or darker by a plane of factors."""
+    """Colours multiplied by a plane of factors."""
     shaded: NDArray[np.float32] = color * np.asarray(factor, np.float32)[:, :, None]
     return shaded

@@ -1,4 +1,4 @@
-"""Periodic Voronoi cells around the points of a jittered grid, and how far their borders are."""
+"""Periodic Voronoi cells around the points of a jittered grid, with distances to their borders."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from basrelief.material.patterns.canvas import Canvas, Plane
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """For each texel, the cell it lies in. Lengths are in widths of a grid square.
+    """The cell of each texel. Lengths are in widths of a grid square.
 
-    `row` and `column` number the cell, `x` and `y` lead from the cell's point to the texel, and
-    `border` is the distance to the nearest border, its corners rounded.
+    `row` and `column` identify the cell, (`x`, `y`) is the offset from the cell's point to the
+    texel, and `border` the distance to the nearest border, with rounded corners.
     """
 
     row: NDArray[np.int32]
@@ -27,23 +27,23 @@ class Cells:
     count: tuple[int, int]
     random: np.random.Generator
 
-    def of_cell(self, values: NDArray[Any]) -> NDArray[np.float32]:
-        """Values by (row, column) of the cell, at each texel."""
+    def per_cell(self, values: NDArray[Any]) -> NDArray[np.float32]:
+        """Values by (row, column) of a cell, at each texel."""
         spread: NDArray[np.float32] = values.astype(np.float32)[self.row, self.column]
         return spread
 
     def draw(self, low: float, high: float) -> Plane:
-        """A random number of each cell, at each texel."""
-        return self.of_cell(self.random.uniform(low, high, self.count))
+        """A random number per cell, at each texel."""
+        return self.per_cell(self.random.uniform(low, high, self.count))
 
 
 def cells(
     canvas: Canvas, name: str, across: int, *, jitter: float = 0.35, roundness: float = 0.03
 ) -> Cells:
-    """Cells around points that stray up to `jitter` from the middles of `across` grid squares.
+    """Cells around points up to `jitter` from the centres of a grid of `across` squares per row.
 
     `roundness` is the radius of the rounded corners. Every second row is shifted by half a square,
-    like stones that were laid.
+    as in laid stones.
     """
     down = canvas.rows(across, even=True)
     random = canvas.random(name)
@@ -52,45 +52,45 @@ def cells(
     gy = canvas.y * np.float32(down * canvas.width / canvas.height)
     gy = gy + _RIPPLE * canvas.noise(f"{name} y", across * 2, octaves=3)
     bands = [
-        grid.look(gx[top : top + _BAND], gy[top : top + _BAND], roundness)
+        grid.locate(gx[top : top + _BAND], gy[top : top + _BAND], roundness)
         for top in range(0, canvas.height, _BAND)
     ]
-    row, column, x, y, border = (np.concatenate(each) for each in zip(*bands, strict=True))
+    row, column, x, y, border = (np.concatenate(planes) for planes in zip(*bands, strict=True))
     return Cells(row % down, column % across, x, y, border, (down, across), random)
 
 
 _RIPPLE = np.float32(0.05)
-"""How far borders waver, in grid squares."""
+"""Amplitude of the distortion of borders, in grid squares."""
 
 _BAND = 32
-"""Rows worked on at once, so that what is in hand stays in the processor's cache."""
+"""Rows processed at once, so that the working set stays in the processor's cache."""
 
 _MARGIN = 4
-"""Cells repeated around the grid, so that neighbours are found without wrapping."""
+"""Cells repeated around the grid, so that neighbours need no wrapping."""
 
 
 class _Grid:
-    """Points of a jittered grid, with a margin of repeated ones, numbered row by row."""
+    """Points of a jittered grid with a margin of repeated points, numbered row by row."""
 
-    def __init__(self, straying: NDArray[np.float64]) -> None:
-        down, across = straying.shape[1:]
+    def __init__(self, jitter_offsets: NDArray[np.float64]) -> None:
+        down, across = jitter_offsets.shape[1:]
         rows = np.arange(-_MARGIN, down + _MARGIN)[:, None]
         columns = np.arange(-_MARGIN, across + _MARGIN)[None, :]
-        stray_x, stray_y = straying[:, rows % down, columns % across]
+        offset_x, offset_y = jitter_offsets[:, rows % down, columns % across]
         self.shift = ((rows[:, 0] % 2) * 0.5).astype(np.float32)
         self.stride = columns.size
-        self.x = (columns + self.shift[:, None] + 0.5 + stray_x).astype(np.float32).ravel()
-        self.y = (rows + 0.5 + stray_y).astype(np.float32).ravel()
+        self.x = (columns + self.shift[:, None] + 0.5 + offset_x).astype(np.float32).ravel()
+        self.y = (rows + 0.5 + offset_y).astype(np.float32).ravel()
 
-    def look(self, gx: Plane, gy: Plane, roundness: float) -> tuple[NDArray[Any], ...]:
-        """Row and column of the nearest point, the way from it, and the distance to the border."""
+    def locate(self, gx: Plane, gy: Plane, roundness: float) -> tuple[NDArray[Any], ...]:
+        """Row and column of the nearest point, the offset from it, the distance to the border."""
         point = self.nearest(gx, gy)
         x, y = gx - self.x[point], gy - self.y[point]
         row, column = point // self.stride - _MARGIN, point % self.stride - _MARGIN
         return row, column, x, y, self.border(gx, gy, point, x, y, roundness)
 
     def nearest(self, gx: Plane, gy: Plane) -> NDArray[np.int32]:
-        """The number of the nearest point, sought in the nine squares around."""
+        """The number of the nearest point among the nine squares around."""
         least = np.full(gx.shape, np.inf, np.float32)
         best = np.zeros(gx.shape, np.int32)
         for row_step in (-1, 0, 1):
@@ -109,7 +109,7 @@ class _Grid:
     def border(
         self, gx: Plane, gy: Plane, point: NDArray[np.int32], x: Plane, y: Plane, roundness: float
     ) -> Plane:
-        """A soft minimum of the distances to the borders with the cells around.
+        """Smooth minimum of the distances to the borders with the neighbouring cells.
 
         −roundness · log Σ exp(−distance/roundness), which rounds the corners between two borders
         (I. Quilez, *Smooth Voronoi*, 2014; here over the distances to the bisectors).

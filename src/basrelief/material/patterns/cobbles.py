@@ -52,4 +52,4 @@ def _stones(stone: Cells) -> np.ndarray:
     kind = stone.random.integers(0, len(STONES), stone.count)
     colors = STONES[kind] * stone.random.uniform(0.82, 1.12, stone.count)[:, :, None]
     colors[stone.random.uniform(0, 1, stone.count) < 1 / 12] = RED
-    return stone.of_cell(colors)
+    return stone.per_cell(colors)

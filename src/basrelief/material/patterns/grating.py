@@ -1,4 +1,4 @@
-"""A steel grating to see through: wide and narrow bars, one brace across them, and real holes."""
+"""A steel grating with holes: wide and narrow bars, and one brace across them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade
 
 TILE, DEPTH = 0.3, 0.036
 WIDE, NARROW = 3, 4
-"""Upright bars across, and level ones that hold them together."""
+"""Number of vertical bars, and of the horizontal ones that hold them together."""
 HALF_WIDE, HALF_NARROW, HALF_BRACE = 0.048, 0.021, 0.034
 """Half the bars' widths, in widths of the tile: 29, 13 and 20 mm."""
 RIVET = 0.024
@@ -19,10 +19,9 @@ RUST, DARK_RUST = (0.47, 0.25, 0.13), (0.27, 0.14, 0.09)
 
 
 def grating(canvas: Canvas) -> Relief:
-    """30 cm of painted floor grating, bare where worn, 36 mm from the holes to the bars' tops.
+    """30 cm of painted floor grating, bare where worn, 36 mm from the holes to the top.
 
-    `opacity` is 0 in the holes and 1 on the bars, nothing between; the holes are where the heights
-    are 0, and nowhere else are they.
+    `opacity` is 0 in the holes and 1 on the bars. Heights are 0 exactly in the holes.
     """
     bars = _Bars(canvas)
     grain = canvas.noise("grain", 128, octaves=2)
@@ -44,7 +43,7 @@ def grating(canvas: Canvas) -> Relief:
 
 
 class _Bars:
-    """At each texel the topmost bar, if any: its height, how worn, whether it is the brace."""
+    """The topmost bar at each texel: height, wear, and whether it is the brace."""
 
     def __init__(self, canvas: Canvas) -> None:
         random = canvas.random("place")
@@ -59,39 +58,39 @@ class _Bars:
         x = _to_nearest(canvas.x * WIDE + shift_x) / np.float32(WIDE)
         pitch = np.float32(canvas.aspect / down)
         y = _to_nearest(canvas.y / pitch + shift_y) * pitch
-        self._lay(HALF_NARROW - np.abs(y), TOP_NARROW, HALF_NARROW)  # round
-        # how far right of the brace's middle: it falls by the tile's height over its width
+        self._draw_bar(HALF_NARROW - np.abs(y), TOP_NARROW, HALF_NARROW)  # round
+        # offset right of the brace's centre line, which falls by the tile's height over its width
         right = _to_nearest(canvas.x - canvas.y / np.float32(canvas.aspect) + shift)
         across = np.abs(right) * np.float32(canvas.aspect / np.hypot(canvas.aspect, 1))
         before = self.height
-        self._lay(HALF_BRACE - across, TOP_BRACE, self.bevel)
+        self._draw_bar(HALF_BRACE - across, TOP_BRACE, self.bevel)
         self.is_brace = (self.height > before).astype(np.float32)
-        self._lay(HALF_WIDE - np.abs(x), TOP_WIDE, self.bevel)
+        self._draw_bar(HALF_WIDE - np.abs(x), TOP_WIDE, self.bevel)
         self.is_brace *= np.abs(x) >= HALF_WIDE
         self._rivet(x, (x - right) * np.float32(canvas.aspect))
 
-    def _lay(self, inside: Plane, top: float, bevel: float) -> None:
-        """A bar over those that are there: `inside` is how far its edge is, positive within."""
+    def _draw_bar(self, inside: Plane, top: float, bevel: float) -> None:
+        """Draw a bar over the others; `inside` is the distance from its edge, positive within."""
         edge = np.clip(inside / np.float32(bevel), 0, 1)
         rounded = np.float32(top) * (0.72 + 0.28 * np.sqrt(1 - (1 - edge) ** 2))
-        over = (inside > 0) & (rounded > self.height)
-        self.height = np.where(over, rounded, self.height).astype(np.float32)
+        on_top = (inside > 0) & (rounded > self.height)
+        self.height = np.where(on_top, rounded, self.height).astype(np.float32)
         worn = smoothstep(2.2 * self.bevel, 0.3 * self.bevel, inside) * np.float32(top)
-        self.crown = np.where(over, worn, self.crown).astype(np.float32)
+        self.crown = np.where(on_top, worn, self.crown).astype(np.float32)
         self.solid |= np.broadcast_to(inside > 0, self.solid.shape)
 
     def _rivet(self, x: Plane, y: Plane) -> None:
-        """A round head where the brace passes under a wide bar, (x, y) from there."""
-        away = np.hypot(x, y)
-        dome = np.sqrt(np.clip(1 - (away / np.float32(RIVET)) ** 2, 0, 1))
-        head = away < RIVET
-        groove = smoothstep(1.3 * RIVET, RIVET, away) * (np.abs(x) < HALF_WIDE)
+        """Draw a round head where the brace passes under a wide bar, at offset (x, y)."""
+        distance = np.hypot(x, y)
+        dome = np.sqrt(np.clip(1 - (distance / np.float32(RIVET)) ** 2, 0, 1))
+        head = distance < RIVET
+        groove = smoothstep(1.3 * RIVET, RIVET, distance) * (np.abs(x) < HALF_WIDE)
         height = np.where(head, 0.85 + 0.15 * dome, self.height - 0.08 * groove)
         self.height = height.astype(np.float32)
         self.crown = np.where(head, dome, self.crown).astype(np.float32)
 
 
 def _to_nearest(values: Plane) -> Plane:
-    """How far the nearest whole number is."""
-    away: Plane = (values - np.round(values)).astype(np.float32)
-    return away
+    """Signed distance from the nearest integer."""
+    distance: Plane = (values - np.round(values)).astype(np.float32)
+    return distance

@@ -1,4 +1,4 @@
-"""River gravel: smooth pebbles of three sizes, heaped over each other."""
+"""River gravel: overlapping smooth pebbles of three sizes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade
 
 TILE, DEPTH = 0.4, 0.032
 SIZES = ((9, 0.54, 0.30), (16, 0.56, 0.16), (30, 0.60, 0.04))
-"""Pebbles across, their largest radius in grid squares, and how high they lie, largest first."""
+"""Pebbles across, largest radius in grid squares, and base height, largest pebbles first."""
 STONES = np.array(
     [
         [0.55, 0.53, 0.50],
@@ -27,8 +27,8 @@ SAND = (0.33, 0.29, 0.24)
 def gravel(canvas: Canvas) -> Relief:
     """40 cm of pebbles from 1 to 5 cm, 3 cm from the sand to the top of the highest."""
     heap = _Heap(canvas)
-    for across, radius, rest in SIZES:
-        heap.strew(across, radius, rest)
+    for across, radius, base in SIZES:
+        heap.scatter(across, radius, base)
     grain = canvas.noise("grain", 128, octaves=2, gain=0.8)
     dents = canvas.noise("dents", 24, octaves=4)
     stone = heap.is_stone
@@ -43,7 +43,7 @@ def gravel(canvas: Canvas) -> Relief:
 
 
 class _Heap:
-    """The highest pebble at each texel so far: its height, colour and tone (−1 to 1)."""
+    """The topmost pebble at each texel so far: height, colour and tone (−1 to 1)."""
 
     def __init__(self, canvas: Canvas) -> None:
         self.canvas = canvas
@@ -53,51 +53,51 @@ class _Heap:
         self.tone = np.zeros(shape, np.float32)
         self.is_stone = np.zeros(shape, np.float32)
 
-    def strew(self, across: int, radius: float, rest: float) -> None:
-        """Lay a pebble in each square of a grid, its place, shape, turn and tilt by chance."""
+    def scatter(self, across: int, radius: float, base: float) -> None:
+        """Draw a pebble in each square of a grid, of random position, shape, angle and tilt."""
         down = self.canvas.rows(across)
         random = self.canvas.random(f"pebbles {across}")
         for row in range(down):
             for column in range(across):
                 square = np.array([column + row % 2 / 2, row])
                 middle = square + random.uniform(0.2, 0.8, 2)
-                self._lay(_Pebble(random, middle / (across, down), radius / across, rest))
+                self._draw_pebble(_Pebble(random, middle / (across, down), radius / across, base))
 
-    def _lay(self, pebble: _Pebble) -> None:
+    def _draw_pebble(self, pebble: _Pebble) -> None:
         middle_x, middle_y = pebble.middle
         window = self.canvas.around(middle_x, middle_y * self.canvas.aspect, pebble.long)
-        there = window.there
+        texels = window.texels
         top = pebble.top(window.x, window.y)
-        over = top > self.height[there]
-        self.height[there] = np.where(over, top, self.height[there])
-        self.color[there] = np.where(over[:, :, None], pebble.color, self.color[there])
-        self.tone[there] = np.where(over, np.float32(pebble.tone), self.tone[there])
-        self.is_stone[there] = np.maximum(self.is_stone[there], over)
+        on_top = top > self.height[texels]
+        self.height[texels] = np.where(on_top, top, self.height[texels])
+        self.color[texels] = np.where(on_top[:, :, None], pebble.color, self.color[texels])
+        self.tone[texels] = np.where(on_top, np.float32(pebble.tone), self.tone[texels])
+        self.is_stone[texels] = np.maximum(self.is_stone[texels], on_top)
 
 
 class _Pebble:
     """A flattened, tilted dome over an ellipse; lengths in widths of the picture."""
 
     def __init__(
-        self, random: np.random.Generator, middle: np.ndarray, radius: float, rest: float
+        self, random: np.random.Generator, middle: np.ndarray, radius: float, base: float
     ) -> None:
         self.middle = middle
         self.long = radius * random.uniform(0.72, 1)
         self.short = self.long * random.uniform(0.58, 0.95)
         self.angle = random.uniform(0, np.pi)
-        self.rest = rest + random.uniform(-0.10, 0.10)
+        self.base = base + random.uniform(-0.10, 0.10)
         self.tilt = random.uniform(-0.12, 0.12, 2)
         self.tone = random.uniform(-1, 1)
         color = STONES[random.integers(0, len(STONES))] * random.uniform(0.75, 1.15)
         self.color = color.astype(np.float32)
 
     def top(self, x: Plane, y: Plane) -> Plane:
-        """Its upper side, at (x, y) from its middle, as a relief height; below 0 beside it."""
+        """Height of the upper side at offset (x, y) from the middle; below 0 outside."""
         cos, sin = np.float32(np.cos(self.angle)), np.float32(np.sin(self.angle))
         u = (cos * x + sin * y) / np.float32(self.long)
         v = (cos * y - sin * x) / np.float32(self.short)
         square = u * u + v * v
         dome = np.sqrt(np.maximum(1 - square * (0.6 + 0.4 * square), 0))
         lean = np.float32(self.tilt[0]) * u + np.float32(self.tilt[1]) * v
-        inside = np.float32(self.rest) + np.float32(6 * self.long) * dome + lean
+        inside = np.float32(self.base) + np.float32(6 * self.long) * dome + lean
         return np.where(square < 1, inside, np.float32(-1))

@@ -1,4 +1,4 @@
-"""A detail grid: thin dark lines on light grey, by which the eye follows a relief."""
+"""A detail grid: thin dark lines on light grey that make a relief easy to read."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from basrelief.material.patterns.canvas import Canvas, Plane, Relief, mix, shade
 TILE, DEPTH = 0.1, 0.0004
 ACROSS = 2
 HEAVY, LIGHT = 0.020, 0.009
-"""Half the width of the lines around the tile, and of those within, in widths of the tile."""
+"""Half widths of the lines around and within the tile, in widths of the tile."""
 NOTCH = (0.26, 0.10)
-"""The sides of the triangle in each cell's corner, along x and y, in widths of the tile."""
+"""Sides of the triangle in each cell's corner, along x and y, in widths of the tile."""
 INK, PAPER = 0.16, 0.80
 MEAN = 0.214041
-"""Half of sRGB's range in linear light: the grey of a detail map that changes nothing."""
+"""Half of sRGB's range in linear light: the neutral grey of a detail map."""
 
 
 def grid(canvas: Canvas) -> Relief:
-    """Cells of 5 cm, each with its upper left corner filled in, so that mirrored maps show.
+    """Cells of 5 cm with a filled upper left corner, which reveals mirrored maps.
 
-    Colour and fine normals alone, for a detail map. The colour is middle grey on average: as a
-    second layer it keeps the brightness of what lies below.
+    A detail map: colour and fine normals only. The colour averages to middle grey, so that a second
+    layer keeps the brightness below it.
     """
     ink = np.maximum(_lines(canvas), _notches(canvas))
     grain = canvas.noise("grain", 64, octaves=2)
@@ -52,7 +52,7 @@ def _lines(canvas: Canvas) -> Plane:
 
 
 def _notches(canvas: Canvas) -> Plane:
-    """A triangle in each cell's upper left corner, a gap away from the lines."""
+    """A triangle in each cell's upper left corner, with a gap to the lines."""
     down = canvas.rows(ACROSS)
     soft = canvas.softness(0.006) / 2
     x = (canvas.x * ACROSS % 1) / ACROSS - np.float32(2.6 * HEAVY)
@@ -67,8 +67,8 @@ def _notches(canvas: Canvas) -> Plane:
 
 
 def _with_mean(light: np.ndarray) -> np.ndarray:
-    """Linear greys, held to 0…1, of a mean: the paper's brightness gives way."""
+    """Linear greys scaled to the mean `MEAN`, clamped to 0…1."""
     factor = 1.0
-    for _ in range(4):  # what is clipped off is missing in the mean
+    for _ in range(4):  # clipping lowers the mean, so iterate
         factor *= MEAN / float(np.clip(light * factor, 0, 1).mean())
     return np.clip(light * factor, 0, 1)

@@ -7,7 +7,7 @@ import numpy as np
 from basrelief.material.patterns.canvas import Canvas, Relief, to_unit
 
 TILE, DEPTH = 2000.0, 400.0
-"""A fifth: the flattening that E. Nordeus (habrador, *Parallax mapping*) gives his landscape."""
+"""A ratio of a fifth, as in the landscape of E. Nordeus (habrador, *Parallax mapping*)."""
 
 
 def noise(canvas: Canvas) -> Relief:
@@ -17,7 +17,7 @@ def noise(canvas: Canvas) -> Relief:
     """
     broad = canvas.noise("broad", 4, octaves=2, gain=0.45)
     fine = canvas.noise("fine", 12, octaves=6, gain=0.5)
-    # heights are rougher than valleys, which water has filled and smoothed
+    # peaks are rougher than valleys, which sediment has smoothed
     height = to_unit(broad + 0.16 * fine * (1 + 0.5 * np.tanh(broad)))
     grey = np.repeat(height[:, :, None], 3, axis=2).astype(np.float32)
     roughness = (0.95 - 0.1 * height).astype(np.float32)

@@ -26,7 +26,7 @@ def stone(canvas: Canvas) -> Relief:
     flakes = chip.draw(-0.05, 0.05) + chip.draw(-0.14, 0.14) * chip.x
     flakes += chip.draw(-0.14, 0.14) * chip.y
     worn = smoothstep(-0.8, 0.8, canvas.noise("worn", 6, octaves=3))
-    # blocks fall off towards their clefts; the clefts come and go
+    # blocks slope towards their clefts; the strength of the clefts varies
     cleft = smoothstep(0.11, 0.0, block.border + 0.02 * rough) * (0.25 + 0.75 * worn)
     height = 0.10 * swell + facets + flakes * (1 - 0.4 * worn) + 0.05 * rough + 0.010 * grain
     height -= 0.30 * cleft + 0.06 * smoothstep(0.12, 0.0, chip.border) * worn

@@ -1,4 +1,4 @@
-"""A country from above: eroded mountains, a lake in the lowest part, snow on the heights."""
+"""A landscape from above: eroded mountains, a lake in the lowest part, snow on the summits."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ def terrain(canvas: Canvas) -> Relief:
 
 
 def _eroded(canvas: Canvas) -> Plane:
-    """Ridged noise over hills: each octave counts most where those before it stand high.
+    """Ridged multifractal noise over hills: octaves are weighted by the ridges before them.
 
-    So ridges branch into ridges while the valleys stay smooth, as running water leaves them
+    Ridges branch into ridges while the valleys stay smooth, as after erosion by water
     (F. K. Musgrave, *Texturing and Modeling: A Procedural Approach*, 3rd ed. 2003, ch. 16). The
-    crests are blunted: a ridge is 1 − √(noise² + bluntness²).
+    crests are rounded: a ridge is 1 − √(noise² + BLUNT²).
     """
     hills = canvas.noise("hills", 2, octaves=3)
     total = np.float32(0.06) * hills
-    share = 0.45 + 0.55 * smoothstep(-1.5, 1.2, hills)
+    octave_weight = 0.45 + 0.55 * smoothstep(-1.5, 1.2, hills)
     weight = 1.0
     for octave in range(OCTAVES):
         across = 4 << octave
@@ -58,14 +58,14 @@ def _eroded(canvas: Canvas) -> Plane:
             break
         layer = canvas.noise(f"ridges {octave}", across)
         ridge = 1 - np.sqrt((0.7 * layer) ** 2 + BLUNT**2)
-        total = total + np.float32(weight) * share * ridge
-        share = np.clip(share * (0.30 + 0.95 * ridge), 0.12, 1)
+        total = total + np.float32(weight) * octave_weight * ridge
+        octave_weight = np.clip(octave_weight * (0.30 + 0.95 * ridge), 0.12, 1)
         weight *= 0.58
     return total.astype(np.float32)
 
 
 def _slope(values: Plane, axis: int) -> Plane:
-    """Rise over a picture's width, by periodic central differences."""
+    """Slope per width of the picture, by periodic central differences."""
     rise: Plane = np.roll(values, -1, axis) - np.roll(values, 1, axis)
     return rise * np.float32(values.shape[1] / 2)
 

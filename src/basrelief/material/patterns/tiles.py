@@ -1,4 +1,4 @@
-"""A floor of marble octagons and small dots with thin grooves: hard for few samples to hit."""
+"""A floor of marble octagons and small dots, with thin grooves that coarse marches miss."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ACROSS = 4
 GROOVE = 0.020
 """Width of a groove, in widths of an octagon: 3 mm, some three texels of 512."""
 DOT = 0.30
-"""From the corner of a square to the tip of its dot, in widths of an octagon."""
+"""Distance from the corner of a square to the tip of its dot, in widths of an octagon."""
 CREAM, SAGE = (0.83, 0.80, 0.74), (0.52, 0.59, 0.53)
 SLATE, BRASS = (0.20, 0.21, 0.24), (0.91, 0.78, 0.47)
 GROUT = (0.50, 0.47, 0.43)
@@ -40,7 +40,7 @@ def tiles(canvas: Canvas) -> Relief:
 
 
 class _Floor:
-    """For each texel: the distance to the groove, in widths of an octagon, and the piece's nature.
+    """For each texel, the distance to the groove in widths of an octagon, and its tile's look.
 
     An octagon is a square whose corners are cut off by the dots, squares that stand on their tips.
     """
@@ -74,13 +74,15 @@ class _Floor:
     ) -> None:
         random = canvas.random("octagons")
 
-        def each(low: float, high: float) -> Plane:
+        def per_octagon(low: float, high: float) -> Plane:
             drawn: Plane = random.uniform(low, high, self.count).astype(np.float32)[octagon]
             return drawn
 
-        tilt = each(-0.05, 0.05) * across + each(-0.05, 0.05) * down
-        self.lift = np.where(self.is_dot > 0, 0.05, each(-0.05, 0.05) + tilt).astype(np.float32)
-        self.tone = each(-0.5, 0.5)
+        tilt = per_octagon(-0.05, 0.05) * across + per_octagon(-0.05, 0.05) * down
+        self.lift = np.where(self.is_dot > 0, 0.05, per_octagon(-0.05, 0.05) + tilt).astype(
+            np.float32
+        )
+        self.tone = per_octagon(-0.5, 0.5)
         sage = np.zeros(self.count, bool)
         sage[0, 1] = sage[self.count[0] // 2, 3] = sage[self.count[0] // 2, 0] = True
         light = random.uniform(0.94, 1.05, self.count)[:, :, None]
@@ -94,7 +96,7 @@ class _Floor:
     def _crack(
         self, canvas: Canvas, octagon: tuple[np.ndarray, np.ndarray], across: Plane, down: Plane
     ) -> None:
-        """One octagon is broken across."""
+        """Crack one octagon from side to side."""
         cracked = (octagon[0] == self.count[0] - 1) & (octagon[1] == 1) & (self.is_dot == 0)
         line = across * 0.8 - down * 0.55 + 0.05 + 0.02 * canvas.noise("crack", 12, octaves=4)
         self.crack = smoothstep(0.012, 0.004, np.abs(line)) * cracked

@@ -1,4 +1,4 @@
-"""What a preset is, and how it becomes a scene."""
+"""The record of a preset, and its conversion to a scene."""
 
 from __future__ import annotations
 
@@ -14,29 +14,44 @@ import numpy as np
 from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
 from basrelief.material import MAPS, Map, Material, load
-from basrelief.material.load import Reading
+from basrelief.material.load import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
-from basrelief.scene.checks import one_of
+from basrelief.scene.checks import check_choice
 from basrelief.scene.presets import checks
 from basrelief.techniques import flat, relief
 
 _TABLES = ("maps", "object", "scene", "motion")
 _RECORDS = ("settings", "smoothing", "surface_parameters", "shading", "shadowing", "fog")
-"""The options that are records of numbers: of two of them the second changes the first."""
+"""Options that are records of numbers, which merge field by field."""
 _LENGTHS = ("max_offset", "step_length")
-"""The settings that are lengths in tile widths."""
+"""Settings that are lengths in widths of a tile."""
 _SAMPLE = "sample:"
 
 
 @dataclass(frozen=True)
 class Preset:
-    """What an article or a user settles on: `values` has the tables `maps`, `object`, `scene`.
+    """A named set of options for `load`, `Object` and `Scene`.
 
-    These hold options of `load`, fields of `Object` and fields of `Scene`, by their names, as TOML
-    can say them; `motion.scroll` is how far the maps move in a second, in the shape's own
-    coordinates. With `object.lengths = "shape"` scale and lengths are fractions of the shape, and
-    not, as everywhere else, of a tile of the height map. `about` is one paragraph; `source` says
-    after whom. Raises InputError for keys that there are not, and for values out of range.
+    Parameters
+    ----------
+    name : str
+        Name of the preset.
+    about : str, optional
+        Description, one paragraph.
+    source : str, optional
+        Author and title of the article that it follows.
+    values : mapping
+        The tables `maps` (options of `load`), `object` and `scene` (fields of `Object` and
+        `Scene`), with TOML values, and `motion`, whose `scroll` is the speed of the maps in texture
+        coordinates of the shape per second. With `object.lengths = "shape"`, scale and lengths are
+        fractions of the shape's width instead of a tile's.
+    file : path, optional
+        File of the preset; paths in its values are relative to its folder.
+
+    Raises
+    ------
+    InputError
+        For unknown keys, and for values of another type or out of range.
     """
 
     name: str
@@ -55,43 +70,59 @@ class Preset:
             if key not in _TABLES:
                 known = ("name", "about", "source", *_TABLES)
                 raise InputError(f"no key {key!r}; {suggestion(key, known)}")
-        object.__setattr__(self, "values", checks.frozen(self.values, ""))
-        checks.checked(self._table("maps"), checks.OF_MAPS, "maps")
-        checks.checked(self._table("object"), checks.OF_OBJECT, "object")
-        checks.checked(self._table("scene"), checks.OF_SCENE, "scene")
-        checks.checked(self._table("motion"), checks.OF_MOTION, "motion")
-        one_of("object.lengths", self._lengths, ("tile", "shape"))
-        self._try()
+        object.__setattr__(self, "values", checks.freeze(self.values, ""))
+        checks.check_table(self._table("maps"), checks.MAPS_KEYS, "maps")
+        checks.check_table(self._table("object"), checks.OBJECT_KEYS, "object")
+        checks.check_table(self._table("scene"), checks.SCENE_KEYS, "scene")
+        checks.check_table(self._table("motion"), checks.MOTION_KEYS, "motion")
+        check_choice("object.lengths", self._lengths, ("tile", "shape"))
+        self._check_scene()
 
-    # --- what it says
+    # --- values
 
     @property
     def maps(self) -> dict[str, Any]:
         """Options of `load`."""
         return {
-            key: self._from_here(each) if key in MAPS else each
-            for key, each in self._table("maps").items()
+            key: self._resolved_path(value) if key in MAPS else value
+            for key, value in self._table("maps").items()
         }
 
     @property
     def scroll(self) -> tuple[float, float]:
-        """How far all maps move in a second, along u and v of the shape's own coordinates."""
+        """Speed of all maps along u and v, in texture coordinates of the shape per second."""
         u, v = self._table("motion").get("scroll", (0.0, 0.0))
         return float(u), float(v)
 
     def scene(self, material: Material, **options: Any) -> Scene:
-        """A scene of a material; `options` are those of `Object` and `Scene`, and win.
+        """The scene of a material with the preset's options.
 
-        Raises InputError for options that there are not, and for values out of range.
+        Parameters
+        ----------
+        material : Material
+            Material of the object.
+        **options
+            Options of `Object` and `Scene`, which override the preset's.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        InputError
+            For unknown options and values out of range.
         """
         return scene_of(material, self.options(material, options))
 
-    def options(self, material: Material, given: Mapping[str, Any]) -> dict[str, Any]:
-        """All options of `Object` and `Scene`: those given, over those of the preset."""
-        ours = self._ours()
-        if "layer" in ours and "layer" not in given:
-            ours["layer"] = self._layer(load(self._from_here(ours["layer"]["material"])))
-        return self._merged(ours, material, given)
+    def options(self, material: Material, overrides: Mapping[str, Any]) -> dict[str, Any]:
+        """All options of `Object` and `Scene`: the preset's, with `overrides` applied."""
+        defaults = self._preset_options()
+        if "layer" in defaults and "layer" not in overrides:
+            defaults["layer"] = self._layer(
+                load(self._resolved_path(defaults["layer"]["material"]))
+            )
+        return self._merged(defaults, material, overrides)
 
     # --- files
 
@@ -100,17 +131,32 @@ class Preset:
         import tomli_w
 
         texts = {key: getattr(self, key) for key in ("name", "about", "source")}
-        said = {key: text for key, text in texts.items() if text}
-        return tomli_w.dumps({**said, **self.values})
+        table = {key: text for key, text in texts.items() if text}
+        return tomli_w.dumps({**table, **self.values})
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the preset as a TOML file, whole or not at all; returns the path.
+        """Write the preset as a TOML file, atomically.
 
-        Raises InputError for a name that does not end in .toml, and where it cannot be written.
+        Parameters
+        ----------
+        path : str or path
+            File to write, which ends in .toml.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            For another suffix, and where the file cannot be written.
         """
         target = Path(path)
         if target.suffix != ".toml":
-            raise InputError(f"{target}: a preset is a .toml file; name it so")
+            raise InputError(
+                f"{target}: a preset is a .toml file; choose a name that ends in .toml"
+            )
         text = self.to_toml()
         write_whole(target, lambda partial: partial.write_text(text, "utf-8", newline="\n"))
         return target
@@ -118,111 +164,122 @@ class Preset:
     # --- within
 
     def _table(self, name: str) -> Mapping[str, Any]:
-        found: Mapping[str, Any] = self.values.get(name, MappingProxyType({}))
-        return found
+        table: Mapping[str, Any] = self.values.get(name, MappingProxyType({}))
+        return table
 
     @property
     def _lengths(self) -> str:
         return str(self._table("object").get("lengths", "tile"))
 
-    def _from_here(self, path: str) -> str:
-        """A path as seen from the preset's own folder; names of samples stay."""
+    def _resolved_path(self, path: str) -> str:
+        """A path relative to the preset's folder, resolved; names of samples are unchanged."""
         if path.startswith(_SAMPLE) or self.file is None:
             return path
         return str(self.file.parent.resolve() / path)
 
-    def _ours(self) -> dict[str, Any]:
-        """The options that the preset says, all but the layer's material made."""
-        made = {**self._table("object"), **self._table("scene")}
-        made.pop("lengths", None)
-        if ".py:" in made.get("technique", ""):
-            made["technique"] = technique_named(self._from_here(made["technique"]))
-        if "tilings" in made:
-            made["tilings"] = {
-                name: _tiling(each, f"object.tilings.{name}")
-                for name, each in made["tilings"].items()
+    def _preset_options(self) -> dict[str, Any]:
+        """The options of the preset as Python values; the layer's material is still a path."""
+        options = {**self._table("object"), **self._table("scene")}
+        options.pop("lengths", None)
+        if ".py:" in options.get("technique", ""):
+            options["technique"] = technique_named(self._resolved_path(options["technique"]))
+        if "tilings" in options:
+            options["tilings"] = {
+                name: _tiling(value, f"object.tilings.{name}")
+                for name, value in options["tilings"].items()
             }
-        if "layer" in made:
-            checks.checked(made["layer"], checks.OF_LAYER, "object.layer")
-            if "material" not in made["layer"]:
+        if "layer" in options:
+            checks.check_table(options["layer"], checks.LAYER_KEYS, "object.layer")
+            if "material" not in options["layer"]:
                 raise InputError("object.layer needs a material: a path, or sample:NAME")
-        if "camera" in made:
-            made["camera"] = checks.camera_of(made["camera"])
-        if "lights" in made:
-            made["lights"] = tuple(map(checks.light_of, made["lights"]))
-        return made
+        if "camera" in options:
+            options["camera"] = checks.camera_of(options["camera"])
+        if "lights" in options:
+            options["lights"] = tuple(map(checks.light_of, options["lights"]))
+        return options
 
     def _layer(self, material: Material) -> Layer:
-        said = self._table("object")["layer"]
-        plain = Layer(material)
-        tiles = said.get("tiles", plain.tiling.tiles)
-        return Layer(material, Tiling(tiles, said.get("shift", plain.tiling.shift)))
+        table = self._table("object")["layer"]
+        default = Layer(material)
+        tiles = table.get("tiles", default.tiling.tiles)
+        return Layer(material, Tiling(tiles, table.get("shift", default.tiling.shift)))
 
     def _merged(
-        self, ours: dict[str, Any], material: Material, given: Mapping[str, Any]
+        self, defaults: dict[str, Any], material: Material, overrides: Mapping[str, Any]
     ) -> dict[str, Any]:
-        technique = given.get("technique", ours.get("technique"))
+        technique = overrides.get("technique", defaults.get("technique"))
         if technique is None:
             technique = flat if material.height is None else relief
         technique = technique_named(technique)
-        surface = given.get("surface", ours.get("surface", "standard"))
-        # what another technique or surface than the preset's own does not have is left out
+        surface = overrides.get("surface", defaults.get("surface", "standard"))
+        # settings that an overriding technique or surface does not have are dropped
         for name, record in (
             ("settings", technique.settings),
             ("surface_parameters", SURFACES.get(surface)),
         ):
             other = {"settings": "technique", "surface_parameters": "surface"}[name]
-            if name in ours and other in given and record is not None:
+            if name in defaults and other in overrides and record is not None:
                 known = record.__dataclass_fields__
-                ours[name] = {key: each for key, each in ours[name].items() if key in known}
+                defaults[name] = {
+                    key: value for key, value in defaults[name].items() if key in known
+                }
         if self._lengths == "shape":
-            self._to_tiles(ours, material, given)
-        if "technique" in ours or "technique" in given:
-            ours["technique"] = technique
-        made = {**ours, **{key: each for key, each in given.items() if key != "technique"}}
+            self._scale_to_tiles(defaults, material, overrides)
+        if "technique" in defaults or "technique" in overrides:
+            defaults["technique"] = technique
+        merged = {
+            **defaults,
+            **{key: value for key, value in overrides.items() if key != "technique"},
+        }
         for name in (*_RECORDS, "tilings"):
-            if isinstance(given.get(name), Mapping) and name in ours:
-                made[name] = {**ours[name], **given[name]}
-        return made
+            if isinstance(overrides.get(name), Mapping) and name in defaults:
+                merged[name] = {**defaults[name], **overrides[name]}
+        return merged
 
-    def _to_tiles(self, ours: dict[str, Any], material: Material, given: Mapping[str, Any]) -> None:
-        """Lengths that are fractions of the shape as fractions of a tile of the heights."""
-        lie = {k: {**ours, **given}[k] for k in ("shape", "tiling") if k in {**ours, **given}}
-        tiles = abs(float(Object(material, **lie).tiles[0]))
-        if "scale" in ours:
-            ours["scale"] = ours["scale"] * tiles
-        settings = dict(ours.get("settings", {}))
+    def _scale_to_tiles(
+        self, defaults: dict[str, Any], material: Material, overrides: Mapping[str, Any]
+    ) -> None:
+        """Convert lengths from widths of the shape to widths of a tile of the heights."""
+        placement = {
+            k: {**defaults, **overrides}[k]
+            for k in ("shape", "tiling")
+            if k in {**defaults, **overrides}
+        }
+        tiles = abs(float(Object(material, **placement).tiles[0]))
+        if "scale" in defaults:
+            defaults["scale"] = defaults["scale"] * tiles
+        settings = dict(defaults.get("settings", {}))
         for name in _LENGTHS:
             if name in settings:
                 settings[name] = min(settings[name] * tiles, 1.0)
-        ours["settings"] = settings
+        defaults["settings"] = settings
 
-    def _try(self) -> None:
-        """Make a scene of a small material, so that what does not fit is told at once."""
-        bumpy = Material(
+    def _check_scene(self) -> None:
+        """Build a scene of a small material, so that errors are reported at once."""
+        test_material = Material(
             "any", height=Map(np.array([[[0.0], [1.0]]], np.float32), False, "made up")
         )
-        Reading(**{key: each for key, each in self._table("maps").items() if key not in MAPS})
-        ours = self._ours()
-        if "layer" in ours:
-            ours["layer"] = self._layer(bumpy)
-        scene_of(bumpy, self._merged(ours, bumpy, {}))
+        ReadOptions(**{key: value for key, value in self._table("maps").items() if key not in MAPS})
+        defaults = self._preset_options()
+        if "layer" in defaults:
+            defaults["layer"] = self._layer(test_material)
+        scene_of(test_material, self._merged(defaults, test_material, {}))
 
 
-def _tiling(said: Any, key: str) -> Tiling:
-    checks.checked(said, checks.OF_TILING, key)
-    return Tiling(**said)
+def _tiling(table: Any, key: str) -> Tiling:
+    checks.check_table(table, checks.TILING_KEYS, key)
+    return Tiling(**table)
 
 
 def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
     """A scene of one material from options of `Object` and `Scene`."""
-    of_scene = {k: each for k, each in options.items() if k in Scene.__dataclass_fields__}
-    of_object = {k: each for k, each in options.items() if k not in of_scene}
+    scene_options = {k: value for k, value in options.items() if k in Scene.__dataclass_fields__}
+    object_options = {k: value for k, value in options.items() if k not in scene_options}
     names = set(Object.__dataclass_fields__) - {"material"}
-    for name in of_object:
+    for name in object_options:
         if name not in names:
             known = sorted(names | set(Scene.__dataclass_fields__) - {"objects"})
-            # functions that draw take a device, and pass on what they do not know
+            # drawing functions take a device, and pass on unknown options
             hint = new_name(name, ("device",)) or suggestion(name, known)
             raise InputError(f"no option {name!r}; {hint}")
-    return Scene((Object(material, **of_object),), **of_scene)
+    return Scene((Object(material, **object_options),), **scene_options)

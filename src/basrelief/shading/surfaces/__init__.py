@@ -1,1 +1,1 @@
-"""What a surface is made of where the ray ends, read from the material's maps."""
+"""Surfaces: material properties at the hit, sampled from the material's maps."""

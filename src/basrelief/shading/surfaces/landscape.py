@@ -1,7 +1,8 @@
-"""A landscape: ground that changes with the height, and water below a height.
+"""The landscape surface: ground that changes with the height, and water below a height.
 
-After habrador, Advanced shaders in Unity: 3. Parallax mapping: grass in the valleys, stone on the
-mountains, water in the lowest places, and a plain colour where the ray met nothing.
+The base colour in the valleys, the second layer's on the mountains, water in the lowest places, and
+a plain sky colour where the ray hits nothing.
+After habrador, Advanced shaders in Unity: 3. Parallax mapping.
 """
 
 from __future__ import annotations
@@ -9,20 +10,20 @@ from __future__ import annotations
 from basrelief.lang import Vec3, mix, setting, shader, struct
 from basrelief.shading.surfaces.standard import base_color_of, layer_color_of, normal_of
 from basrelief.shading.surfaces.surface import (
-    MapPlaces,
-    Spot,
+    MapTilings,
     Surface,
     SurfaceMaps,
+    SurfacePoint,
+    oriented_normal,
+    point_on_map,
     retiled,
-    spot_on_map,
-    turned,
 )
 from basrelief.shading.variant import Variant
 
 
 @struct
 class Landscape:
-    """Numbers of a landscape."""
+    """Settings of the landscape surface."""
 
     water_color: Vec3 = setting(
         default=Vec3(0.1, 0.3, 0.8), doc="of water, times the height, linear", low=0.0
@@ -38,33 +39,36 @@ class Landscape:
 
 @shader
 def landscape_surface(
-    spot: Spot,
+    point: SurfacePoint,
     surface_parameters: Landscape,
-    places: MapPlaces,
+    tilings: MapTilings,
     maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
-    """The base colour in the valleys, the layer's on the mountains, water, or nothing met."""
-    low = base_color_of(maps.base_color, spot_on_map(spot, places.base_color, variant), variant).xyz
-    # without a layer there is the same ground everywhere
-    high = low
+    """mix(valley colour, mountain colour, height); water below the water level; the sky where
+    nothing is hit."""
+    valley_color = base_color_of(
+        maps.base_color, point_on_map(point, tilings.base_color, variant), variant
+    ).xyz
+    # without a layer the ground is the same everywhere
+    mountain_color = valley_color
     if variant.layer:
-        high = layer_color_of(maps.layer_color, retiled(spot, places.layer), variant)
-    color = mix(low, high, spot.height)
-    at_normal = spot_on_map(spot, places.normal, variant)
-    leaning = normal_of(maps.normal, at_normal, surface_parameters.normal_strength, variant)
-    level = turned(leaning, places.normal, variant)
-    if spot.height < surface_parameters.water_level:
-        # a ray that has sunk so low has met the water, whether or not it came to the ground
-        color = surface_parameters.water_color * spot.height
-        level = Vec3(0.0, 0.0, 1.0)
-    elif not spot.found:
+        mountain_color = layer_color_of(maps.layer_color, retiled(point, tilings.layer), variant)
+    color = mix(valley_color, mountain_color, point.height)
+    normal_point = point_on_map(point, tilings.normal, variant)
+    map_normal = normal_of(maps.normal, normal_point, surface_parameters.normal_strength, variant)
+    normal = oriented_normal(map_normal, tilings.normal, variant)
+    if point.height < surface_parameters.water_level:
+        # a ray this low has hit the water, whether or not it reached the ground
+        color = surface_parameters.water_color * point.height
+        normal = Vec3(0.0, 0.0, 1.0)
+    elif not point.found:
         color = surface_parameters.sky_color
-        level = Vec3(0.0, 0.0, 1.0)
+        normal = Vec3(0.0, 0.0, 1.0)
     return Surface(
         base_color=color,
         opacity=1.0,
-        normal=level,
+        normal=normal,
         occlusion=1.0,
         roughness=0.8,
         metallic=0.0,

@@ -1,34 +1,53 @@
-"""The standard surface: the maps of a metallic-roughness material.
+"""The standard surface: the maps of a metallic-roughness material, and a second layer of details.
 
-For a map that the material does not have a plain value stands, and nothing is read. A second layer
-of colours and normals, finer than the first, may lie over it.
+Without a map, a constant takes its place and nothing is sampled.
 """
 
 from __future__ import annotations
 
 from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, struct
 from basrelief.shading.surfaces.surface import (
-    MapPlaces,
-    Spot,
+    MapTilings,
     Surface,
     SurfaceMaps,
-    mirrored_with,
+    SurfacePoint,
+    mirrored_normal,
+    oriented_normal,
+    point_on_map,
     retiled,
-    spot_on_map,
-    turned,
 )
 from basrelief.shading.texture import pixelated, trilinear
 from basrelief.shading.variant import Variant
 
 MIDDLE_GREY = 0.214041
 """Half of sRGB's range, linear: a detail map of this grey changes nothing."""
-FLATTEST = 1e-3
+MIN_NORMAL_Z = 1e-3
 """The least z of a stored normal: a map of (½, ½, ½) gives the surface's own normal."""
 
 
 @struct
 class SurfaceParameters:
-    """Numbers that multiply the maps, or stand for those that are missing."""
+    """Parameters of the standard surface: factors of the maps, and values in place of missing maps.
+
+    Attributes
+    ----------
+    base_color : Vec3
+        Factor of the base colour map, linear.
+    normal_strength : float
+        Factor of the normal map's slopes, 0 to 4.
+    roughness, metallic : float
+        Factors of the maps, 0 to 1.
+    occlusion : float
+        Strength of the ambient occlusion map, 0 to 1.
+    emission : Vec3
+        Factor of the emission map, linear.
+    cutoff : float
+        The least opacity that is drawn where `alpha` is "mask", 0 to 1.
+    layer_color : float
+        Strength of the second layer's colour, 0 to 1.
+    layer_normal : float
+        Factor of the second layer's slopes, 0 to 4.
+    """
 
     base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
     normal_strength: float = setting(
@@ -55,127 +74,133 @@ class SurfaceParameters:
 
 
 @shader
-def base_color_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
-    """Linear colour, and opacity."""
+def base_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec4:
+    """Linear colour and opacity."""
     if not variant.base_color_map:
-        # light grey, so that a material of heights alone shows its relief
+        # light grey: a material of heights alone shows its relief
         return Vec4(0.6, 0.6, 0.6, 1.0)
     if variant.displaced and variant.mapping == "triplanar":
-        return triplanar(map, spot)
+        return triplanar(map, point)
     if variant.columns:
-        return pixelated(map, spot.uv, spot.footprint)
-    return trilinear(map, spot.uv, spot.footprint)
+        return pixelated(map, point.uv, point.footprint)
+    return trilinear(map, point.uv, point.footprint)
 
 
 @shader
-def triplanar(map: Texture, spot: Spot) -> Vec4:
-    """A map laid on from three sides of tangent space, weighed by how they face the relief:
-    on a steep slope its texels are no longer drawn out.
+def triplanar(map: Texture, point: SurfacePoint) -> Vec4:
+    """A map projected along the three axes of tangent space, so that steep slopes do not stretch
+    its texels.
 
-    S. Halliwell, Parallax Offset, 2014, suggests it; R. Geiss, Generating Complex Procedural
-    Terrains Using the GPU, 2007, for the blending.
+    The weights are the fourth powers of the relief normal's components, normalised.
+    S. Halliwell, Parallax Offset, 2014 (suggestion); R. Geiss, Generating Complex Procedural
+    Terrains Using the GPU, GPU Gems 3, 2007 (blending).
     """
-    squared = spot.slope * spot.slope
+    squared = point.relief_normal * point.relief_normal
     weight = squared * squared
-    # the height runs along u on slopes that face along u, along v on the others
-    beside = Vec2(spot.deep, spot.uv.y)
-    # from the tile's lower edge up, so that it is within the tile where tiles do not repeat
-    above = Vec2(spot.uv.x, 1.0 - spot.deep * spot.aspect)
-    total = trilinear(map, spot.uv, spot.footprint) * weight.z
-    total = total + trilinear(map, beside, spot.footprint) * weight.x
-    total = total + trilinear(map, above, spot.footprint) * weight.y
+    # height replaces u on slopes that face along u, v on those that face along v
+    along_x = Vec2(point.height_in_tiles, point.uv.y)
+    # from the tile's lower edge up, which stays within the tile where tiles do not repeat
+    along_y = Vec2(point.uv.x, 1.0 - point.height_in_tiles * point.aspect)
+    total = trilinear(map, point.uv, point.footprint) * weight.z
+    total = total + trilinear(map, along_x, point.footprint) * weight.x
+    total = total + trilinear(map, along_y, point.footprint) * weight.y
     return total / (weight.x + weight.y + weight.z)
 
 
 @shader
-def normal_of(map: Texture, spot: Spot, strength: float, variant: Variant) -> Vec3:
-    """The unit normal in tangent space, green up, leaning more or less than is stored; without a
-    map the surface's own."""
+def normal_of(map: Texture, point: SurfacePoint, strength: float, variant: Variant) -> Vec3:
+    """The unit normal in tangent space, green up, its slope scaled by `strength`; without a map the
+    surface's own."""
     if not variant.normal_map:
         return Vec3(0.0, 0.0, 1.0)
-    stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
-    leaning = stored.xy * strength
-    return normalize(Vec3(leaning, max(stored.z, FLATTEST)))
+    stored = trilinear(map, point.uv, point.footprint).xyz * 2.0 - 1.0
+    scaled = stored.xy * strength
+    return normalize(Vec3(scaled, max(stored.z, MIN_NORMAL_Z)))
 
 
 @shader
-def response_of(map: Texture, spot: Spot, variant: Variant) -> Vec4:
-    """Occlusion, roughness, metallic, packed as in glTF 2.0, and how much of a second layer there
-    is. Without a map not occluded, fairly rough, no metal, the layer everywhere."""
+def response_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec4:
+    """Occlusion, roughness and metallic, packed as in glTF 2.0, and the mask of the second layer.
+    Without a map: unoccluded, roughness 0.8, no metal, the layer everywhere."""
     if variant.response_map:
-        return trilinear(map, spot.uv, spot.footprint)
+        return trilinear(map, point.uv, point.footprint)
     return Vec4(1.0, 0.8, 0.0, 1.0)
 
 
 @shader
-def emission_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
-    """The light that the surface sends out by itself, linear."""
+def emission_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
+    """The emitted light, linear."""
     if variant.emission_map:
-        return trilinear(map, spot.uv, spot.footprint).xyz
+        return trilinear(map, point.uv, point.footprint).xyz
     return Vec3(0.0)
 
 
 @shader
 def opacity_of(opacity: float, surface_parameters: SurfaceParameters, variant: Variant) -> float:
-    """How much of what lies behind is hidden, given what the map says."""
+    """The coverage of a surface whose map has an opacity."""
     if variant.alpha == "mask":
-        return masked(opacity, surface_parameters)
+        return alpha_mask(opacity, surface_parameters)
     return 1.0 if variant.alpha == "opaque" else opacity
 
 
 @shader
-def masked(opacity: float, surface_parameters: SurfaceParameters) -> float:
-    """All or nothing: a cut-out (glTF 2.0, alphaMode MASK)."""
+def alpha_mask(opacity: float, surface_parameters: SurfaceParameters) -> float:
+    """Coverage 1 from the cutoff on, else 0: a cut-out (glTF 2.0, alphaMode MASK)."""
     return 1.0 if opacity >= surface_parameters.cutoff else 0.0
 
 
-# --- a second layer ------------------------------------------------------------------------------
+# --- second layer --------------------------------------------------------------------------------
 
 
 @shader
-def layer_color_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
-    """The layer's linear colour; without a map the grey that leaves what lies below as it is."""
+def layer_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
+    """The layer's linear colour; without a map the neutral grey."""
     if variant.layer_color_map:
-        return trilinear(map, spot.uv, spot.footprint).xyz
+        return trilinear(map, point.uv, point.footprint).xyz
     return Vec3(MIDDLE_GREY)
 
 
 @shader
-def layer_normal_of(map: Texture, spot: Spot, variant: Variant) -> Vec3:
-    """The unit normal of the layer in tangent space."""
+def layer_normal_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
+    """The layer's unit normal in tangent space."""
     if not variant.layer_normal_map:
         return Vec3(0.0, 0.0, 1.0)
-    stored = trilinear(map, spot.uv, spot.footprint).xyz * 2.0 - 1.0
-    return normalize(Vec3(stored.xy, max(stored.z, FLATTEST)))
+    stored = trilinear(map, point.uv, point.footprint).xyz * 2.0 - 1.0
+    return normalize(Vec3(stored.xy, max(stored.z, MIN_NORMAL_Z)))
 
 
 @shader
-def with_details(
+def add_detail_layer(
     surface: Surface,
     mask: float,
-    spot: Spot,
+    point: SurfacePoint,
     surface_parameters: SurfaceParameters,
-    places: MapPlaces,
+    tilings: MapTilings,
     maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
-    """Detail maps: a colour that multiplies, a normal that leans further, where the mask allows.
+    """Detail maps: multiply the colour and tilt the normal, weighted by the mask.
 
-    Middle grey leaves the colour as it is, what is brighter makes it brighter. Slopes are added
-    (C. Barré-Brisebois and S. Hill, Blending in Detail, 2012, "whiteout").
+    Middle grey leaves the colour as it is; brighter greys brighten it. Normals are combined as
+    normalize(n₁.xy + n₂.xy, n₁.z · n₂.z), "whiteout" (C. Barré-Brisebois and S. Hill, Blending in
+    Detail, 2012).
     """
-    over = retiled(spot, places.layer)
-    tint = layer_color_of(maps.layer_color, over, variant) / MIDDLE_GREY
+    layer_point = retiled(point, tilings.layer)
+    tint = layer_color_of(maps.layer_color, layer_point, variant) / MIDDLE_GREY
     tint = mix(Vec3(1.0), tint, mask * surface_parameters.layer_color)
-    finer = mirrored_with(layer_normal_of(maps.layer_normal, over, variant), places.layer)
-    leaning = Vec2(finer.x, finer.y * places.layer_slant) * (mask * surface_parameters.layer_normal)
-    # of unit length again: what leans less is also flatter, and where nothing leans it is level
-    over_it = normalize(Vec3(leaning, finer.z))
-    below = surface.normal
+    detail = mirrored_normal(
+        layer_normal_of(maps.layer_normal, layer_point, variant), tilings.layer
+    )
+    scaled = Vec2(detail.x, detail.y * tilings.layer_normal_stretch) * (
+        mask * surface_parameters.layer_normal
+    )
+    # normalised again: without slope z has to be 1
+    layer_normal = normalize(Vec3(scaled, detail.z))
+    base_normal = surface.normal
     return Surface(
         base_color=surface.base_color * tint,
         opacity=surface.opacity,
-        normal=normalize(Vec3(below.xy + over_it.xy, below.z * over_it.z)),
+        normal=normalize(Vec3(base_normal.xy + layer_normal.xy, base_normal.z * layer_normal.z)),
         occlusion=surface.occlusion,
         roughness=surface.roughness,
         metallic=surface.metallic,
@@ -183,32 +208,36 @@ def with_details(
     )
 
 
-# --- all of it -----------------------------------------------------------------------------------
+# --- the surface ---------------------------------------------------------------------------------
 
 
 @shader
 def standard_surface(
-    spot: Spot,
+    point: SurfacePoint,
     surface_parameters: SurfaceParameters,
-    places: MapPlaces,
+    tilings: MapTilings,
     maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
-    """Read the maps at a place and apply the finish."""
-    color = base_color_of(maps.base_color, spot_on_map(spot, places.base_color, variant), variant)
-    packed = response_of(maps.response, spot_on_map(spot, places.response, variant), variant)
-    glow = emission_of(maps.emission, spot_on_map(spot, places.emission, variant), variant)
-    at_normal = spot_on_map(spot, places.normal, variant)
-    leaning = normal_of(maps.normal, at_normal, surface_parameters.normal_strength, variant)
+    """Sample the maps at a point and apply the surface parameters."""
+    color = base_color_of(
+        maps.base_color, point_on_map(point, tilings.base_color, variant), variant
+    )
+    packed = response_of(maps.response, point_on_map(point, tilings.response, variant), variant)
+    emission = emission_of(maps.emission, point_on_map(point, tilings.emission, variant), variant)
+    normal_point = point_on_map(point, tilings.normal, variant)
+    normal = normal_of(maps.normal, normal_point, surface_parameters.normal_strength, variant)
     surface = Surface(
         base_color=color.xyz * surface_parameters.base_color,
         opacity=opacity_of(color.w, surface_parameters, variant),
-        normal=turned(leaning, places.normal, variant),
+        normal=oriented_normal(normal, tilings.normal, variant),
         occlusion=mix(1.0, packed.x, surface_parameters.occlusion),
         roughness=packed.y * surface_parameters.roughness,
         metallic=packed.z * surface_parameters.metallic,
-        emission=glow * surface_parameters.emission,
+        emission=emission * surface_parameters.emission,
     )
     if variant.layer:
-        return with_details(surface, packed.w, spot, surface_parameters, places, maps, variant)
+        return add_detail_layer(
+            surface, packed.w, point, surface_parameters, tilings, maps, variant
+        )
     return surface

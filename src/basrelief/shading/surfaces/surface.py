@@ -1,7 +1,7 @@
-"""What a surface is: where it is asked for, what it answers, and the slot that it is bound to.
+"""The surface slot: material properties at a point of the relief.
 
-A surface reads a material's maps at one displaced place. Its numbers are a record of its own, as a
-technique's settings are.
+A surface samples a material's maps at one displaced point. Its settings are a record of its own, as
+a technique's are.
 """
 
 from __future__ import annotations
@@ -23,29 +23,30 @@ from basrelief.shading.variant import Variant
 
 
 @struct
-class Spot:
-    """A place on the relief.
+class SurfacePoint:
+    """A point of the relief that a surface is evaluated at.
 
-    `uv` are the displaced coordinates of the height map, `footprint` how far a pixel reaches there.
-    `height` is that of the hit, 0 to 1, and `found` whether there was one. `slope` is the relief's
-    unit normal in tangent space, where a program needs it, else (0, 0, 1); `deep` the height in
-    tile widths; `aspect` that of the frame.
+    `uv` are the displaced coordinates on the height map, `footprint` the pixel footprint there,
+    `height` that of the hit, 0 to 1, and `found` whether there is a hit. `relief_normal` is the
+    relief's unit normal in tangent space where a program needs it, else (0, 0, 1);
+    `height_in_tiles` the height in tile widths; `aspect` the width of a tile ÷ its height.
     """
 
     uv: Vec2
     footprint: Footprint
     height: float
     found: bool
-    slope: Vec3
-    deep: float
+    relief_normal: Vec3
+    height_in_tiles: float
     aspect: float
 
 
 @struct
-class MapPlaces:
-    """How each map lies beside the height map: the ratio of their tilings (xy), a shift (zw).
+class MapTilings:
+    """The tiling of each map relative to the height map: the ratio of the tilings (xy) and a shift
+    (zw).
 
-    `layer_slant` is how much more the layer's normals are stretched along v than the main ones.
+    `layer_normal_stretch` is the stretch of the layer's normals along v relative to the material's.
     """
 
     base_color: Vec4
@@ -53,12 +54,12 @@ class MapPlaces:
     response: Vec4
     emission: Vec4
     layer: Vec4
-    layer_slant: float
+    layer_normal_stretch: float
 
 
 @struct
 class Surface:
-    """What the surface is made of at one place; `normal` in tangent space."""
+    """Material properties at a point; `normal` is in tangent space."""
 
     base_color: Vec3
     opacity: float
@@ -71,10 +72,10 @@ class Surface:
 
 @resources
 class SurfaceMaps:
-    """The maps of a material but for its heights, and of the layer over it.
+    """The maps of a material without its heights, and those of the second layer.
 
-    Linear colour with opacity; tangent-space normals; occlusion, roughness, metallic and the mask
-    of the layer; the light that is sent out.
+    `base_color` is linear, with opacity; `normal` in tangent space; `response` holds occlusion,
+    roughness, metallic and the mask of the layer; `emission` is linear.
     """
 
     base_color: Texture
@@ -86,56 +87,56 @@ class SurfaceMaps:
 
 
 class SurfaceSettings(TypeSlot):
-    """The numbers of whichever surface is bound."""
+    """The settings record of the bound surface."""
 
 
 @slot
 def surface_at(
-    spot: Spot,
+    point: SurfacePoint,
     surface_parameters: SurfaceSettings,
-    places: MapPlaces,
+    tilings: MapTilings,
     maps: SurfaceMaps,
     variant: Variant,
 ) -> Surface:
-    """What the surface is made of at a place."""
+    """The material properties at a point."""
 
 
-# --- where each map is read ----------------------------------------------------------------------
-
-
-@shader
-def spot_on_map(spot: Spot, place: Vec4, variant: Variant) -> Spot:
-    """The same spot in the coordinates of one map."""
-    return retiled(spot, place) if variant.own_tilings else spot
+# --- tilings of single maps ----------------------------------------------------------------------
 
 
 @shader
-def retiled(spot: Spot, place: Vec4) -> Spot:
-    """Each map has its own tiling and shift.
+def point_on_map(point: SurfacePoint, tiling: Vec4, variant: Variant) -> SurfacePoint:
+    """The point in the coordinates of one map."""
+    return retiled(point, tiling) if variant.own_tilings else point
 
-    The offset is scaled with the tiling, so that what is displaced stays glued together:
-    catlike's offset · (detail tiling ÷ main tiling).
+
+@shader
+def retiled(point: SurfacePoint, tiling: Vec4) -> SurfacePoint:
+    """The point in the coordinates of a map with a tiling and shift of its own.
+
+    The parallax offset is scaled with the tiling, so that all maps stay aligned: catlike's
+    offset · (detail tiling ÷ main tiling).
     """
-    ratio = place.xy
-    footprint = Footprint(spot.footprint.dx * ratio, spot.footprint.dy * ratio)
-    return Spot(
-        uv=spot.uv * ratio + place.zw,
+    ratio = tiling.xy
+    footprint = Footprint(point.footprint.dx * ratio, point.footprint.dy * ratio)
+    return SurfacePoint(
+        uv=point.uv * ratio + tiling.zw,
         footprint=footprint,
-        height=spot.height,
-        found=spot.found,
-        slope=spot.slope,
-        deep=spot.deep * ratio.x,
-        aspect=spot.aspect * ratio.y / ratio.x,
+        height=point.height,
+        found=point.found,
+        relief_normal=point.relief_normal,
+        height_in_tiles=point.height_in_tiles * ratio.x,
+        aspect=point.aspect * ratio.y / ratio.x,
     )
 
 
 @shader
-def turned(normal: Vec3, place: Vec4, variant: Variant) -> Vec3:
-    """A normal of one map in the directions of the height map."""
-    return mirrored_with(normal, place) if variant.own_tilings else normal
+def oriented_normal(normal: Vec3, tiling: Vec4, variant: Variant) -> Vec3:
+    """A normal of one map, oriented as the height map."""
+    return mirrored_normal(normal, tiling) if variant.own_tilings else normal
 
 
 @shader
-def mirrored_with(normal: Vec3, place: Vec4) -> Vec3:
-    """Mirrored where the one map's tiling is, and the other's is not."""
-    return Vec3(normal.x * copysign(1.0, place.x), normal.y * copysign(1.0, place.y), normal.z)
+def mirrored_normal(normal: Vec3, tiling: Vec4) -> Vec3:
+    """A normal mirrored along each axis on which only one of the two tilings is mirrored."""
+    return Vec3(normal.x * copysign(1.0, tiling.x), normal.y * copysign(1.0, tiling.y), normal.z)

@@ -1,6 +1,6 @@
-// What is made of the heights: normals, and what techniques have baked, by the steps of the
-// library's `baking.exact` and `baking.cone` and by its own programs. Between steps nothing is read
-// back: a step's planes become a texture that the next one reads.
+// Bakes from heights: normals, and the tables of techniques, by the library's programs and by the steps
+// of `baking.exact` and `baking.cone`. Nothing is read back between steps: a step's planes become a
+// texture that the next one reads.
 
 import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
@@ -13,15 +13,15 @@ import { words } from "view/text.js";
 
 /**
  * Progress callback: takes the share that is done.
- * @typedef {(share: number) => void} Tell
+ * @typedef {(share: number) => void} Report
  */
 /**
  * Cancellation check: whether the result is still wanted.
- * @typedef {() => boolean} Wanted
+ * @typedef {() => boolean} Needed
  */
 /**
  * The result of a bake.
- * @typedef {GPUTexture | Uint16Array} Kept
+ * @typedef {GPUTexture | Uint16Array} BakeResult
  */
 /**
  * The kinds of textures that a program's planes are packed into.
@@ -76,7 +76,7 @@ const KINDS = {
 };
 
 // Thrown where a bake is no longer wanted.
-export class Left extends Error {}
+export class Cancelled extends Error {}
 
 export class Bakes {
   /**
@@ -110,12 +110,12 @@ export class Bakes {
      * @type {Map<string, Pair>}
      */
     this.speeds = new Map();
-    this.over = false;
+    this.destroyed = false;
     // the bake in progress
-    /** @type {Tell} */
-    this.tell = () => {};
-    /** @type {Wanted} */
-    this.wanted = () => true;
+    /** @type {Report} */
+    this.report = () => {};
+    /** @type {Needed} */
+    this.needed = () => true;
     this.done = 0;
     this.whole = 1;
     /** @type {Promise<void>[]} */
@@ -132,22 +132,22 @@ export class Bakes {
   }
 
   /**
-   * The table `name`, made once; `tell` hears what share is done, and `wanted` whether to go on.
-   * What could not be made is not tried again.
+   * The table `name`, made once. `report` is called with the finished share, `needed` says whether to
+   * continue. A failed bake is not repeated.
    * @param {string} name
-   * @param {Tell} tell
-   * @param {Wanted} wanted
+   * @param {Report} report
+   * @param {Needed} needed
    */
-  async table(name, tell, wanted) {
+  async table(name, report, needed) {
     if (this.failures.has(name)) throw this.failures.get(name);
     const known = this.tables.get(name);
     if (known) return known;
     try {
-      const made = await this.making(() => this.bake(name), tell, wanted);
+      const made = await this.runBake(() => this.bake(name), report, needed);
       this.tables.set(name, made);
       return made;
     } catch (error) {
-      if (!(error instanceof Left)) this.failures.set(name, error);
+      if (!(error instanceof Cancelled)) this.failures.set(name, error);
       throw error;
     }
   }
@@ -169,43 +169,43 @@ export class Bakes {
   }
 
   /**
-   * Normals of a relief that rises so much a texel, four 16-bit channels a texel.
+   * Normals of a relief by its height range in texels, in four 16-bit channels per texel.
    * @param {number} per_texel
-   * @param {Wanted} wanted
+   * @param {Needed} needed
    */
-  normals(per_texel, wanted) {
+  normals(per_texel, needed) {
     const steps = async () => {
       const values = { field: this.field, relief: { per_texel } };
       return this.gpu.readTexture(await this.computed("normals", "normals", values));
     };
-    return this.making(steps, undefined, wanted);
+    return this.runBake(steps, undefined, needed);
   }
 
   /**
-   * Go through a bake's steps; of its textures only the one that it returns is kept.
-   * @template {Kept} T
+   * Run the steps of a bake; of its textures only the returned one is kept.
+   * @template {BakeResult} T
    * @param {() => Promise<T>} steps
-   * @param {Tell} tell
-   * @param {Wanted} wanted
+   * @param {Report} report
+   * @param {Needed} needed
    * @returns {Promise<T>}
    */
-  async making(steps, tell = () => {}, wanted = () => true) {
-    Object.assign(this, { tell, wanted, done: 0, whole: 1, refused: [], scratch: new Set() });
-    /** @type {Kept | null} */
-    let kept = null;
+  async runBake(steps, report = () => {}, needed = () => true) {
+    Object.assign(this, { report, needed, done: 0, whole: 1, refused: [], scratch: new Set() });
+    /** @type {BakeResult | null} */
+    let result = null;
     try {
       const made = await steps();
-      this.stay();
-      kept = made;
+      this.checkNeeded();
+      result = made;
       return made;
     } finally {
-      for (const each of this.scratch) if (each !== kept) each.destroy();
+      for (const each of this.scratch) if (each !== result) each.destroy();
     }
   }
 
-  // The heights are others now: stop, and give back what is held.
+  // Stop and free all resources, as the heights have changed.
   destroy() {
-    this.over = true;
+    this.destroyed = true;
     for (const each of this.tables.values()) each.destroy();
     for (const each of this.jobs.values()) each.destroy();
     this.planes?.destroy();
@@ -281,10 +281,10 @@ export class Bakes {
   async widened(windows, width, wanted) {
     let [wide, now] = [windows, width];
     while (now < wanted) {
-      const apart = Math.min(now, wanted - now);
-      const values = { overlap: { apart }, field: wide };
+      const spacing = Math.min(now, wanted - now);
+      const values = { overlap: { spacing }, field: wide };
       wide = await this.computed("window_top", "heights", values, [wide.width, wide.height]);
-      now += apart;
+      now += spacing;
     }
     return wide;
   }
@@ -303,15 +303,15 @@ export class Bakes {
     this.whole = sectors.length * this.octaves();
     let slopes = this.texture(this.size, true);
     for (const sector of sectors) {
-      const values = { sector: sector.asked, field: this.field };
-      const falling = await this.computed("far_side", "heights", values);
+      const values = { sector: sector.record, field: this.field };
+      const falling = await this.computed("crest_height", "heights", values);
       slopes = await this.steepest(falling, sector, slopes);
       this.free(falling);
     }
     return this.computed("relaxed_cone_of", "cones", { slopes });
   }
 
-  // How many octaves reach as far as texels matter: of those that repeat, the nearest do.
+  // The number of octaves that reach all texels that matter; where they repeat, the nearest.
   octaves() {
     const side = Math.max(...this.size);
     const furthest = this.edge === "wrap" ? Math.floor(side / 2) : side - 1;
@@ -336,11 +336,11 @@ export class Bakes {
       const windows = await this.windows(k, those, narrower);
       const nearest = k ? (across * 2 ** k) / 2 : 0;
       const values = {
-        octave: { nearest, highest: this.highest, first, last },
-        held: this.held(k),
+        bounds: { nearest, highest: this.highest, first, last },
+        layout: this.held(k),
         field: this.field,
         windows,
-        so_far: slopes,
+        previous: slopes,
       };
       const inSector = Boolean(sector);
       const steeper = await this.computed("steepest", "heights", values, this.size, inSector);
@@ -348,7 +348,7 @@ export class Bakes {
       slopes = steeper;
       narrower = windows;
       this.done += 1;
-      this.tell(this.done / this.whole);
+      this.report(this.done / this.whole);
     }
     if (narrower) this.free(narrower);
     return slopes;
@@ -363,8 +363,8 @@ export class Bakes {
   async windows(k, field, windows) {
     const held = this.held(k);
     const size = this.size.map((n) => n + held.before);
-    if (!windows) return this.computed("first_windows", "windows", { made: held, field }, size);
-    const values = { made: held, narrower: this.held(k - 1), windows };
+    if (!windows) return this.computed("first_windows", "windows", { layout: held, field }, size);
+    const values = { layout: held, narrower: this.held(k - 1), windows };
     const wider = await this.computed("next_windows", "windows", values, size);
     this.free(windows);
     return wider;
@@ -425,11 +425,11 @@ export class Bakes {
     if (texel && !this.packers.has(kind)) this.packers.set(kind, await this.packer(kind, texel));
     const wide = Math.ceil(width / ROW) * ROW;
     const most = Math.max(1, Math.floor(ROOM / (4 * planes * wide)));
-    // others' heights may have come meanwhile, and the job's buffers be gone
-    this.stay();
+    // the heights may have changed meanwhile, and the job's buffers be freed
+    this.checkNeeded();
     job.put(values);
     for (let first = 0; first < height; ) {
-      this.stay();
+      this.checkNeeded();
       const rows = Math.min(height - first, most, Math.max(1, Math.floor(this.room(key) / wide)));
       const began = performance.now();
       const { failed } = this.gpu.checked(() => {
@@ -443,12 +443,12 @@ export class Bakes {
       await Promise.all([failed, ...this.refused.splice(0)]);
       this.note(key, this.pace.work(performance.now() - began), rows * wide);
       first += rows;
-      if (height > rows) this.tell((this.done + first / height) / this.whole);
+      if (height > rows) this.report((this.done + first / height) / this.whole);
     }
   }
 
   /**
-   * What a submission took; of the few rows that are left at the end only that they took long.
+   * Record the time of a submission; the last few rows count only if they were slow.
    * @param {string} key
    * @param {number} took
    * @param {number} count
@@ -459,7 +459,7 @@ export class Bakes {
   }
 
   /**
-   * How many invocations of a program should take as long as a submission should.
+   * The number of invocations of a program that fit the time of a submission.
    * @param {string} key
    */
   room(key) {
@@ -467,9 +467,9 @@ export class Bakes {
     return Math.min((LONG / Math.max(took, 0.01)) * count, Math.max(GROWTH * count, FIRST));
   }
 
-  // Throws where nobody waits for a bake any more.
-  stay() {
-    if (this.over || !this.wanted()) throw new Left();
+  // Throw if the bake is no longer needed.
+  checkNeeded() {
+    if (this.destroyed || !this.needed()) throw new Cancelled();
   }
 
   /**
@@ -486,7 +486,7 @@ export class Bakes {
       by_sector,
     });
     const compiled = await this.gpu.pipeline(program);
-    this.stay();
+    this.checkNeeded();
     const made = new Job(this.gpu, compiled, this.data);
     this.jobs.set(name, made);
     return made;
@@ -521,7 +521,7 @@ export class Bakes {
   }
 
   /**
-   * A buffer of at least so many bytes: the one that is there, or another in its place.
+   * A buffer of at least `bytes` bytes: the current one, or a new one in its place.
    * @param {GPUBuffer | undefined} buffer
    * @param {number} bytes
    */

@@ -1,4 +1,4 @@
-// Cameras as `scene.cameras` and `scene.views` work them out, in the same order of operations.
+// Cameras as in `scene.cameras` and `scene.views`, with the same order of operations.
 
 /** @import { Orbit, Pair, Vec3 } from "view/data" */
 
@@ -73,7 +73,7 @@ function look(position, target, up, lens, [width, height]) {
 }
 
 /**
- * The distance from which all points are seen, filling so much of the picture.
+ * The distance from which all points are visible and fill a share of the picture.
  * @param {Orbit} camera
  * @param {Vec3[]} points
  * @param {Pair} size
@@ -98,7 +98,7 @@ export function framing(camera, points, size, filled) {
 }
 
 /**
- * The height of an orthographic picture in which all points are seen, filling so much of it.
+ * The height of an orthographic view in which all points are visible and fill a share of it.
  * @param {Orbit} camera
  * @param {Vec3[]} points
  * @param {Pair} size
@@ -113,7 +113,7 @@ export function framingHeight(camera, points, size, filled) {
 }
 
 /**
- * The way that light from an azimuth and elevation travels, as `scene.lights.directional` has it.
+ * The direction of light from an azimuth and elevation, as in `scene.lights.directional`.
  * @param {number} azimuth
  * @param {number} elevation
  */

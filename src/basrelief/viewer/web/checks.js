@@ -1,4 +1,4 @@
-// A state held to what the library takes, whoever says it: a slider, a link, a notebook.
+// Validation of states from sliders, links and notebooks, as the library does it.
 
 /** @import { Data, Light, Limits, Pair, Setting, Values } from "view/data" */
 /** @import { State } from "view/state.js" */
@@ -13,11 +13,11 @@ export const copyOf = (value) => structuredClone(value);
 export const isObject = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
 /** @param {unknown} x @returns {x is number} */
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-// what the page works out for itself as long as nobody says it
+// fields that may be null, for values that the page computes
 const OPEN = new Set(["distance", "orthographic_height"]);
 
 /**
- * `other` laid over `base`, where it has the same kind of values; what it does not know is left.
+ * `base` with the fields of `other` of the same types; unknown fields are ignored.
  * @template {object} T
  * @param {T} base
  * @param {unknown} other
@@ -54,23 +54,23 @@ function fits(mine, value, open) {
 }
 
 /**
- * @param {unknown} said
+ * @param {unknown} value
  * @param {Data} data
  * @returns {Light}
  */
-function lightOf(said, data) {
+function lightOf(value, data) {
   const [usual] = data.defaults.lights;
-  const made = merged(usual, said, data);
+  const made = merged(usual, value, data);
   return Object.hasOwn(data.lightKinds, made.kind) ? made : { ...made, kind: usual.kind };
 }
 
 /**
- * A state with every choice one that there is, and every number within its range; in place.
+ * Replace unknown choices and clamp numbers to their ranges, in place.
  * @param {State} state
  * @param {State} start
  * @param {Data} data
  */
-export function held(state, start, data) {
+export function validated(state, start, data) {
   /** @type {{ [name: string]: unknown[] }} */
   const menus = data.menus;
   /** @type {Fields[]} */
@@ -83,12 +83,12 @@ export function held(state, start, data) {
   if (!Object.hasOwn(data.presets, state.preset)) state.preset = "";
   if (!data.techniques[state.technique].heights.includes(state.heights)) state.heights = "sharp";
   state.layer &&= data.constants.layer;
-  holdSettings(state, data);
-  holdRanges(state, data.limits.numbers);
-  holdRanges(state.camera, data.limits.camera);
-  for (const light of state.lights) holdRanges(light, data.limits.lights);
-  holdTilings(state, start, data.limits);
-  // what begins does not end before
+  clampSettings(state, data);
+  clampRanges(state, data.limits.numbers);
+  clampRanges(state.camera, data.limits.camera);
+  for (const light of state.lights) clampRanges(light, data.limits.lights);
+  clampTilings(state, start, data.limits);
+  // ranges do not end before they start
   const [near, far] = state.fade;
   if (near >= far) state.fade[1] = near + 0.01;
   state.fog.fog_end = Math.max(state.fog.fog_start, state.fog.fog_end);
@@ -111,7 +111,7 @@ function within(x, [low, high]) {
  * @param {Values} values
  * @param {Setting[]} settings
  */
-function holdRecord(values, settings) {
+function clampRecord(values, settings) {
   for (const { name, low, high, whole } of settings) {
     values[name] = within(values[name], [low, high]);
     if (whole) values[name] = Math.round(Number(values[name]));
@@ -122,14 +122,14 @@ function holdRecord(values, settings) {
  * @param {State} state
  * @param {Data} data
  */
-function holdSettings(state, { techniques, settings }) {
+function clampSettings(state, { techniques, settings }) {
   for (const [name, { settings: own }] of Object.entries(techniques)) {
-    holdRecord(state.settings[name], own);
+    clampRecord(state.settings[name], own);
   }
   for (const [name, own] of Object.entries(settings.surface_parameters))
-    holdRecord(state.surface_parameters[name], own);
+    clampRecord(state.surface_parameters[name], own);
   for (const name of /** @type {const} */ (["shading", "shadowing", "smoothing", "fog"])) {
-    holdRecord(state[name], settings[name]);
+    clampRecord(state[name], settings[name]);
   }
 }
 
@@ -138,7 +138,7 @@ function holdSettings(state, { techniques, settings }) {
  * @param {Fields} record
  * @param {{ [name: string]: Range }} ranges
  */
-function holdRanges(record, ranges) {
+function clampRanges(record, ranges) {
   for (const [name, range] of Object.entries(ranges)) {
     const value = /** @type {number | number[] | null} */ (record[name]);
     if (value !== null) record[name] = within(value, range);
@@ -146,12 +146,12 @@ function holdRanges(record, ranges) {
 }
 
 /**
- * Tiles may be mirrored, but not be none.
+ * Clamp tilings; tiles may be negative, but not 0.
  * @param {State} state
  * @param {State} start
  * @param {Limits} limits
  */
-function holdTilings(state, start, { least, most }) {
+function clampTilings(state, start, { least, most }) {
   /** @type {(now: Pair, then: Pair) => Pair} */
   const tiles = (now, then) =>
     now.map((n, k) => (Math.abs(n) >= least && Math.abs(n) <= most ? n : then[k]));

@@ -1,5 +1,5 @@
-// From a program's planes to the screen: samples added up, debug pictures, figures. This is the
-// page's own WGSL; what is drawn is computed by the library's programs.
+// Display of a program's planes: sums of samples, debug pictures, figures. This is the page's own
+// WGSL; the library's programs compute the pictures.
 
 /** @import { DebugColors, Pair, Show } from "view/data" */
 /** @import { Gpu } from "view/gpu.js" */
@@ -112,9 +112,9 @@ fn corners(@builtin(vertex_index) k: u32) -> @builtin(position) vec4f {
 }
 
 fn encoded(c: vec3f) -> vec3f {
-  let held = clamp(c, vec3f(0.0), vec3f(1.0));
-  let curve = 1.055 * pow(held, vec3f(1.0 / 2.4)) - 0.055;
-  return select(curve, held * 12.92, held <= vec3f(0.0031308));
+  let clamped = clamp(c, vec3f(0.0), vec3f(1.0));
+  let curve = 1.055 * pow(clamped, vec3f(1.0 / 2.4)) - 0.055;
+  return select(curve, clamped * 12.92, clamped <= vec3f(0.0031308));
 }
 
 fn heated(share: f32) -> vec3f {
@@ -173,9 +173,9 @@ export class Colors {
   /**
    * @param {Gpu} gpu
    * @param {HTMLCanvasElement} canvas
-   * @param {DebugColors} told
+   * @param {DebugColors} colors
    */
-  constructor(gpu, canvas, told) {
+  constructor(gpu, canvas, colors) {
     this.gpu = gpu;
     const { device } = gpu;
     this.context = /** @type {GPUCanvasContext} */ (canvas.getContext("webgpu"));
@@ -184,8 +184,8 @@ export class Colors {
     this.context.configure({ device, format, usage, alphaMode: "opaque" });
     const sides = ["left", "right"].map((side) => SIDE.replaceAll("SIDE", side));
     const show = SHOW.replace("SIDES", sides.join(""))
-      .replaceAll("SHORT", told.short.join(", "))
-      .replaceAll("PASSED", told.passed.join(", "));
+      .replaceAll("SHORT", colors.short.join(", "))
+      .replaceAll("PASSED", colors.passed.join(", "));
     const module = device.createShaderModule({ code: show, label: "show" });
     this.show = device.createRenderPipeline({
       layout: "auto",
@@ -194,7 +194,7 @@ export class Colors {
     });
     this.add = gpu.ownPipeline(ADD, "add");
     this.count = gpu.ownPipeline(COUNT, "count");
-    const heat = Float32Array.from(told.heat.flatMap((c) => [...c, 1]));
+    const heat = Float32Array.from(colors.heat.flatMap((c) => [...c, 1]));
     this.heat = gpu.buffer(heat.buffer, GPUBufferUsage.STORAGE);
     this.view = gpu.buffer(new ArrayBuffer(4 * WORDS), GPUBufferUsage.UNIFORM);
   }
@@ -246,7 +246,7 @@ export class Colors {
   }
 
   /**
-   * What a picture's planes say: pixels that show the object, mean and most reads, missed, depths.
+   * Measure a picture's planes: pixels that show the object, reads, missed hits, depths.
    * @param {SideBuffers} side
    * @param {PictureView} view
    * @returns {Promise<Figures>}

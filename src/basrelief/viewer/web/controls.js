@@ -1,9 +1,9 @@
-// Native controls, each labelled, of one value in the state.
+// Labelled native controls for values of the state.
 
 import { decoded, encoded } from "view/srgb.js";
 
 /** @import { Fields } from "view/checks.js" */
-/** @import { View } from "view/main.js" */
+/** @import { ViewerPage } from "view/main.js" */
 /** @import { State } from "view/state.js" */
 
 /**
@@ -34,7 +34,7 @@ let pressed = false;
 export const byId = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /**
- * Do something once no button is held: what was pressed must be there still when it is let go.
+ * Act once no button is pressed, as a pressed control must still exist at its release.
  * @param {() => void} act
  */
 export function afterPress(act) {
@@ -52,7 +52,7 @@ addEventListener("pointerup", press(false), true);
 addEventListener("pointercancel", press(false), true);
 
 /**
- * An element with children, of which those that are false are left out.
+ * An element with children; those that are false are omitted.
  * @template {keyof HTMLElementTagNameMap} Name
  * @param {Name} name
  * @param {{ [name: string]: string | boolean }} attributes
@@ -84,8 +84,8 @@ function set(state, path, value) {
 }
 
 /**
- * A slider and a number for one value. Wide ranges of numbers above 0 go by powers.
- * @param {View} view
+ * A slider and a number field for one value. Wide ranges of numbers from 0 up are logarithmic.
+ * @param {ViewerPage} view
  * @param {Path} path
  * @param {NumberOptions} how
  */
@@ -128,11 +128,11 @@ export function number(view, path, how) {
   };
   const show = () => {
     const value = valued();
-    // who holds it keeps the range that it has
-    const held = document.activeElement === slider;
+    // a slider keeps its range while it is in use
+    const isActive = document.activeElement === slider;
     if (!wide) {
-      slider.max = String(Math.max(held ? Number(slider.max) : most, value));
-      slider.min = String(Math.min(held ? Number(slider.min) : least, value));
+      slider.max = String(Math.max(isActive ? Number(slider.max) : most, value));
+      slider.min = String(Math.min(isActive ? Number(slider.min) : least, value));
     }
     slider.value = String(toSlider(value));
     slider.setAttribute("aria-valuetext", String(value));
@@ -141,12 +141,12 @@ export function number(view, path, how) {
   /** @type {(value: number) => void} */
   const take = (value) => {
     if (!Number.isFinite(value)) return;
-    let held = Math.max(lowest ?? -Infinity, Math.min(highest ?? Infinity, value));
-    if (whole) held = Math.round(held);
-    set(view.state, path, held);
+    let clamped = Math.max(lowest ?? -Infinity, Math.min(highest ?? Infinity, value));
+    if (whole) clamped = Math.round(clamped);
+    set(view.state, path, clamped);
     view.changed();
   };
-  // by powers a key goes to the next number that differs
+  // on a logarithmic slider a key moves to the next different number
   slider.addEventListener("keydown", (event) => {
     const way = WAYS[event.key];
     if (!wide || !way) return;
@@ -173,8 +173,8 @@ export function number(view, path, how) {
 }
 
 /**
- * A menu for one choice; `options` are [value, text, whether it can be had, why not].
- * @param {View} view
+ * A menu for one choice; `options` are [value, text, whether it is available, why not].
+ * @param {ViewerPage} view
  * @param {Path} path
  * @param {string} label
  * @param {Option[]} options
@@ -190,12 +190,12 @@ export function menu(view, path, label, options, after = () => {}) {
   const show = () => {
     select.value = String(at(view.state, path));
   };
-  // who writes a name is in the middle of it: another menu in this one's place would not know
+  // while the user types a name, the menu must not be replaced
   let wrote = -Infinity;
   select.addEventListener("keydown", (event) => {
     if (event.key.length === 1) wrote = performance.now();
     if (event.key !== "Tab" || !view.rebuilding) return;
-    // the next control is one of the new ones
+    // the next control is one of the rebuilt panel
     event.preventDefault();
     view.rebuildNow();
     beside(document.activeElement, event.shiftKey ? -1 : 1)?.focus();
@@ -215,9 +215,9 @@ export function menu(view, path, label, options, after = () => {}) {
 }
 
 /**
- * A box to tick for a value, which is what `ticked` says then, and `not` otherwise. It needs a name of
- * its own where the value has another control, too.
- * @param {View} view
+ * A checkbox for a value, which is `ticked()` if checked and `not` otherwise. It needs a separate name
+ * if the value has another control.
+ * @param {ViewerPage} view
  * @param {Path} path
  * @param {string} label
  * @param {{ name?: string, ticked?: () => unknown, not?: unknown }} options
@@ -238,8 +238,8 @@ export function check(view, path, label, { name, ticked = () => true, not = fals
 }
 
 /**
- * A colour, chosen as it is seen and held as light: linear, 0 to 1.
- * @param {View} view
+ * A colour field in sRGB for a linear value, 0 to 1.
+ * @param {ViewerPage} view
  * @param {Path} path
  * @param {string} label
  * @param {string} doc
@@ -267,7 +267,7 @@ export function color(view, path, label, doc = "") {
 }
 
 /**
- * The control before or after one in the panel.
+ * The control before or after another in the panel.
  * @param {Element | null} control
  * @param {1 | -1} way
  */

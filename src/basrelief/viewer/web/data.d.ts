@@ -93,7 +93,7 @@ export type Setting = {
 
 export type Technique = {
   doc: string;
-  called: string;
+  commandName: string;
   reference_height: number;
   projection: Projection;
   mostReads: number;
@@ -133,7 +133,7 @@ export type Limits = {
 export type Slot = string;
 
 /** Which of the page's pictures holds it, in which channels, and whether as light. */
-export type Slots = { [slot: Slot]: { held: string; channels: number[]; light: boolean } };
+export type Slots = { [slot: Slot]: { texture: string; channels: number[]; light: boolean } };
 
 export type Green = "gl" | "dx";
 
@@ -193,7 +193,7 @@ export type Layouts = { [record: string]: Layout };
 
 // --- bakes
 
-export type Sector = { asked: { [direction: string]: Pair }; ends: [Pair, Pair] };
+export type Sector = { record: { [direction: string]: Pair }; ends: [Pair, Pair] };
 
 export type BakeNumbers = {
   bounds: {
@@ -206,7 +206,7 @@ export type BakeNumbers = {
   cones: { blocks: number; sectors: Sector[] };
 };
 
-// --- the whole
+// --- the page
 
 export type DebugColors = { heat: Vec3[]; short: Vec3; passed: Vec3 };
 
@@ -238,7 +238,7 @@ export type Data = {
   samples: Pair[];
   state: SceneState;
   defaults: {
-    plain: Omit<Chosen, "technique"> & { scale: number; bias: number };
+    options: Omit<Chosen, "technique"> & { scale: number; bias: number };
     background: Vec3;
     lights: Light[];
     camera: Orbit;

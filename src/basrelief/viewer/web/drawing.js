@@ -1,6 +1,6 @@
-// The picture: which programs it takes, and what these are given.
+// The drawing: programs of the picture, and their arguments.
 
-import { Bakes, Left } from "view/bakes.js";
+import { Bakes, Cancelled } from "view/bakes.js";
 import { framing, orbit, travelling } from "view/camera.js";
 import { Frames, REST } from "view/frames.js";
 import { Job } from "view/gpu.js";
@@ -32,7 +32,7 @@ import { firstLine, words } from "view/text.js";
  * @property {number} [samples]
  */
 /** @typedef {"left" | "right" | "truth" | "right_truth"} SideName */
-/** @typedef {{ left: State } & { [side in SideName]?: State }} Wanted */
+/** @typedef {{ left: State } & { [side in SideName]?: State }} SideStates */
 /** @typedef {{ state: State, job: Job }} Side */
 /** @typedef {{ left: Side } & { [side in SideName]?: Side }} Shown */
 /**
@@ -41,7 +41,7 @@ import { firstLine, words } from "view/text.js";
  *   ProgramChoices
  */
 
-const JOBS = 8; // programs whose values are kept, beside those that are shown
+const JOBS = 8; // programs that keep their values, besides those that are shown
 const NOTHING = single([0, 0, 0, 65535]);
 /** @type {{ [name: string]: Picture }} */
 const MISSING = {
@@ -56,28 +56,28 @@ export class Drawing {
    * @param {Gpu} gpu
    * @param {Data} data
    * @param {HTMLCanvasElement} canvas
-   * @param {(news: News) => void} heard
+   * @param {(news: News) => void} onNews
    */
-  constructor(gpu, data, canvas, heard) {
+  constructor(gpu, data, canvas, onNews) {
     this.gpu = gpu;
     this.data = data;
-    // what a lost device brings about is no news
+    // errors of a lost device are not reported
     /** @type {(news: News) => void} */
-    this.heard = (news) => this.held || heard(news);
-    this.held = false;
+    this.onNews = (news) => this.paused || onNews(news);
+    this.paused = false;
     /** @type {Pictures} */
     this.pictures = {};
     /** @type {{ [name: string]: Picture }} */
-    this.taken = {}; // and what stands for those that are missing
+    this.current = {}; // with placeholders for missing ones
     /** @type {Pair} */
     this.texels = [1, 1]; // of the heights
-    this.highest = 1; // of them
+    this.highest = 1; // of the heights
     /** @type {Map<string, Bakes>} */
-    this.bakes = new Map(); // by edge, those of normals apart
+    this.bakes = new Map(); // by edge; those of normals are separate
     /** @type {string | null} */
-    this.bakedFor = null; // the numbers that the normals are made for
+    this.bakedFor = null; // the scale and edge of the current normals
     /** @type {string | null} */
-    this.awaited = null; // and those that they are to be made for
+    this.awaited = null; // those of the normals to come
     /** @type {number | null} */
     this.resting = null;
     this.renewing = 0;
@@ -96,45 +96,44 @@ export class Drawing {
     /** @type {unknown} */
     this.failed = null;
     /** @type {Set<string>} */
-    this.told = new Set(); // what could not be shown, and is said already
+    this.reported = new Set(); // failures that were reported
     /** @type {Shown | null} */
     this.shown = null; // the state and the job of each side
-    this.measured = ""; // what figures are of
+    this.measured = ""; // the key of the figures
     /** @type {MissedHits | null} */
     this.missed = null; // the program that finds missed hits
-    this.missedKey = ""; // the program that it is
+    this.missedKey = ""; // its key
     this.frames = new Frames(this, canvas);
   }
 
   // --- maps
 
   /**
-   * `pictures` by name: what is in the page, or was dropped. A program has no use for one that is
-   * missing, but is given a texel in its place. All or none of what changed is taken: rejects where
-   * the GPU refuses one.
+   * Set the maps by name: those of the page, or dropped ones. A texel replaces a missing map, which
+   * programs do not read. Either all changes are applied, or none: rejects where the GPU refuses one.
    * @param {Pictures} pictures
    */
   async setMaps(pictures) {
     const nothing = Object.fromEntries(this.data.programs.maps.map((name) => [name, NOTHING]));
     const shown = Object.assign({ ...MISSING, ...nothing }, pictures);
-    const held = this.taken;
-    const changed = Object.keys(shown).filter((name) => shown[name] !== held[name]);
+    const current = this.current;
+    const changed = Object.keys(shown).filter((name) => shown[name] !== current[name]);
     const levels = Object.fromEntries(
       changed.map((name) => [name, this.levels(name, shown[name])]),
     );
     const made = await this.texturesOf(levels);
-    for (const name of Object.keys(held)) {
-      if (shown[name] === held[name]) continue;
+    for (const name of Object.keys(current)) {
+      if (shown[name] === current[name]) continue;
       this.textures[name].destroy();
       delete this.textures[name];
     }
     Object.assign(this.textures, made);
-    this.taken = shown;
+    this.current = shown;
     this.pictures = pictures;
     if (levels.field) this.newHeights(levels.field[0]);
     if (levels.field || levels.normal) {
       this.bakedFor = null;
-      // nothing can be drawn until what it needs is baked
+      // nothing can be drawn before the normals are made
       this.shown = null;
     }
   }
@@ -170,8 +169,7 @@ export class Drawing {
   }
 
   /**
-   * What a state's technique has baked, undefined where it is not there: out of the page, or made
-   * here.
+   * The table of a state's technique, from the page or baked here; undefined if there is none.
    * @param {State} state
    */
   baked(state) {
@@ -181,7 +179,7 @@ export class Drawing {
   }
 
   /**
-   * What a state's technique needs, as `programs` has it: "" where it needs nothing.
+   * The table that a state's technique needs, as in `rendering.programs`; the name is "" for none.
    * @param {State} state
    */
   bakeOf(state) {
@@ -192,7 +190,7 @@ export class Drawing {
   }
 
   /**
-   * What was made of the heights before is of no use any more.
+   * Discard the bakes of the heights before.
    * @param {Level<Uint16Array | Float32Array>} heights
    */
   newHeights({ width, height, texels }) {
@@ -218,8 +216,8 @@ export class Drawing {
   }
 
   /**
-   * Where there is no normal map, normals are made of the heights, by the library's own program: for
-   * what numbers, null where none are needed.
+   * The scale and edge of the normals that a state needs; null if it needs none. Without a normal
+   * map, the library's own program derives normals from the heights.
    * @param {State} state
    */
   normalsFor(state) {
@@ -230,8 +228,7 @@ export class Drawing {
   }
 
   /**
-   * The first normals are waited for; others are made once the numbers rest, and until then those
-   * that there are do.
+   * Wait for the first normals; make others once the numbers rest, and use the old ones until then.
    * @param {State} state
    */
   async ensureNormals(state) {
@@ -256,9 +253,9 @@ export class Drawing {
       if (this.awaited === wanted) this.awaited = null;
       if (this.shown) this.frames.touched();
     } catch (error) {
-      if (!(error instanceof Left)) this.heard({ error: `normals: ${firstLine(error)}` });
+      if (!(error instanceof Cancelled)) this.onNews({ error: `normals: ${firstLine(error)}` });
       else if (this.awaited === wanted && this.bakedFor !== null) {
-        // turned away and back
+        // the numbers changed and changed back
         this.awaited = null;
         await this.ensureNormals(this.latest ?? state);
       }
@@ -268,7 +265,7 @@ export class Drawing {
   }
 
   /**
-   * One after another, each unless it is made or not `needed` any more by then.
+   * Make normals after earlier ones, unless they exist by then or are no longer `needed`.
    * @param {State} state
    * @param {() => boolean} needed
    */
@@ -279,7 +276,7 @@ export class Drawing {
       if (!field || wanted === null || wanted === this.bakedFor) return;
       const { width, height } = field;
       const bakes = this.bakesFor(this.choices(state)["map.edge"], "normals ");
-      // another map may be dropped
+      // another map may have been dropped
       const still = () =>
         this.pictures.field === field && this.normalsFor(state) === wanted && needed();
       const texels = await bakes.normals(state.scale * width, still);
@@ -288,7 +285,7 @@ export class Drawing {
       });
       if (!still()) {
         normal.destroy();
-        throw new Left();
+        throw new Cancelled();
       }
       this.textures.normal.destroy();
       this.textures.normal = normal;
@@ -313,7 +310,7 @@ export class Drawing {
   }
 
   /**
-   * What a program depends on, as `programs.variant_of` has it, its technique and maps among it.
+   * The choices that a program depends on, as in `programs.variant_of`, with technique and maps.
    * @param {State} state
    * @returns {ProgramChoices}
    */
@@ -365,14 +362,14 @@ export class Drawing {
     const { technique } = this.choices(state);
     const { origin, to_object } = data.shapes[state.shape];
     const [fade_near, fade_far] = state.fades ? state.fade : [0, 0];
-    const { proportion, places } = this.lying(state);
+    const { proportion, tilings } = this.mapPlacements(state);
     const surface_parameters = { ...state.surface_parameters[state.surface] };
-    // the emission map that the page was made with may be brighter than its own numbers
+    // the page's own emission map is normalised by its maximum
     const glow = this.pictures.emission?.dropped ? 1 : data.constants.glow;
     const { emission } = surface_parameters;
     if (Array.isArray(emission)) surface_parameters.emission = emission.map((x) => x * glow);
     return {
-      view: { camera: orbit(this.camera(state, size), size), sample },
+      sample: { camera: orbit(this.camera(state, size), size), offset: sample },
       placement: { origin, to_object, proportion, tiling: state.tiling, shift: state.shift },
       relief: {
         scale: state.scale,
@@ -384,7 +381,7 @@ export class Drawing {
       smoothing: state.smoothing,
       settings: state.settings[technique],
       surface_parameters,
-      places,
+      tilings,
       shading: state.shading,
       shadowing: state.shadowing,
       fog: state.fog,
@@ -399,10 +396,10 @@ export class Drawing {
   }
 
   /**
-   * How the maps lie beside the heights, as `Object.map_places` has it.
+   * The placements of maps relative to the heights, as in `Object.map_tilings`.
    * @param {State} state
    */
-  lying(state) {
+  mapPlacements(state) {
     const main = { tiles: state.tiling, shift: state.shift };
     const { constants } = this.data;
     /** @type {(tiling: Tiling) => number[]} */
@@ -411,29 +408,31 @@ export class Drawing {
       return [...ratio, ...shift.map((n, k) => n - main.shift[k] * ratio[k])];
     };
     /** @type {Values} */
-    const places = {};
+    const tilings = {};
     for (const [name, own] of Object.entries(state.tilings)) {
-      places[name] = beside(state.apart ? own : main);
+      tilings[name] = beside(state.apart ? own : main);
     }
     const { pictures } = this;
     const own = state.apart && pictures.normal ? beside(state.tilings.normal) : [1, 1];
     const proportion = constants.proportion * Math.abs(own[0] / own[1]);
     const layer = beside(state.layer ? state.layer_tiling : main);
     const stretch = Math.abs(layer[1] / layer[0]);
-    places.layer = layer;
-    places.layer_slant = state.layer ? (stretch * proportion) / constants.layerProportion : 1;
-    return { proportion, places };
+    tilings.layer = layer;
+    tilings.layer_normal_stretch = state.layer
+      ? (stretch * proportion) / constants.layerProportion
+      : 1;
+    return { proportion, tilings };
   }
 
-  // --- what is drawn
+  // --- pictures
 
   /**
-   * The pictures that a state asks for, by where they are shown.
+   * The states of the pictures that a state needs, by side.
    * @param {State} state
-   * @returns {Wanted}
+   * @returns {SideStates}
    */
-  wanted(state) {
-    /** @type {Wanted} */
+  sideStates(state) {
+    /** @type {SideStates} */
     const found = { left: state };
     const other = state.compare;
     if (other) {
@@ -446,7 +445,7 @@ export class Drawing {
         projection,
       };
     }
-    // the truth fills the same space, along straight rays; techniques that lie otherwise have their own
+    // the truth has straight rays and the same reference height; another height has its own truth
     if (state.show === "missed") {
       const { right } = found;
       /** @type {State} */
@@ -466,7 +465,7 @@ export class Drawing {
   }
 
   /**
-   * Show another state; resolves when its programs are there and a frame is asked for.
+   * Show another state; resolves when its programs are ready and a frame is requested.
    * @param {State} state
    * @returns {Promise<void>}
    */
@@ -492,11 +491,11 @@ export class Drawing {
       const failing = (side, { technique }, error) => {
         const message = `${technique}: ${firstLine(error)}`;
         failures.add(`${side} ${message}`);
-        if (!this.told.has(`${side} ${message}`)) this.heard({ error: message });
+        if (!this.reported.has(`${side} ${message}`)) this.onNews({ error: message });
       };
       try {
         await this.ensureNormals(state);
-        const { left, ...others } = this.wanted(state);
+        const { left, ...others } = this.sideStates(state);
         /** @type {Shown} */
         const shown = { left: await this.side("left", left) };
         /** @type {Partial<State>} */
@@ -505,39 +504,39 @@ export class Drawing {
           try {
             shown[/** @type {SideName} */ (side)] = await this.side(side, each);
           } catch (error) {
-            if (error instanceof Left) throw error;
-            // the rest is drawn all the same
+            if (error instanceof Cancelled) throw error;
+            // the other pictures are drawn
             if (side === "right") lost.compare = "";
             else lost.show = "color";
             failing(side, each, error);
           }
         }
         if (shown.truth) await this.ensureMissed(shown.truth.state);
-        // while something else is wanted already, the picture that there is goes on as it is
+        // if another state is requested by now, keep the current picture
         if (state !== this.latest) continue;
         this.shown = shown;
         this.state = { ...state, ...lost };
         this.failed = null;
       } catch (error) {
-        if (error instanceof Left) {
-          // something else is wanted by now
+        if (error instanceof Cancelled) {
+          // another state is requested by now
           state = null;
           continue;
         }
         this.failed = error;
         failing("left", state, error);
       } finally {
-        this.heard({ busy: "" });
+        this.onNews({ busy: "" });
       }
-      // what could be shown meanwhile is told anew when it cannot again
-      this.told = failures;
+      // a failure is reported again if it recurs after a success
+      this.reported = failures;
     }
     if (!this.shown || !this.state) return;
-    this.leaveJobs();
-    // where something failed it is not what is wanted
+    this.dropJobs();
+    // after a failure this is not the requested state
     const { technique, compare, show } = this.state;
     const measured = [technique, compare, show].join();
-    this.heard({
+    this.onNews({
       drawn: { technique, compare },
       ...(measured !== this.measured && { figures: null }),
     });
@@ -546,7 +545,7 @@ export class Drawing {
   }
 
   /**
-   * What one picture needs: its bake and its program.
+   * Prepare one picture: its bake and its program.
    * @param {string} side
    * @param {State} state
    * @returns {Promise<Side>}
@@ -555,12 +554,12 @@ export class Drawing {
     if (this.bakeOf(state).name && !this.baked(state)) await this.bakeFor(state);
     const program = linked(this.data.programs, "pixel", this.choices(state));
     const known = this.gpu.pipelines.has(program.key);
-    if (!known) this.heard({ busy: `compiling ${words(state.technique)} …` });
+    if (!known) this.onNews({ busy: `compiling ${words(state.technique)} …` });
     const pipeline = await this.gpu.pipeline(program);
     const name = `${side}:${program.key}`;
     const job = this.jobs.get(name) ?? new Job(this.gpu, pipeline, this.data);
     this.frames.fresh ||= !this.jobs.has(name);
-    // the one that was used last is at the end
+    // the most recently used job is the last
     this.jobs.delete(name);
     this.jobs.set(name, job);
     return { state, job };
@@ -579,8 +578,8 @@ export class Drawing {
     this.missedKey = program.key;
   }
 
-  // Of the programs that are not shown only the last keep their values.
-  leaveJobs() {
+  // Drop all but the most recent jobs that are not shown.
+  dropJobs() {
     const shown = Object.values(this.shown ?? {}).map(({ job }) => job);
     const others = [...this.jobs].filter(([, job]) => !shown.includes(job));
     for (const [name, job] of others.slice(0, Math.max(0, others.length - JOBS))) {
@@ -593,21 +592,21 @@ export class Drawing {
   async bakeFor(state) {
     const { name, edge } = this.bakeOf(state);
     /** @type {(share: number) => void} */
-    const tell = (share) => {
+    const report = (share) => {
       const percent = share ? ` ${Math.floor(100 * share)} %` : "";
-      this.heard({ busy: `baking ${words(name)} for ${words(state.technique)} …${percent}` });
+      this.onNews({ busy: `baking ${words(name)} for ${words(state.technique)} …${percent}` });
     };
-    // who has turned to another technique need not wait for this one
+    // not needed if another technique is selected by now
     const needed = () =>
-      Object.values(this.wanted(this.latest ?? state)).some((each) => {
+      Object.values(this.sideStates(this.latest ?? state)).some((each) => {
         const other = this.bakeOf(each);
         return other.name === name && other.edge === edge;
       });
-    tell(0);
-    await this.bakesFor(edge).table(name, tell, needed);
+    report(0);
+    await this.bakesFor(edge).table(name, report, needed);
   }
 
-  // Resolves when nothing is left to be drawn.
+  // Resolves when all is drawn.
   async settled() {
     const normals = () => this.resting !== null || this.renewing;
     while (this.compiling || this.frames.busy || normals()) {
@@ -618,7 +617,7 @@ export class Drawing {
 }
 
 /**
- * A light as `scene.lights` makes it; shaders leave unread what a kind has no use for.
+ * A light as `scene.lights` makes it; shaders ignore the numbers of other kinds.
  * @param {Light} light
  * @param {string[]} kinds
  */

@@ -1,4 +1,4 @@
-// A dropped picture: its texels, with all the bits that can be had, and what map it becomes.
+// Dropped pictures: their texels, with all bits if possible, and the maps made of them.
 
 import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
@@ -22,10 +22,10 @@ import { decoded as inLight } from "view/srgb.js";
  */
 
 /**
- * What stands in textures for maps that are missing.
- * @type {{ [held: string]: Picture | undefined }}
+ * Defaults of textures for missing maps.
+ * @type {{ [texture: string]: Picture | undefined }}
  */
-const PLAIN = {
+const DEFAULTS = {
   base_color: single([39321, 39321, 39321, 65535]),
   response: single([65535, 52428, 0, 65535]),
 };
@@ -49,7 +49,7 @@ export async function pictureOf(file, most) {
 }
 
 /**
- * What the browser reads: 8 bits a channel.
+ * Read a picture by the browser, with 8 bits per channel.
  * @param {File} file
  * @param {number} most
  */
@@ -93,34 +93,34 @@ function check({ width, height }, most) {
  * @returns {Pictures}
  */
 export function replaced(pictures, slots, slot, picture, { channel, polarity, green }) {
-  const { held, channels, light } = slots[slot] ?? slots.occlusion;
+  const { texture, channels, light } = slots[slot] ?? slots.occlusion;
   const one = () => channelOf(picture, channel, polarity === "depth");
-  const old = pictures[held] ?? PLAIN[held] ?? picture;
+  const old = pictures[texture] ?? DEFAULTS[texture] ?? picture;
   const { width, height } = picture;
   switch (slot) {
     case "height":
       return { ...pictures, field: { width, height, count: 1, texels: one() } };
     case "base_color": {
       const color = withLight(picture);
-      // what has no opacity of its own, as the library sees it, leaves that of the map
+      // a picture without opacity keeps that of the map, as in the library
       const places = threeOf(color);
       if (varies(picture, 3)) places[3] = channelAt(picture, 3);
       return { ...pictures, base_color: merged(old, picture, places) };
     }
     case "normal":
-      return { ...pictures, normal: opaque(green === "dx" ? turned(picture) : picture) };
+      return { ...pictures, normal: opaque(green === "dx" ? greenInverted(picture) : picture) };
     case "packed":
-      return { ...pictures, [held]: merged(old, picture, threeOf(picture)) };
+      return { ...pictures, [texture]: merged(old, picture, threeOf(picture)) };
   }
   if (channels.length === 1) {
     // a cut-out is often stored as the alpha of a plain picture
     const cutOut = slot === "opacity" && channel === "luminance" && varies(picture, 3);
     const texels = cutOut ? channelAt(picture, 3) : one();
-    return { ...pictures, [held]: merged(old, picture, { [channels[0]]: texels }) };
+    return { ...pictures, [texture]: merged(old, picture, { [channels[0]]: texels }) };
   }
   return {
     ...pictures,
-    [held]: { ...opaque(light ? withLight(picture) : picture), dropped: true },
+    [texture]: { ...opaque(light ? withLight(picture) : picture), dropped: true },
   };
 }
 
@@ -133,13 +133,13 @@ export function replaced(pictures, slots, slot, picture, { channel, polarity, gr
  */
 export function without(pictures, slots, slot) {
   const left = { ...pictures };
-  const { held, channels } = slots[slot];
-  const plain = PLAIN[held];
+  const { texture, channels } = slots[slot];
+  const plain = DEFAULTS[texture];
   if (plain) {
     const none = Object.fromEntries(channels.map((c) => [c, channelAt(plain, c)]));
-    left[held] = merged(left[held] ?? plain, plain, none);
+    left[texture] = merged(left[texture] ?? plain, plain, none);
   } else {
-    delete left[held];
+    delete left[texture];
   }
   return left;
 }
@@ -190,7 +190,7 @@ function channelOf(picture, channel, over) {
 }
 
 /**
- * Colours as fractions of light.
+ * Colours decoded to linear light.
  * @param {Picture} picture
  */
 function withLight(picture) {
@@ -212,13 +212,13 @@ const opaque = ({ width, height, texels }) => ({
 });
 
 /** @type {(picture: Picture) => Picture} */
-const turned = (picture) => ({
+const greenInverted = (picture) => ({
   ...picture,
   texels: picture.texels.map((code, k) => (k % 4 === 1 ? 65535 - code : code)),
 });
 
 /**
- * A map with some channels, by place, from a picture; the smaller is brought to the size of the larger.
+ * A map with some channels replaced; the smaller of map and channels is resized to the larger.
  * @param {Picture} old
  * @param {{ width: number, height: number }} size of the channels
  * @param {Channels} places

@@ -1,7 +1,7 @@
-// The frames: when the programs of a drawing run, how fine, and what is told of it.
+// Frames: the schedule and resolution of a drawing's programs, and reports of their results.
 //
-// While something moves, whole frames are drawn, smaller where one is slow. At rest the places in each
-// pixel are gone through, row by row, so that the page stays awake.
+// While something moves, whole frames are drawn, at a lower resolution where one is slow. At rest the
+// samples of each pixel are drawn in blocks of rows, so that the page stays responsive.
 
 import { Colors } from "view/colors.js";
 import { rowsApart } from "view/gpu.js";
@@ -24,14 +24,14 @@ import { firstLine } from "view/text.js";
  * @property {boolean} alone whether no other frame was in flight
  * @property {boolean} timed whether its programs write timestamps
  */
-/** @typedef {MovingFrame & { work: number }} LandedFrame */
+/** @typedef {MovingFrame & { work: number }} FinishedFrame */
 
-export const REST = 150; // milliseconds after which nothing moves any more
+export const REST = 150; // milliseconds without a change after which the picture is at rest
 const PLANES = 9;
 
 export class Frames {
   /**
-   * Of a drawing, which says what is shown and what its programs are given.
+   * The drawing has the shown states and the arguments of their programs.
    * @param {Drawing} drawing
    * @param {HTMLCanvasElement} canvas
    */
@@ -43,39 +43,39 @@ export class Frames {
     this.colors = new Colors(gpu, canvas, data.colors);
     this.pace = new Pace(Boolean(gpu.stamps));
     /** @type {{ [side in SideName]?: SideBuffers & { area: number } }} */
-    this.sides = {}; // buffers, by where they are shown
+    this.sides = {}; // buffers by side
     this.limit = data.samples.length;
     this.count = 0; // frames that were drawn while something moved
     this.dirty = false;
     this.done = 0; // samples of the picture at rest
-    this.row = 0; // and rows of the next one
+    this.row = 0; // rows of the next sample
     this.fresh = false; // whether a program has drawn nothing yet
-    this.reporting = false; // whether something is read back of a frame, while others may be drawn
-    /** @type {LandedFrame | null} */
-    this.unreported = null; // the frame that it is to be read of next
-    this.timing = false; // whether the GPU's clock is not read yet
-    this.asked = false; // whether an animation frame is requested
+    this.reporting = false; // whether results of a frame are being read back
+    /** @type {FinishedFrame | null} */
+    this.unreported = null; // the frame to be read back next
+    this.timing = false; // whether timestamps are waiting to be read
+    this.requested = false; // whether an animation frame is requested
     this.running = false; // whether a part of the picture at rest is being drawn
     this.movedAt = -Infinity;
     /** @type {Pair} */
-    this.drawnSize = [0, 0]; // of the picture that is drawn
+    this.drawnSize = [0, 0]; // of the drawn picture
     this.drawn = 0; // and its samples
     /** @type {[milliseconds: number, gpuMilliseconds: number | null]} */
     this.spent = [0, 0]; // on the next sample
     /** @type {Figures | undefined} */
-    this.found = undefined; // of both sides
+    this.lastFigures = undefined; // of both sides
   }
 
   get shown() {
     return this.drawing.shown;
   }
 
-  // Whether anything is left to be drawn or told.
+  // Whether anything is left to be drawn or reported.
   get busy() {
     return this.running || this.dirty || this.done < this.limit || !this.still;
   }
 
-  // Something changed: draw anew with the next frame.
+  // Draw anew with the next frame, after a change.
   touched() {
     this.dirty = true;
     this.movedAt = performance.now();
@@ -83,10 +83,10 @@ export class Frames {
   }
 
   wake() {
-    if (this.asked || this.drawing.held) return;
-    this.asked = true;
+    if (this.requested || this.drawing.paused) return;
+    this.requested = true;
     requestAnimationFrame(() => {
-      this.asked = false;
+      this.requested = false;
       this.tick();
     });
   }
@@ -96,15 +96,15 @@ export class Frames {
     return [this.canvas.width, this.canvas.height];
   }
 
-  // Buffers for a picture of the canvas's size, on each side.
-  room() {
+  // Allocate buffers for a picture of the canvas's size, on each side.
+  allocate() {
     const area = this.canvas.width * this.canvas.height;
     const names = /** @type {const} */ (["left", "right", "truth", "right_truth"]);
     for (const name of names) {
       const needed = this.shown?.[name] || name === "left" ? area : 1;
-      const held = this.sides[name];
-      if (held && held.area >= needed && held.area <= Math.max(4 * needed, 64)) continue;
-      for (const each of [held?.planes, held?.sum, held?.missed]) each?.destroy();
+      const buffers = this.sides[name];
+      if (buffers && buffers.area >= needed && buffers.area <= Math.max(4 * needed, 64)) continue;
+      for (const each of [buffers?.planes, buffers?.sum, buffers?.missed]) each?.destroy();
       this.sides[name] = {
         area: needed,
         planes: this.gpu.planes(PLANES, needed, 1),
@@ -115,13 +115,13 @@ export class Frames {
   }
 
   async tick() {
-    if (this.running || !this.shown || this.drawing.held) return;
+    if (this.running || !this.shown || this.drawing.paused) return;
     try {
       if (this.dirty) {
         if (this.pace.free) this.movingFrame();
       } else if (this.done < this.limit && this.still) {
         this.running = true;
-        await this.finer();
+        await this.refine();
       }
     } catch (error) {
       this.failed(error);
@@ -129,15 +129,15 @@ export class Frames {
     } finally {
       this.running = false;
     }
-    this.goOn();
+    this.schedule();
   }
 
-  // Frames that are on their way come here when they have landed.
-  goOn() {
+  // Request a frame if one can be drawn; called again whenever a frame in flight is done.
+  schedule() {
     if (this.dirty ? this.pace.free : this.done < this.limit && this.still) this.wake();
   }
 
-  // Whether nothing is on its way, to the GPU or back.
+  // Whether no frame is in flight and none is being read back.
   get still() {
     return !this.pace.flying && !this.reporting;
   }
@@ -147,7 +147,7 @@ export class Frames {
     const size = pace.moving(this.size);
     const full = size[0] === this.size[0] && size[1] === this.size[1];
     this.dirty = false;
-    this.room();
+    this.allocate();
     const { measured } = this.drawing;
     const began = performance.now();
     const timed = this.sample(size, 0, 0, size[1]);
@@ -160,26 +160,26 @@ export class Frames {
     this.row = 0;
     this.spent = [0, 0];
     pace.flying += 1;
-    const land = () => this.landed(frame);
-    this.gpu.device.queue.onSubmittedWorkDone().then(land, land);
+    const done = () => this.frameDone(frame);
+    this.gpu.device.queue.onSubmittedWorkDone().then(done, done);
   }
 
   /** @param {MovingFrame} frame */
-  landed(frame) {
+  frameDone(frame) {
     const { pace } = this;
     pace.flying -= 1;
-    if (!this.shown || this.drawing.held) {
+    if (!this.shown || this.drawing.paused) {
       if (frame.timed) this.timing = false;
       return;
     }
     this.report({ ...frame, work: pace.work(performance.now() - frame.began) });
-    this.goOn();
+    this.schedule();
   }
 
   /**
-   * Tell of a frame what has to be read back. The next do not wait for that, and of those that come
-   * meanwhile only the last is told of.
-   * @param {LandedFrame} frame
+   * Read back and report the results of a frame. Later frames do not wait for that; of those drawn
+   * meanwhile only the last is reported.
+   * @param {FinishedFrame} frame
    */
   async report(frame) {
     if (this.unreported?.timed) this.timing = false;
@@ -195,38 +195,38 @@ export class Frames {
     } finally {
       this.reporting = false;
     }
-    this.goOn();
+    this.schedule();
   }
 
   /**
-   * That a device is lost is told by itself.
+   * Report an error, except a lost device, which is reported elsewhere.
    * @param {unknown} error
    */
   failed(error) {
     const lost = error instanceof Error && error.name === "AbortError";
-    if (!lost) this.drawing.heard({ error: firstLine(error) });
+    if (!lost) this.drawing.onNews({ error: firstLine(error) });
   }
 
-  /** @param {LandedFrame} frame */
+  /** @param {FinishedFrame} frame */
   async read({ size, work, timed, full, alone, fresh, measured }) {
     this.unreported = null;
     const clock = timed ? await this.stamped() : null;
-    // by the GPU's own clock where it has one: it alone knows what one of several took
+    // by timestamps if available, which alone can separate several frames in flight
     if (this.gpu.stamps ? timed : alone) {
       const milliseconds = Math.max(alone ? work : 0, clock ?? 0);
-      // the first of a program says how long its driver makes ready, and nothing of the next
+      // the first frame of a program includes the driver's preparation
       if (!fresh) this.pace.note(milliseconds, size[0] * size[1]);
-      this.drawing.heard({ milliseconds, gpuMilliseconds: clock, timedAt: size });
+      this.drawing.onNews({ milliseconds, gpuMilliseconds: clock, timedAt: size });
     }
-    this.drawing.heard({ size, samples: full ? 1 : 0 });
+    this.drawing.onNews({ size, samples: full ? 1 : 0 });
     if (full && this.shown && measured === this.drawing.measured) await this.figures();
   }
 
-  // A part of the next sample, as many rows as fit a frame's time.
-  async finer() {
+  // Draw as many rows of the next sample as fit a frame's time.
+  async refine() {
     if (performance.now() - this.movedAt < REST) return;
     const { size, pace } = this;
-    this.room();
+    this.allocate();
     const rows = Math.min(size[1], pace.rows(size[0], rowsApart(size[0])));
     const last = Math.min(size[1], this.row + rows);
     const began = performance.now();
@@ -236,7 +236,7 @@ export class Frames {
       this.gpu.device.queue.onSubmittedWorkDone(),
     ]);
     const cost = Math.max(pace.work(performance.now() - began), clock ?? 0);
-    // the few rows that are left at the end say little
+    // the last few rows are too few for a measurement
     if (2 * (last - this.row) >= rows) pace.note(cost, size[0] * (last - this.row));
     const [before, clockBefore] = this.spent;
     const known = clock !== null && clockBefore !== null;
@@ -249,12 +249,12 @@ export class Frames {
     this.row = 0;
     const [milliseconds, gpuMilliseconds] = this.spent;
     this.spent = [0, 0];
-    this.drawing.heard({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
+    this.drawing.onNews({ milliseconds, gpuMilliseconds, timedAt: size, size, samples: this.done });
     if (this.done === 1) await this.figures();
   }
 
   /**
-   * Draw rows of a sample, on each side; returns whether the GPU's clock is asked for it.
+   * Draw rows of a sample, on each side; returns whether they are timed by timestamps.
    * @param {Pair} size
    * @param {number} number of the sample
    * @param {number} first
@@ -274,7 +274,7 @@ export class Frames {
   }
 
   /**
-   * Add a sample whose rows are all drawn to the picture, and show that.
+   * Add a completed sample to the picture and show it.
    * @param {Pair} size
    * @param {number} number of the sample
    */
@@ -318,41 +318,41 @@ export class Frames {
       divider: state.compare ? state.divider * canvas.width : canvas.width + 1,
       show: state.show,
       samples: this.drawn,
-      figures: this.found,
+      figures: this.lastFigures,
     };
   }
 
-  // Put what is drawn on the canvas, with the divider where it is now.
+  // Show the drawn picture on the canvas, with the divider at its current position.
   present() {
-    if (!this.shown || !this.drawn || this.drawing.held) return;
+    if (!this.shown || !this.drawn || this.drawing.paused) return;
     this.colors.present(this.buffers("left"), this.buffers("right"), this.view());
   }
 
   /**
-   * The buffers of a side, allocated by `room`.
+   * The buffers of a side, allocated by `allocate`.
    * @param {SideName} side
    */
   buffers(side) {
     return /** @type {SideBuffers} */ (this.sides[side]);
   }
 
-  // What is measured on the picture; what another is drawn instead of by then is not told.
+  // Measure the picture and report it, unless another one is drawn by then.
   async figures() {
     const { measured } = this.drawing;
     const view = this.view();
     const shown = /** @type {Shown} */ (this.shown);
-    // both are asked for before anything else is drawn
+    // request both before anything else is drawn
     const [left, right] = await Promise.all([
       this.colors.figures(this.buffers("left"), view),
       shown.right && this.colors.figures(this.buffers("right"), view),
     ]);
     if (!this.shown || this.drawing.measured !== measured) return;
-    this.found = { ...left, most: Math.max(left.most, right?.most ?? 0) };
-    this.drawing.heard({ figures: { left, right, missed: Boolean(shown.truth) } });
+    this.lastFigures = { ...left, most: Math.max(left.most, right?.most ?? 0) };
+    this.drawing.onNews({ figures: { left, right, missed: Boolean(shown.truth) } });
     if (view.show !== "color" && !this.dirty) this.present();
   }
 
-  // What the programs took that were timed last, by the GPU's own clock.
+  // Milliseconds of the programs that were timed last, by timestamps.
   async stamped() {
     try {
       return await this.gpu.readStamps();
@@ -362,7 +362,7 @@ export class Frames {
   }
 
   /**
-   * The words of a side's planes, as they were drawn last.
+   * The words of the last drawn planes of a side.
    * @param {SideName} side
    */
   async words(side = "left") {

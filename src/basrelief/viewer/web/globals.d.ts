@@ -1,11 +1,11 @@
 // Additions to the types of the browser.
 
-import type { View } from "view/main.js";
+import type { ViewerPage } from "view/main.js";
 
 declare global {
   interface Window {
-    /** The view, for tests and for the console. */
-    viewer: View;
+    /** The page, for tests and the console. */
+    viewer: ViewerPage;
   }
 
   interface Array<T> {

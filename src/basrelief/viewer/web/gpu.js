@@ -28,8 +28,8 @@ import { pack, packList } from "view/records.js";
 
 const GROUP = 8;
 const TIMED = 4; // programs that are timed together at most
-const TRIES = 4; // times that a device is asked for
-const APART = 300; // milliseconds between them
+const TRIES = 4; // requests for a device
+const APART = 300; // milliseconds between requests
 const BUFFER_TYPES = /** @type {const} */ ({
   run: "uniform",
   uniform: "uniform",
@@ -39,7 +39,7 @@ const BUFFER_TYPES = /** @type {const} */ ({
 
 export class Gpu {
   /**
-   * A browser whose graphics process has just begun, or begun anew, may have a device a moment later.
+   * Request a device; a browser whose graphics process has just started may need several requests.
    * @returns {Promise<Gpu>}
    */
   static async open() {
@@ -81,7 +81,7 @@ export class Gpu {
     /** @type {Map<string, Promise<Compiled>>} */
     this.pipelines = new Map();
     this.lost = false;
-    this.compiled = 0; // how many pipelines were ever made
+    this.compiled = 0; // number of pipelines that were compiled
     /** @type {(mode: GPUAddressMode) => GPUSampler} */
     const sampler = (mode) => device.createSampler({ addressModeU: mode, addressModeV: mode });
     this.samplers = { wrap: sampler("repeat"), clamp: sampler("clamp-to-edge") };
@@ -102,7 +102,7 @@ export class Gpu {
   }
 
   /**
-   * So many programs were timed: their times may be read.
+   * Resolve the timestamps of `count` programs, which may then be read.
    * @param {number} count
    */
   resolveStamps(count) {
@@ -115,7 +115,7 @@ export class Gpu {
     stamps.count = count;
   }
 
-  // Milliseconds that they took together; not to be timed again before they are read.
+  // Their total in milliseconds; no program may be timed before this is read.
   async readStamps() {
     const { read, count } = /** @type {Stamps} */ (this.stamps);
     await read.mapAsync(GPUMapMode.READ);
@@ -233,7 +233,7 @@ export class Gpu {
   }
 
   /**
-   * One of zeros, which is filled later.
+   * A texture of zeros, to be filled later.
    * @param {Pair} size
    * @param {boolean} heights
    * @param {number} mipLevelCount
@@ -253,7 +253,7 @@ export class Gpu {
   }
 
   /**
-   * Do something with the GPU; `failed` rejects where the GPU refuses it.
+   * Run an action on the GPU; `failed` rejects where the GPU refuses it.
    * @template T
    * @param {() => T} act
    * @returns {{ value: T, failed: Promise<void> }}
@@ -278,7 +278,7 @@ export class Gpu {
   }
 
   /**
-   * Where a program writes: so many planes of a picture.
+   * A buffer of `count` planes of a picture, which programs write.
    * @param {number} count
    * @param {number} width
    * @param {number} height
@@ -289,7 +289,7 @@ export class Gpu {
   }
 
   /**
-   * What a texture of four channels holds, row by row.
+   * The content of a texture of four channels, row by row.
    * @param {GPUTexture} texture
    */
   async readTexture(texture) {
@@ -325,7 +325,7 @@ export class Gpu {
 }
 
 /**
- * Rows that begin where a binding may: at multiples of 256 bytes.
+ * The number of rows after which a binding may start: a multiple of 256 bytes.
  * @param {number} width
  */
 export function rowsApart(width) {
@@ -334,7 +334,7 @@ export function rowsApart(width) {
   return rows;
 }
 
-// A program with its values in place, to be run on rows of a picture as often as is wanted.
+// A program with its arguments, to be run on rows of a picture any number of times.
 export class Job {
   /**
    * @param {Gpu} gpu
@@ -364,11 +364,11 @@ export class Job {
         kind === "uniform"
           ? pack(type, /** @type {Value} */ (values[name]), data.records)
           : packList(type, /** @type {Value[]} */ (values[name]), data.records);
-      const held = this.uniforms.get(name);
-      if (held && held.size >= bytes.byteLength) {
-        gpu.device.queue.writeBuffer(held, 0, bytes);
+      const buffer = this.uniforms.get(name);
+      if (buffer && buffer.size >= bytes.byteLength) {
+        gpu.device.queue.writeBuffer(buffer, 0, bytes);
       } else {
-        held?.destroy();
+        buffer?.destroy();
         const usage = kind === "uniform" ? GPUBufferUsage.UNIFORM : GPUBufferUsage.STORAGE;
         this.uniforms.set(name, gpu.buffer(bytes, usage));
       }

@@ -1,11 +1,11 @@
-// A page within another one, as in a notebook's widget: each tells the other what is set.
+// A page embedded in another one, as in a notebook's widget: both exchange their settings.
 //
-// The page says {basrelief: "ready", state} once it listens, and {basrelief: "state", state} after
-// changes; it hears {basrelief: "state", state}, which may be a part of one.
+// The page sends {basrelief: "ready", state} once it listens, and {basrelief: "state", state} after
+// changes; it receives {basrelief: "state", state}, which may be partial.
 
 import { copyOf } from "view/checks.js";
 
-/** @import { View } from "view/main.js" */
+/** @import { ViewerPage } from "view/main.js" */
 /** @import { State } from "view/state.js" */
 
 /**
@@ -13,38 +13,38 @@ import { copyOf } from "view/checks.js";
  * @typedef {{ basrelief: "ready" | "state", state: State }} PageMessage
  */
 
-const APART = 60; // milliseconds between what is told, for sliders on the move
+const APART = 60; // milliseconds between messages while a slider moves
 
 export class Host {
-  /** @param {View} view */
+  /** @param {ViewerPage} view */
   static around(view) {
     return window.parent === window ? null : new Host(view);
   }
 
-  /** @param {View} view */
+  /** @param {ViewerPage} view */
   constructor(view) {
     this.view = view;
     this.waiting = false;
-    this.toldAt = -Infinity;
+    this.sentAt = -Infinity;
     document.body.classList.add("within");
   }
 
   open() {
     addEventListener("message", ({ source, data }) => {
-      if (source === window.parent && data?.basrelief === "state") this.view.take(data.state);
+      if (source === window.parent && data?.basrelief === "state") this.view.apply(data.state);
     });
     this.send("ready");
   }
 
-  // The last of quick changes is always told.
-  tell() {
+  // Send the state; of quick changes the last one is always sent.
+  notify() {
     if (this.waiting) return;
     this.waiting = true;
-    const left = this.toldAt + APART - performance.now();
+    const left = this.sentAt + APART - performance.now();
     setTimeout(
       () => {
         this.waiting = false;
-        this.toldAt = performance.now();
+        this.sentAt = performance.now();
         this.send("state");
       },
       Math.max(0, left),
@@ -53,14 +53,14 @@ export class Host {
 
   /** @param {PageMessage["basrelief"]} what */
   send(what) {
-    // where the page around is served from is not for this one to know, and the settings no secret
+    // the origin of the parent is unknown, and settings are not secret
     /** @type {PageMessage} */
     const message = { basrelief: what, state: copyOf(this.view.state) };
     window.parent.postMessage(message, "*");
   }
 
   /**
-   * Whether a person is at an element, and not somewhere in the page around.
+   * Whether an element has the focus, and not the page around.
    * @param {Element} element
    */
   focused(element) {

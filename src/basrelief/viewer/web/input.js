@@ -1,9 +1,9 @@
-// What a person does beside the panel: mouse, touch, keys on the picture, files that are dropped.
+// Input outside the panel: mouse, touch, keys on the picture, dropped files.
 
 import { byId } from "view/controls.js";
 
 /** @import { Pair, Slot } from "view/data" */
-/** @import { View } from "view/main.js" */
+/** @import { ViewerPage } from "view/main.js" */
 
 const ZOOM = 1.12; // times nearer by a key
 const TURN = 0.4; // degrees a pixel
@@ -15,7 +15,7 @@ const ARROWS = {
   ArrowDown: [0, -1],
 };
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 export function listen(view) {
   listenToPointers(view);
   listenToWheel(view);
@@ -31,9 +31,9 @@ export function listen(view) {
 }
 
 /**
- * One finger or button turns; with Shift, or by the other buttons, it moves, with Alt or Ctrl it turns
- * the light; two fingers move and zoom.
- * @param {View} view
+ * One finger or button orbits; Shift or the other buttons pan, Alt or Ctrl turn the light; two fingers
+ * pan and zoom.
+ * @param {ViewerPage} view
  */
 function listenToPointers(view) {
   const { canvas } = view;
@@ -72,12 +72,12 @@ function listenToPointers(view) {
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function listenToWheel(view) {
   view.canvas.addEventListener(
     "wheel",
     (event) => {
-      // a page around is scrolled, until the picture is clicked
+      // in a notebook the wheel scrolls until the picture is clicked
       if (view.host && !view.host.focused(view.canvas)) return;
       event.preventDefault();
       view.zoom(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.0015));
@@ -87,7 +87,7 @@ function listenToWheel(view) {
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @param {KeyboardEvent} event
  */
 function key(view, event) {
@@ -102,7 +102,7 @@ function key(view, event) {
   event.preventDefault();
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function listenToDivider(view) {
   const slider = /** @type {HTMLInputElement} */ (byId("divider"));
   slider.addEventListener("input", () => view.divide(Number(slider.value)));
@@ -116,11 +116,11 @@ function listenToDivider(view) {
 }
 
 /**
- * A file over a map of the panel replaces that one; elsewhere its name says what it is.
- * @param {View} view
+ * A file dropped on a map of the panel replaces it; elsewhere the name selects the map.
+ * @param {ViewerPage} view
  */
 function listenToDrops(view) {
-  // a map takes one picture; what lies under the mouse may be a text in it
+  // a map takes one picture; the target may be a text node in its row
   /** @type {(event: DragEvent) => HTMLElement | null} */
   const under = ({ target, dataTransfer }) => {
     if (dataTransfer?.items.length !== 1 || !(target instanceof Node)) return null;
@@ -147,7 +147,7 @@ function listenToDrops(view) {
     });
   }
   document.addEventListener("dragleave", (event) => {
-    // into something else of the page is not out of it
+    // leaving an element for another one is not leaving the page
     if (!event.relatedTarget) done();
   });
   document.addEventListener("drop", (event) => {

@@ -1,9 +1,9 @@
-// Programs put together from their pieces, which `lang.library` prints.
+// Linking of programs from the pieces that `lang.library` prints.
 
 /** @import { Binding, Condition, Programs } from "view/data" */
 
 /**
- * What static conditions read, by name; beside it what the slots go by.
+ * The values of static conditions by name, and the bindings of slots.
  * @typedef {{ [name: string]: unknown, "map.edge": Edge }} Choices
  */
 /**
@@ -33,7 +33,7 @@ export function holds(condition, choices) {
 }
 
 /**
- * A text with what static conditions leave of it, the innermost decided first.
+ * A text with its static conditions decided, innermost first.
  * @param {string} text
  * @param {Condition[]} conditions
  * @param {Choices} choices
@@ -50,7 +50,7 @@ function decided(text, conditions, choices) {
 const names = new Map();
 
 /**
- * The names in a text, its comments left out, each once; found once, since few texts change.
+ * The distinct names in a text without comments; cached, since few texts change.
  * @param {string} text
  */
 function namesIn(text) {
@@ -63,8 +63,8 @@ function namesIn(text) {
 }
 
 /**
- * An entry with its slots bound as choices say: its WGSL, what it binds, and a key that programs
- * of the same text share.
+ * Link an entry with the slots of the choices: its WGSL, its bindings, and a key that programs of the
+ * same text share.
  * @param {Programs} programs
  * @param {string} entry
  * @param {Choices} choices
@@ -78,7 +78,7 @@ export function linked(programs, entry, choices) {
     ),
   );
   const texts = new Map([["", decided(entries[entry], conditions, choices)]]);
-  // those that are added while this goes on are gone through too
+  // texts that are added during the iteration are visited too
   for (const text of texts.values()) {
     for (const name of namesIn(text)) {
       const piece = texts.has(name) ? undefined : pieceOf(programs, name, bound);
@@ -88,7 +88,7 @@ export function linked(programs, entry, choices) {
   const code = [...texts.values()].join("\n");
   const edge = choices["map.edge"];
   return {
-    // the sampler goes by the edge too, which no piece tells
+    // the sampler depends on the edge too, which is in no piece
     key: [entry, edge, code].join("\n"),
     entry,
     code,
@@ -98,7 +98,7 @@ export function linked(programs, entry, choices) {
 }
 
 /**
- * A piece by its name, which may be any: those of a user's own shaders too.
+ * A piece by its name, which may be any, as in a user's shaders.
  * @param {Programs} programs
  * @param {string} name
  * @param {Map<string, string>} bound what each slot is bound to

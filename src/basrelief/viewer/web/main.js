@@ -1,7 +1,7 @@
-// The page: reads what it was made with, and puts the panel, the picture and a person together.
+// The page: reads its data and connects the panel, the picture and the user.
 
 import { across, framing, framingHeight } from "view/camera.js";
-import { copyOf, held, merged } from "view/checks.js";
+import { copyOf, merged, validated } from "view/checks.js";
 import { afterPress, byId } from "view/controls.js";
 import { Drawing } from "view/drawing.js";
 import { pictureOf, replaced, varies, without } from "view/dropped.js";
@@ -12,7 +12,7 @@ import { PACKED, slotName } from "view/mappanel.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
 import { build } from "view/panel.js";
-import { difference, fromHash, laidOver, toCommand, toHash, toPython } from "view/state.js";
+import { difference, fromHash, toCommand, toHash, toPython, withChanges } from "view/state.js";
 import { firstLine, words } from "view/text.js";
 
 /** @import { Data, Pair, Slot } from "view/data" */
@@ -26,10 +26,10 @@ import { firstLine, words } from "view/text.js";
 /** @type {(id: string) => string} */
 const textOf = (id) => byId(id).textContent ?? "";
 const MOST_PIXELS = 1920 * 1200;
-const MESSAGES = 8; // that are shown at once
-const READ = 8000; // milliseconds for which a message that is only told stays
+const MESSAGES = 8; // shown at once
+const READ = 8000; // milliseconds for which a notice stays
 const AS_NAMED = { channel: "luminance", polarity: "", green: "" };
-const FURTHEST = 20; // widths of a shape that zooming goes away
+const FURTHEST = 20; // largest distance of zooming, in widths of a shape
 
 /**
  * Degrees as −180 to 180.
@@ -38,13 +38,13 @@ const FURTHEST = 20; // widths of a shape that zooming goes away
 const wrapped = (degrees) => degrees - 360 * Math.floor((degrees + 180) / 360);
 
 export async function start() {
-  const view = new View();
+  const view = new ViewerPage();
   window.viewer = view;
   view.ready = view.open();
   await view.ready;
 }
 
-export class View {
+export class ViewerPage {
   // set by `open`
   /** @type {Data} */
   data;
@@ -59,7 +59,7 @@ export class View {
   /** @type {Gpu} */
   gpu;
   /** @type {Pictures} */
-  began; // as in the page
+  original; // the page's own maps
   /** @type {Pictures} */
   pictures;
   /** @type {Drawing} */
@@ -71,21 +71,21 @@ export class View {
     /** @type {(() => void)[]} */
     this.shows = [];
     /** @type {Reading} */
-    this.drop = { ...AS_NAMED }; // how dropped pictures are read
-    this.mapSaid = "";
+    this.drop = { ...AS_NAMED }; // options for reading dropped pictures
+    this.mapMessage = "";
     this.hashesRead = 0;
     this.canvas = /** @type {HTMLCanvasElement} */ (byId("canvas"));
     /** @type {Pair | null} */
-    this.heldSize = null;
+    this.fixedSize = null;
     /** @type {Promise<void>} */
     this.mapping = Promise.resolve(); // maps are changed one after another
     /** @type {News["drawn"] | null} */
-    this.drawn = null; // what is on the canvas, where that is known
+    this.drawn = null; // what is on the canvas, if known
     /** @type {News} */
-    this.news = {}; // the latest of each
+    this.news = {}; // the latest value of each property
     /** @type {Promise<void> | undefined} */
     this.reopening = undefined;
-    this.writing = 800; // milliseconds between the letters of a name
+    this.writing = 800; // milliseconds after which a typed name is complete
     /** @type {number | null} */
     this.rebuilding = null;
     /** @type {number | undefined} */
@@ -102,7 +102,7 @@ export class View {
       this.hasHeights = this.data.hasHeights;
       this.sources = { ...this.data.mapSources };
     } catch (error) {
-      this.say(`This page cannot be read: ${firstLine(error)}`);
+      this.showMessage(`This page cannot be read: ${firstLine(error)}`);
       return;
     }
     this.readHash();
@@ -117,7 +117,7 @@ export class View {
     document.body.classList.add("with");
     byId("panel").hidden = false;
     if (this.data.scaledTo) {
-      this.say(
+      this.showMessage(
         `Maps are scaled to ${this.data.scaledTo.join(" × ")} so that the page stays small.`,
         true,
       );
@@ -125,7 +125,7 @@ export class View {
     try {
       await this.loadMaps();
     } catch (error) {
-      this.say(firstLine(error));
+      this.showMessage(firstLine(error));
       return;
     }
     this.rebuild();
@@ -135,26 +135,26 @@ export class View {
     await this.drawing.show(copyOf(this.state));
   }
 
-  // A drawing of the maps that there are, on the device that there is by then.
+  // Make a drawing of the current maps on the current device.
   async loadMaps() {
-    this.began ??= await this.packedMaps();
-    this.pictures ??= this.began;
-    let made;
+    this.original ??= await this.packedMaps();
+    this.pictures ??= this.original;
+    let drawing;
     do {
       await this.reopening;
-      made = new Drawing(this.gpu, this.data, this.canvas, (news) => this.hear(news));
+      drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.report(news));
       try {
-        await made.setMaps(this.pictures);
-        await made.frames.pace.measureLatency(this.gpu.device.queue);
+        await drawing.setMaps(this.pictures);
+        await drawing.frames.pace.measureLatency(this.gpu.device.queue);
       } catch (error) {
-        if (!made.gpu.lost) throw error;
+        if (!drawing.gpu.lost) throw error;
       }
-    } while (made.gpu.lost);
-    this.drawing = made;
+    } while (drawing.gpu.lost);
+    this.drawing = drawing;
   }
 
   /**
-   * Other maps, made of those that there are then; rejects where they cannot be taken.
+   * Replace the maps, after earlier changes; rejects where the drawing refuses them.
    * @param {(pictures: Pictures) => Pictures} change
    */
   changeMaps(change) {
@@ -170,36 +170,38 @@ export class View {
   async packedMaps() {
     /** @type {Pictures} */
     const found = {};
-    for (const [name, told] of Object.entries(this.data.maps)) {
-      found[name] = await unpacked(told, textOf(`map-${name}`));
+    for (const [name, map] of Object.entries(this.data.maps)) {
+      found[name] = await unpacked(map, textOf(`map-${name}`));
     }
     return found;
   }
 
   /**
-   * A lost device is opened anew; what goes wrong within one is told.
+   * Reopen a lost device, and report errors of a device.
    * @param {Gpu} gpu
    */
   watch(gpu) {
-    gpu.device.addEventListener("uncapturederror", ({ error }) => this.say(firstLine(error)));
+    gpu.device.addEventListener("uncapturederror", ({ error }) =>
+      this.showMessage(firstLine(error)),
+    );
     gpu.device.lost.then(async ({ reason, message }) => {
       if (this.gpu !== gpu) return;
       gpu.lost = true;
       this.reopening = this.reopen();
-      this.say(
-        `The graphics device was lost (${firstLine(message || reason)}); starting it again.`,
+      this.showMessage(
+        `The graphics device was lost (${firstLine(message || reason)}); restarting it.`,
       );
       const { drawing } = this;
-      // a page that still opens waits for the device itself
+      // while the page opens, it waits for the device by itself
       if (!drawing) return;
-      drawing.held = true;
+      drawing.paused = true;
       try {
         await this.reopening;
         this.mapping = this.mapping.then(() => this.loadMaps());
         await this.mapping;
         await this.drawing.show(copyOf(this.state));
       } catch (error) {
-        this.say(`It cannot be started again: ${firstLine(error)}. Load the page anew.`);
+        this.showMessage(`The device cannot be restarted (${firstLine(error)}); reload the page.`);
       }
     });
   }
@@ -214,21 +216,21 @@ export class View {
   readHash() {
     try {
       this.state = fromHash(location.hash, this.start, this.data);
-      this.holdCamera();
+      this.clampCamera();
     } catch {
-      this.say("The link's settings cannot be read; the page starts with its own.");
+      this.showMessage("The link's settings cannot be read; the page uses its own.");
     }
   }
 
   /**
-   * `choice`: what can be set is another now, so the panel is made anew; "soon" when nobody writes
-   * in it any more.
+   * Update the page after a change. With `choice` the panel is rebuilt, as the available settings
+   * differ; "soon" waits until the user has finished typing in it.
    * @param {boolean | "soon"} choice
    */
   changed(choice = false) {
-    held(this.state, this.start, this.data);
-    this.holdCamera();
-    this.unname();
+    validated(this.state, this.start, this.data);
+    this.clampCamera();
+    this.clearPreset();
     if (choice === true) this.rebuild();
     else for (const show of this.shows) show();
     if (choice === "soon") {
@@ -239,11 +241,11 @@ export class View {
     this.link();
     this.drawn = null;
     this.updateDivider();
-    this.host?.tell();
+    this.host?.notify();
     this.drawing.show(copyOf(this.state));
   }
 
-  // The address holds the settings, where the page has one of its own.
+  // Store the settings in the address, unless the page is embedded.
   link() {
     if (this.host) return;
     clearTimeout(this.linking);
@@ -257,16 +259,16 @@ export class View {
   }
 
   /**
-   * Settings that come from outside, laid over those that there are.
-   * @param {unknown} told
+   * Apply settings from outside the page.
+   * @param {unknown} changes
    */
-  take(told) {
+  apply(changes) {
     const before = this.state;
-    this.state = laidOver(before, told, this.data);
-    this.holdCamera();
-    const changed = /** @type {object | undefined} */ (difference(this.state, before));
-    if (!changed) {
-      this.host?.tell();
+    this.state = withChanges(before, changes, this.data);
+    this.clampCamera();
+    const changedFields = /** @type {object | undefined} */ (difference(this.state, before));
+    if (!changedFields) {
+      this.host?.notify();
       return;
     }
     const choices = [
@@ -280,7 +282,9 @@ export class View {
     ];
     /** @type {(state: State) => boolean} */
     const lens = ({ camera }) => camera.orthographic_height === null;
-    this.changed(choices.some((name) => name in changed) || lens(this.state) !== lens(before));
+    this.changed(
+      choices.some((name) => name in changedFields) || lens(this.state) !== lens(before),
+    );
   }
 
   rebuild() {
@@ -290,7 +294,7 @@ export class View {
     this.updateDivider();
   }
 
-  // What was to be soon, unless it has been put off since.
+  // Rebuild the panel now, if the delayed rebuild is still due.
   rebuildNow(due = this.rebuilding) {
     if (due && due === this.rebuilding) this.rebuild();
   }
@@ -312,13 +316,13 @@ export class View {
     if (!found) return;
     const { camera, shape } = this.state;
     const { compare, divider, show } = this.state;
-    const kept = { camera, shape, compare, divider, show };
-    this.state = { ...merged(this.start, found, this.data), preset: name, ...kept };
+    const unchanged = { camera, shape, compare, divider, show };
+    this.state = { ...merged(this.start, found, this.data), preset: name, ...unchanged };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
 
-  // A preset that somebody has turned something of is not that preset any more.
-  unname() {
+  // Clear the preset's name once its settings have changed.
+  clearPreset() {
     const { preset, camera, shape, tiling, compare, divider, show, ...rest } = this.state;
     const found = this.data.presets[preset]?.state;
     if (found && difference(rest, found)) this.state.preset = "";
@@ -335,7 +339,7 @@ export class View {
     this.changed();
   }
 
-  // Let the camera show the whole shape.
+  // Frame the whole shape.
   reframe() {
     const { camera, shape } = this.state;
     Object.assign(camera, { distance: null, target: [0, 0, 0] });
@@ -344,24 +348,24 @@ export class View {
     camera.orthographic_height = framingHeight(camera, shapes[shape].outline, this.size(), filled);
   }
 
-  // Settings and maps as the page began with.
+  // Restore the page's own settings and maps.
   async reset() {
     this.state = copyOf(this.start);
     this.drop = { ...AS_NAMED };
     this.changed(true);
     let others = false;
     try {
-      await this.changeMaps((held) => {
-        others = held !== this.began;
-        return this.began;
+      await this.changeMaps((pictures) => {
+        others = pictures !== this.original;
+        return this.original;
       });
       if (!others) return;
       this.hasHeights = this.data.hasHeights;
       this.sources = { ...this.data.mapSources };
-      this.mapSaid = "";
+      this.mapMessage = "";
       this.changed(true);
     } catch (error) {
-      this.say(firstLine(error));
+      this.showMessage(firstLine(error));
     }
   }
 
@@ -372,12 +376,12 @@ export class View {
     return [this.canvas.width, this.canvas.height];
   }
 
-  // With the distance that it frames from, where none is said.
+  // The camera with the framing distance, where it has none.
   wholeCamera() {
     return this.drawing.camera(this.state, this.size());
   }
 
-  // The height of the picture, where the target is.
+  // The height of the view at the target.
   heightSeen() {
     const { orthographic_height, field_of_view, distance } = this.wholeCamera();
     return orthographic_height ?? 2 * Math.tan((field_of_view * Math.PI) / 360) * distance;
@@ -395,7 +399,7 @@ export class View {
   }
 
   /**
-   * Turn the first light that comes from a direction.
+   * Turn the first directional light.
    * @param {number} azimuth
    * @param {number} elevation
    */
@@ -419,7 +423,7 @@ export class View {
   }
 
   /**
-   * Move the target by pixels of the picture as it is shown.
+   * Move the target by pixels of the displayed picture.
    * @param {number} x
    * @param {number} y
    */
@@ -433,8 +437,8 @@ export class View {
     this.changed();
   }
 
-  // Never behind a flat shape, nor within a shape.
-  holdCamera() {
+  // Keep the camera in front of a flat shape and outside of any shape.
+  clampCamera() {
     const { camera, shape } = this.state;
     const { flat, radius, outline } = this.data.shapes[shape];
     const least = flat ? 2 : -89;
@@ -443,7 +447,7 @@ export class View {
     if (camera.distance !== null) {
       const away = Math.hypot(...camera.target);
       camera.distance = Math.max(camera.distance, flat ? 0.15 : radius + away + 0.05);
-      // an orthographic one sees nothing that is behind it
+      // an orthographic camera cuts off what is behind it
       if (camera.orthographic_height !== null) {
         const all = framing(camera, outline, [1, 1], 1) - 1;
         camera.distance = Math.max(camera.distance, all + 0.05);
@@ -454,22 +458,22 @@ export class View {
   // --- maps
 
   /**
-   * Pictures as the map of a slot, or each as what its name says: those dropped together are a
-   * material's. What is wrong with one is told, and the others are taken.
+   * Use pictures as the map of a slot, or each by its name. Errors of one are reported and the
+   * others are used.
    * @param {File[]} files
    * @param {Slot | ""} slot
    */
   async takeMaps(files, slot = "") {
-    const said = [];
+    const messages = [];
     for (const file of files) {
       try {
-        said.push(await this.takeMap(file, slot));
+        messages.push(await this.takeMap(file, slot));
       } catch (error) {
-        this.say(`${file.name}: ${firstLine(error)}`);
+        this.showMessage(`${file.name}: ${firstLine(error)}`);
       }
     }
-    if (!said.length) return;
-    this.mapSaid = said.join("; ");
+    if (!messages.length) return;
+    this.mapMessage = messages.join("; ");
     this.changed(true);
   }
 
@@ -478,19 +482,19 @@ export class View {
    * @param {Slot | ""} wanted
    */
   async takeMap(file, wanted) {
-    const { slot, ...how } = this.meant(file, wanted);
+    const { slot, ...how } = this.slotFor(file, wanted);
     const picture = await pictureOf(file, this.gpu.limits.maxTextureDimension2D);
-    await this.changeMaps((held) =>
-      this.withoutBakes(replaced(held, this.data.slots, slot, picture, how), slot),
+    await this.changeMaps((pictures) =>
+      this.withoutBakes(replaced(pictures, this.data.slots, slot, picture, how), slot),
     );
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
-    // what has opacity of its own brings that too
+    // a base colour with opacity replaces that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useTechnique("relief");
     }
-    return this.tellMap(file.name, slot, picture, how);
+    return this.describeMap(file.name, slot, picture, how);
   }
 
   /** @param {string} technique */
@@ -500,41 +504,39 @@ export class View {
   }
 
   /**
-   * What a file is to be used as, and how: by the panel, or else by its name.
+   * The slot of a file and the options for reading it: by the panel, or else by its name.
    * @param {File} file
    * @param {Slot | ""} wanted
    * @returns {Reading & { slot: Slot }}
    */
-  meant({ name }, wanted) {
+  slotFor({ name }, wanted) {
     const found = meaningOf(name, this.data.names);
     const slot = wanted || found?.slot;
     if (!slot) {
-      throw new Error(
-        "its name says no map that the page takes; under “Maps”, drop it on the one that it is to be",
-      );
+      throw new Error("its name matches no map of the page; drop it on a map under “Maps”");
     }
-    // a name of another map says nothing of this one
-    const said = found?.slot === slot ? found : { polarity: "height", green: "gl" };
+    // the name of another map has no options for this one
+    const reading = found?.slot === slot ? found : { polarity: "height", green: "gl" };
     const { channel, polarity, green } = this.drop;
     return {
       slot,
       channel,
-      polarity: polarity || said.polarity,
-      green: green || said.green,
+      polarity: polarity || reading.polarity,
+      green: green || reading.green,
     };
   }
 
   /**
-   * Draw without a map.
+   * Remove a map.
    * @param {Slot} slot
    */
-  async leaveMap(slot) {
+  async removeMap(slot) {
     try {
-      await this.changeMaps((held) =>
-        this.withoutBakes(without(held, this.data.slots, slot), slot),
+      await this.changeMaps((pictures) =>
+        this.withoutBakes(without(pictures, this.data.slots, slot), slot),
       );
     } catch (error) {
-      this.say(firstLine(error));
+      this.showMessage(firstLine(error));
       return;
     }
     delete this.sources[slot];
@@ -543,12 +545,12 @@ export class View {
       Object.assign(this.state, { technique: "flat", compare: "" });
       if (this.state.show === "missed") this.state.show = "color";
     }
-    this.mapSaid = `Drawn without ${slotName(slot)}.`;
+    this.mapMessage = `Drawn without ${slotName(slot)}.`;
     this.changed(true);
   }
 
   /**
-   * What the page has baked is of its own heights.
+   * The pictures without bakes of the page's own heights, where these are replaced.
    * @param {Pictures} pictures
    * @param {Slot} slot
    */
@@ -565,21 +567,25 @@ export class View {
    * @param {FilePicture} picture
    * @param {Reading} how
    */
-  tellMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
-    if (lost) this.say(`${name} is interlaced: 8 of its 16 bits a channel are read.`, true);
+  describeMap(name, slot, { width, height, bits, lost }, { polarity, green }) {
+    if (lost)
+      this.showMessage(`${name} is interlaced: 8 of its 16 bits per channel are read.`, true);
     if (slot === "height" && this.pictures.normal) {
-      this.say(
-        "The normals are still those of the normal map; without it they are made of the heights.",
+      this.showMessage(
+        "The normal map stays in use; remove it to derive normals from the heights.",
         true,
       );
     }
     const { proportion } = this.data.constants;
     const apart = Math.abs(width / height / proportion - 1);
     if (width * height > 1 && apart > 0.02) {
-      this.say(`${name} has other proportions than the page's material, and is stretched.`, true);
+      this.showMessage(
+        `${name} has other proportions than the page's material, and is stretched.`,
+        true,
+      );
     }
-    const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", turned over" : "";
-    return `${name}: ${width} × ${height} with ${bits} bits a channel, used as ${slotName(slot)}${over}`;
+    const over = (slot === "normal" ? green === "dx" : polarity === "depth") ? ", inverted" : "";
+    return `${name}: ${width} × ${height} with ${bits} bits per channel, used as ${slotName(slot)}${over}`;
   }
 
   // --- the picture
@@ -590,7 +596,7 @@ export class View {
     if (this.drawing.state) this.drawing.state.divider = this.state.divider;
     this.updateDivider();
     this.link();
-    this.host?.tell();
+    this.host?.notify();
     this.drawing.frames.present();
   }
 
@@ -605,9 +611,9 @@ export class View {
     byId("line-right").textContent = words(compare);
   }
 
-  // The canvas gets as many pixels as it is shown with.
+  // Give the canvas as many pixels as the screen shows.
   fit() {
-    if (this.heldSize) return;
+    if (this.fixedSize) return;
     const { clientWidth, clientHeight } = byId("picture");
     const fine = Math.min(
       devicePixelRatio,
@@ -627,20 +633,20 @@ export class View {
     if (this.canvas.width === width && this.canvas.height === height) return;
     this.canvas.width = width;
     this.canvas.height = height;
-    // a distance that frames is another now
+    // the framing distance has changed
     for (const show of this.shows) show();
     this.drawing.frames.touched();
   }
 
   /**
-   * Draw at a size and so many samples, whatever the page's: for pictures that are compared.
+   * Draw at a fixed size with a number of samples, for comparisons.
    * @param {number} width
    * @param {number} height
    * @param {number} samples
    */
   async draw(width, height, samples) {
     await this.mapping;
-    this.heldSize = [width, height];
+    this.fixedSize = [width, height];
     this.drawing.frames.limit = samples;
     this.resize(width, height);
     await this.drawing.show(copyOf(this.state));
@@ -652,7 +658,7 @@ export class View {
     /** @type {Blob | null} */
     const blob = await new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
     if (!blob) {
-      this.say(
+      this.showMessage(
         "The browser makes no picture of the canvas; make the window smaller and try again.",
       );
       return;
@@ -668,32 +674,31 @@ export class View {
   text(kind) {
     if (kind === "python") return toPython(this.state, this.data);
     if (kind === "command") return toCommand(this.state, this.data);
-    if (kind !== "link") throw new Error(`nothing is copied as ${kind}`);
+    if (kind !== "link") throw new Error(`unknown kind of copy: ${kind}`);
     return location.href.split("#")[0] + toHash(this.state, this.start);
   }
 
   /** @param {CopyKind} kind */
   async copy(kind) {
     const text = this.text(kind);
-    const without =
-      this.pictures === this.began ? "" : " The maps that were changed are not in it.";
+    const without = this.pictures === this.original ? "" : " Changed maps are not included.";
     byId("copied").textContent = text + (without && `\n${without.trim()}`);
     try {
       await navigator.clipboard.writeText(text);
-      this.say(
+      this.showMessage(
         `Copied as ${{ python: "Python", command: "a command", link: "a link" }[kind]}.${without}`,
         true,
       );
     } catch {
-      this.say(`The browser does not let the page copy: take it from the panel.${without}`, true);
+      this.showMessage(`The browser blocks copying; copy the text from the panel.${without}`, true);
     }
   }
 
-  // --- what is said
+  // --- messages
 
   /** @param {News} news */
-  hear(news) {
-    if (news.error) this.say(news.error);
+  report(news) {
+    if (news.error) this.showMessage(news.error);
     if (news.busy !== undefined) byId("busy").textContent = news.busy;
     this.news = { ...this.news, ...news };
     if (news.drawn) {
@@ -704,13 +709,13 @@ export class View {
     /** @type {(f: Figures) => string} */
     const reads = (f) => (f.hits ? (f.reads / f.hits).toFixed(1) : "0");
     const parts = [];
-    // what has failed is not what is seen and measured
+    // after a failure the canvas still shows the technique before
     const { drawn } = this;
     const other = drawn && drawn.technique !== this.state.technique;
     if (other) parts.push(`${words(drawn.technique)} is still shown`);
     if (figures) {
       const { left, right, missed } = figures;
-      parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads a pixel`);
+      parts.push(`${reads(left)}${right ? ` | ${reads(right)}` : ""} reads per pixel`);
       /** @type {(f: Figures) => string} */
       const share = (f) => ((100 * f.missed) / f.hits).toFixed(2);
       if (missed && left.hits) {
@@ -721,7 +726,7 @@ export class View {
       const clock = gpuMilliseconds == null ? "" : ` (programs ${gpuMilliseconds.toFixed(1)})`;
       parts.push(`${milliseconds.toFixed(1)} ms${clock}`, timedAt.join(" × "));
     }
-    // the end is cut off where there is no room
+    // the end of the line is cut off first
     if (size) parts.push(`${samples} of ${this.drawing.frames.limit} samples`);
     byId("figures").textContent = byId("figures").title = parts.join(" · ");
   }
@@ -730,7 +735,7 @@ export class View {
    * @param {string} message
    * @param {boolean} quiet
    */
-  say(message, quiet = false) {
+  showMessage(message, quiet = false) {
     const line = document.createElement("p");
     line.textContent = message;
     if (quiet) line.className = "quiet";
@@ -741,13 +746,13 @@ export class View {
     close.addEventListener("click", () => line.remove());
     line.append(close);
     const box = byId("messages");
-    // what is only told makes room for what went wrong
+    // notices make room for errors
     while (box.children.length >= MESSAGES) {
       (box.querySelector(".quiet") ?? box.firstElementChild)?.remove();
     }
     box.append(line);
     line.scrollIntoView({ block: "nearest" });
-    // what is only told goes by itself; what went wrong stays until it is read
+    // notices vanish; errors stay until they are closed
     if (quiet) setTimeout(() => line.remove(), READ);
   }
 }

@@ -1,4 +1,4 @@
-// The panel's part on maps: each as a small picture on which another is dropped.
+// The panel's section of maps: thumbnails on which pictures can be dropped.
 
 import { button, element, section } from "view/controls.js";
 import { words } from "view/text.js";
@@ -7,7 +7,7 @@ import { thumbnail } from "view/thumbs.js";
 /** @import { Slot } from "view/data" */
 /** @import { Option } from "view/controls.js" */
 /** @import { Reading } from "view/dropped.js" */
-/** @import { View } from "view/main.js" */
+/** @import { ViewerPage } from "view/main.js" */
 
 /** @type {Slot[]} */
 export const PACKED = ["occlusion", "roughness", "metallic"];
@@ -21,36 +21,36 @@ const NAMES = {
 };
 
 /**
- * What a map is called.
+ * The name of a map in the panel.
  * @param {Slot} slot
  */
 export const slotName = (slot) => NAMES[slot] ?? words(slot);
 
 /**
- * How a dropped picture is read; what is left to its name is what that says, if anything.
+ * Options for reading dropped pictures; "" takes the file's name into account.
  * @type {{ [Name in keyof Reading]: [label: string, options: Option[]] }}
  */
 const HOW = {
   channel: ["Channel", ["luminance", ..."rgba"].map((c) => [c, c])],
   polarity: [
-    "White is",
+    "White",
     [
-      ["", "as its name says"],
-      ["height", "high, or as it is"],
-      ["depth", "deep: turn it over"],
+      ["", "by file name"],
+      ["height", "high (as stored)"],
+      ["depth", "low (inverted)"],
     ],
   ],
   green: [
-    "Green is",
+    "Green",
     [
-      ["", "as its name says"],
+      ["", "by file name"],
       ["gl", "up (OpenGL)"],
       ["dx", "down (DirectX)"],
     ],
   ],
 };
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 export function maps(view) {
   const file = element("input", {
     type: "file",
@@ -58,7 +58,7 @@ export function maps(view) {
     id: "map-file",
     multiple: true,
   });
-  // beside the last of those that it holds
+  // the packed map follows the last map in it
   const slots = Object.keys(view.data.slots).flatMap((slot) =>
     slot === PACKED.at(-1) ? [slot, "packed"] : [slot],
   );
@@ -73,27 +73,27 @@ export function maps(view) {
     element(
       "p",
       { class: "doc" },
-      "Drop a picture on the map that it replaces; several at once are each what their names say.",
+      "Drop a picture on the map to replace. Several pictures at once are assigned by their names.",
     ),
     slots.map((slot) => row(view, slot)),
     element("div", { class: "menu" }, element("label", { for: "map-file" }, "Pictures"), file),
-    element("p", { class: "doc" }, "How pictures are read that are dropped next:"),
+    element("p", { class: "doc" }, "Reading of dropped pictures:"),
     readings.map((name) => choice(view, name, ...HOW[name])),
-    element("p", { class: "doc", id: "map-said" }, view.mapSaid),
+    element("p", { class: "doc", id: "map-message" }, view.mapMessage),
   );
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @param {Slot} slot
  */
 function row(view, slot) {
-  const { held } = view.data.slots[slot] ?? view.data.slots[PACKED[0]];
+  const { texture } = view.data.slots[slot] ?? view.data.slots[PACKED[0]];
   const { channels, light } = view.data.slots[slot] ?? { channels: [0, 1, 2], light: false };
   const name = slotName(slot);
-  const picture = view.pictures[held];
+  const picture = view.pictures[texture];
   const source = view.sources[slot] ?? "";
-  // a map that nobody gave is what its place in another one is filled with
+  // a map without a file is a default channel of another map
   const shown =
     picture && (source || (slot === "packed" && PACKED.some((each) => view.sources[each])));
   const frame = element("span", { class: "thumb" });
@@ -105,7 +105,7 @@ function row(view, slot) {
     frame,
     element(
       "span",
-      { class: "told" },
+      { class: "about" },
       element("span", {}, name, " ", element("span", { class: "doc" }, size)),
       source !== "" && element("span", { class: "doc" }, source),
     ),
@@ -117,8 +117,8 @@ function row(view, slot) {
         "aria-label": `Choose a picture for ${name}`,
       }),
       source !== "" &&
-        button("×", () => view.leaveMap(slot), {
-          id: `leave-${slot}`,
+        button("×", () => view.removeMap(slot), {
+          id: `remove-${slot}`,
           title: `Draw without ${name}`,
           "aria-label": `Draw without ${name}`,
         }),
@@ -127,16 +127,16 @@ function row(view, slot) {
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @param {Slot} slot
  */
 function instead(view, slot) {
-  if (slot === "normal" && view.hasHeights) return "made of the heights";
-  return slot === "packed" ? "occlusion, roughness, metal in r, g, b" : "none";
+  if (slot === "normal" && view.hasHeights) return "from the heights";
+  return slot === "packed" ? "occlusion, roughness, metal in R, G, B" : "none";
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @param {Slot} slot
  */
 function choose(view, slot) {
@@ -146,7 +146,7 @@ function choose(view, slot) {
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @param {keyof Reading} name
  * @param {string} label
  * @param {Option[]} options

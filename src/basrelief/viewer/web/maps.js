@@ -1,4 +1,4 @@
-// Maps: out of the page or out of a dropped picture, and their smaller levels.
+// Maps of the page or of dropped pictures, and their mip levels.
 
 /** @import { PackedMap } from "view/data" */
 
@@ -61,7 +61,7 @@ export async function unpacked({ width, height, channels }, content) {
 }
 
 /**
- * A map of one texel, for one that is missing.
+ * A map of one texel, in place of a missing one.
  * @type {(values: number[]) => Picture}
  */
 export const single = (values) => ({
@@ -72,7 +72,7 @@ export const single = (values) => ({
 });
 
 /**
- * Whether something can be seen through a map of four channels.
+ * Whether a map of four channels is transparent anywhere.
  * @param {Picture} picture
  */
 export function hasHoles({ texels }) {
@@ -91,7 +91,7 @@ export function heightLevels({ width, height, texels }) {
 }
 
 /**
- * Four channels of 16 bits as levels; where there is opacity colours count as much as they show.
+ * Mip levels of four 16-bit channels; of a cut-out, colours are weighted by opacity.
  * @param {Picture} picture
  * @param {boolean} cutOut
  */
@@ -145,7 +145,7 @@ function nextLevel(level, cutOut) {
 }
 
 /**
- * What `halved` and `roundEven` make of an even level, in whole numbers: a tenth of the time.
+ * `halved` and `roundEven` of a level of even size in integers, ten times as fast.
  * @param {Level<Uint16Array>} level
  */
 function quartered({ width, height, texels }) {

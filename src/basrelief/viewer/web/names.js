@@ -1,4 +1,4 @@
-// What a file's name says about it, by the library's own tables, as `material.conventions` reads it.
+// Reading of file names by the library's tables, as in `material.conventions`.
 
 /** @import { Green, Meaning, Names, Slot } from "view/data" */
 
@@ -8,7 +8,7 @@
  */
 
 /**
- * What a table has for a word, which may be any: "constructor" too.
+ * The entry of a table for a word, which may be any, such as "constructor".
  * @template T
  * @param {{ [word: string]: T | undefined }} table
  * @param {string} word
@@ -16,7 +16,7 @@
 const known = (table, word) => (Object.hasOwn(table, word) ? table[word] : undefined);
 
 /**
- * The map that a file is taken for, and how: { slot, polarity, green }, or null.
+ * The slot of a file and the options for reading it: { slot, polarity, green }, or null.
  * @param {string} fileName
  * @param {Names} names
  */

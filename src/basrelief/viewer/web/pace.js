@@ -1,48 +1,47 @@
-// How much is asked of the GPU at once, so that the page stays awake and what moves is seen to move.
+// The amount of work per submission to the GPU, so that the page stays responsive and motion smooth.
 //
-// What counts is what the GPU does. Some browsers look only ten times a second whether it has done
-// something (Firefox): what an answer takes where there was nothing to do is taken off, and frames
-// there do not wait for one another.
+// Only the GPU's own time counts. Some browsers poll the GPU ten times a second (Firefox): the latency
+// of an empty submission is subtracted, and several frames may be in flight there.
 
 /** @import { Pair } from "view/data" */
 
-const SLOW = 33; // milliseconds that a frame may cost while something moves, and a part of one at rest
-const COARSEST = 8; // times smaller that each side is at most while something moves
-const SHOWN = 16; // milliseconds that a frame is shown for
-const MOST = 8; // frames that may be on their way
-const GROWTH = 4; // times more that is asked than the time before, at most
+const SLOW = 33; // milliseconds of a frame in motion, and of a block of rows at rest
+const COARSEST = 8; // largest factor by which each side is reduced in motion
+const SHOWN = 16; // milliseconds for which a frame is shown
+const MOST = 8; // largest number of frames in flight
+const GROWTH = 4; // largest factor by which a submission grows
 
 export class Pace {
   /**
-   * `clocked` where the GPU tells how long it took: without, what one of several frames on their way
-   * cost cannot be known.
+   * `clocked` if the GPU has timestamps; without, the cost of one of several frames in flight is
+   * unknown.
    * @param {boolean} clocked
    */
   constructor(clocked) {
     this.clocked = clocked;
-    this.latency = 0; // milliseconds of an answer to nothing
-    this.speed = 1e-5; // milliseconds a pixel, as last seen
-    this.flying = 0; // frames that are on their way
+    this.latency = 0; // milliseconds of an empty submission
+    this.speed = 1e-5; // milliseconds per pixel, as last measured
+    this.flying = 0; // frames in flight
     this.cost = 0; // milliseconds of the last one
   }
 
   /**
-   * Find out how long an answer takes: the first is to all that was asked before.
+   * Measure the latency of empty submissions; the first one waits for earlier work.
    * @param {GPUQueue} queue
    */
   async measureLatency(queue) {
     const answers = [];
     for (let k = 0; k < 4; k++) {
-      const asked = performance.now();
+      const sent = performance.now();
       queue.submit([]);
       await queue.onSubmittedWorkDone();
-      answers.push(performance.now() - asked);
+      answers.push(performance.now() - sent);
     }
     this.latency = Math.min(...answers.slice(1));
   }
 
   /**
-   * What the GPU worked, of the milliseconds that passed until it was known.
+   * Milliseconds of the GPU's work, from those that passed until it was done.
    * @param {number} passed
    */
   work(passed) {
@@ -50,7 +49,7 @@ export class Pace {
   }
 
   /**
-   * So many pixels cost so many milliseconds. Speed-ups are adopted gradually.
+   * Record the cost of pixels in milliseconds. Speed-ups are adopted gradually.
    * @param {number} cost
    * @param {number} pixels
    */
@@ -59,7 +58,7 @@ export class Pace {
     this.speed = Math.max(Math.max(cost, 0.01) / pixels, this.speed / GROWTH);
   }
 
-  // Whether another frame may be sent on its way.
+  // Whether another frame may be submitted.
   get free() {
     const more = this.clocked ? Math.floor(this.latency / Math.max(SHOWN, this.cost)) : 0;
     return this.flying < Math.min(MOST, 1 + more);
@@ -78,7 +77,7 @@ export class Pace {
   }
 
   /**
-   * How many rows of a picture are drawn at once when nothing moves, a multiple of `apart`.
+   * The number of rows that are drawn at once at rest, a multiple of `apart`.
    * @param {number} width
    * @param {number} apart
    */

@@ -1,4 +1,4 @@
-// The panel: all that a person can set, by sections, made from what the page knows of it.
+// The panel: the settings of the page in sections, built from the page's data.
 
 import { button, check, color, element, menu, number, section } from "view/controls.js";
 import { maps } from "view/mappanel.js";
@@ -6,7 +6,7 @@ import { words } from "view/text.js";
 
 /** @import { Menus, Setting } from "view/data" */
 /** @import { Child, NumberOptions, Option, Path } from "view/controls.js" */
-/** @import { View } from "view/main.js" */
+/** @import { ViewerPage } from "view/main.js" */
 
 /** @typedef {Omit<NumberOptions, "label">} Range */
 /** @typedef {(value: string) => void} MenuAction */
@@ -14,8 +14,8 @@ import { words } from "view/text.js";
 const TILES = { low: 0.1, high: 32, step: 0.1, soft: true };
 const SHIFT = { low: -1, high: 1, step: 0.01, soft: true };
 /**
- * When settings have something to act on, by record and name; others always have.
- * @type {{ [setting: string]: (view: View) => boolean }}
+ * Conditions under which settings have an effect, by record and name; others always have one.
+ * @type {{ [setting: string]: (view: ViewerPage) => boolean }}
  */
 const ACTS = {
   "surface_parameters.cutoff": ({ state }) => state.alpha === "mask",
@@ -32,8 +32,8 @@ const ACTS = {
 };
 
 /**
- * Rows for the settings of a record that act, a row for each component of a colour.
- * @param {View} view
+ * Rows for the settings of a record that have an effect, one for each component of a colour.
+ * @param {ViewerPage} view
  * @param {Path} path
  * @param {Setting[]} settings
  */
@@ -55,8 +55,8 @@ function rows(view, path, settings) {
 const buttons = (...made) => element("div", { class: "buttons" }, made);
 
 /**
- * The whole panel, made anew where a choice changes what can be set.
- * @param {View} view
+ * Build the panel, anew where a choice changes the available settings.
+ * @param {ViewerPage} view
  * @param {HTMLFormElement} panel
  */
 export function build(view, panel) {
@@ -76,14 +76,14 @@ export function build(view, panel) {
     made.open = opened.get(made.id) ?? made.open;
   }
   if (!inside) return;
-  // what is gone leaves the focus to what is near, or to its section
+  // where the focused control is gone, focus one nearby, or its section
   const places = [name, near].map((it) => it && panel.elements.namedItem(it));
   const again = places.find(Boolean) ?? panel.querySelector(`#${within} summary`);
   /** @type {HTMLElement | null} */ (again)?.focus();
 }
 
 /**
- * @param {View} view
+ * @param {ViewerPage} view
  * @returns {Option[]}
  */
 function techniques(view) {
@@ -93,7 +93,7 @@ function techniques(view) {
   });
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function technique(view) {
   const { data, state } = view;
   const made = data.techniques[state.technique];
@@ -110,7 +110,7 @@ function technique(view) {
     menu(view, ["technique"], "Technique", techniques(view), (name) => view.useTechnique(name)),
     element("p", { class: "doc" }, made.doc),
     rows(view, ["settings", state.technique], made.settings),
-    menu(view, ["compare"], "Compare with", [["", "nothing"], ...techniques(view)]),
+    menu(view, ["compare"], "Compare with", [["", "none"], ...techniques(view)]),
     state.compare !== "" &&
       state.compare !== state.technique && [
         element("p", { class: "doc" }, `Right of the divider: ${words(state.compare)}`),
@@ -122,8 +122,8 @@ function technique(view) {
 }
 
 /**
- * What the preset is, as long as it is one.
- * @param {View} view
+ * The description of the preset, while the settings are its own.
+ * @param {ViewerPage} view
  */
 function about(view) {
   const text = element("p", { class: "doc", id: "about-preset" });
@@ -136,8 +136,8 @@ function about(view) {
 }
 
 /**
- * A menu of names that mean themselves.
- * @type {(view: View, name: keyof Menus, label: string, after?: MenuAction) => HTMLElement}
+ * A menu whose values are their own labels.
+ * @type {(view: ViewerPage, name: keyof Menus, label: string, after?: MenuAction) => HTMLElement}
  */
 const named = (view, name, label, after) =>
   menu(
@@ -148,17 +148,17 @@ const named = (view, name, label, after) =>
     after,
   );
 
-/** @type {(view: View, path: Path, label: string, range: Range) => HTMLElement[]} */
+/** @type {(view: ViewerPage, path: Path, label: string, range: Range) => HTMLElement[]} */
 const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
-/** @type {(view: View, path: Path, label: string) => HTMLElement[]} */
+/** @type {(view: ViewerPage, path: Path, label: string) => HTMLElement[]} */
 const tiling = (view, path, label) => [
   ...pair(view, [...path, "tiles"], `${label} tiling`, TILES),
   ...pair(view, [...path, "shift"], `${label} shift`, SHIFT),
 ];
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function relief(view) {
   const { data, state } = view;
   const able = data.techniques[state.technique].heights;
@@ -167,7 +167,7 @@ function relief(view) {
     name,
     name,
     able.includes(name),
-    `not by ${words(state.technique)}`,
+    `not with ${words(state.technique)}`,
   ]);
   return section(
     "Relief",
@@ -178,14 +178,14 @@ function relief(view) {
       high: 0.5,
       step: 0.001,
       soft: true,
-      doc: "the whole height range as a fraction of a tile's width",
+      doc: "height range as a fraction of a tile's width",
     }),
     number(view, ["reference_height"], {
       label: "reference height",
       low: 0,
       high: 1,
       step: 0.01,
-      doc: "the height that lies on the polygon: 1 pushes the relief in",
+      doc: "height that lies on the polygon; 1 pushes the relief in",
     }),
     named(view, "projection", "Projection"),
     state.projection === "biased" &&
@@ -196,17 +196,17 @@ function relief(view) {
     named(view, "edge", "Edge"),
     pair(view, ["tiling"], "tiling", TILES),
     pair(view, ["shift"], "shift", SHIFT),
-    check(view, ["fades"], "Fade with the distance"),
+    check(view, ["fades"], "Distance fade"),
     state.fades &&
-      ["fade from", "gone at"].map((label, k) =>
+      ["fade start", "fade end"].map((label, k) =>
         number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05, soft: true }),
       ),
   );
 }
 
 /**
- * What one light is; `k` counts from 0.
- * @param {View} view
+ * Rows for a light; `k` counts from 0.
+ * @param {ViewerPage} view
  * @param {number} k
  */
 function lamp(view, k) {
@@ -214,7 +214,7 @@ function lamp(view, k) {
   const numbers = kinds[view.state.lights[k].kind];
   const path = ["lights", k];
   const name = `light ${k + 1}`;
-  // a row where a light is made by such a number
+  // a row, where the light's kind has this number
   /** @type {(part: string, range: Range, label?: string, by?: string[], rest?: Path) => Child} */
   const row = (part, range, label = part, by = [part], rest = []) =>
     by.some((each) => numbers.includes(each)) &&
@@ -242,7 +242,7 @@ function lamp(view, k) {
   ];
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function light(view) {
   const { data, state } = view;
   return section(
@@ -251,7 +251,7 @@ function light(view) {
     named(view, "shadows", "Shadows"),
     state.shadows !== "none" && rows(view, ["shadowing"], data.settings.shadowing),
     state.lights.flatMap((_, k) => lamp(view, k)),
-    buttons(button("Add a light", () => view.addLight(), { id: "add-light" })),
+    buttons(button("Add light", () => view.addLight(), { id: "add-light" })),
     named(view, "shading_model", "Shading"),
     named(view, "occlusion_kind", "Occlusion"),
     rows(view, ["shading"], data.settings.shading),
@@ -259,8 +259,8 @@ function light(view) {
 }
 
 /**
- * Where it is seen from.
- * @param {View} view
+ * The section of the camera.
+ * @param {ViewerPage} view
  */
 function camera(view) {
   /** @type {(name: string) => Path} */
@@ -273,7 +273,7 @@ function camera(view) {
     element(
       "p",
       { class: "doc" },
-      "Drag turns; with Shift, or the right button, it moves; with Alt or Ctrl it turns the first directional light. The wheel zooms.",
+      "Drag: orbit. Shift or right button: pan. Alt or Ctrl: turn the first directional light. Wheel: zoom.",
     ),
     number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
     number(view, path("elevation"), {
@@ -297,7 +297,7 @@ function camera(view) {
     }),
     parallel
       ? number(view, path("orthographic_height"), {
-          label: "height seen",
+          label: "view height",
           low: 0.05,
           high: 10,
           step: 0.01,
@@ -307,7 +307,7 @@ function camera(view) {
   );
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function fog(view) {
   const { data, state } = view;
   return section(
@@ -319,7 +319,7 @@ function fog(view) {
   );
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function surface(view) {
   const { data, state } = view;
   return section(
@@ -331,9 +331,9 @@ function surface(view) {
       ["surface_parameters", state.surface],
       data.settings.surface_parameters[state.surface],
     ),
-    named(view, "mapping", "Colour laid on"),
+    named(view, "mapping", "Mapping"),
     named(view, "alpha", "Opacity"),
-    check(view, ["apart"], "Maps with tilings of their own"),
+    check(view, ["apart"], "Separate tilings"),
     state.apart &&
       Object.keys(state.tilings).flatMap((name) => tiling(view, ["tilings", name], words(name))),
     data.constants.layer && check(view, ["layer"], "Second layer"),
@@ -341,19 +341,19 @@ function surface(view) {
   );
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function picture(view) {
   /** @type {Option[]} */
   const shows = [
-    ["color", "the picture"],
+    ["color", "colour"],
     ["reads", "reads"],
     ["missed", "missed hits", view.hasHeights, "needs heights"],
     ["depth", "depth"],
   ];
   const meaning = {
     color: "",
-    reads: "Heights read, from none (dark) to the most of a pixel (pale).",
-    missed: "Against exact: orange passed through a feature, blue stopped short.",
+    reads: "Heights read in each pixel, from none (dark) to the maximum (pale).",
+    missed: "Compared with exact: orange passed through a feature, blue stopped short.",
     depth: "Near is pale, far is dark.",
   };
   return section(
@@ -364,14 +364,14 @@ function picture(view) {
   );
 }
 
-/** @param {View} view */
+/** @param {ViewerPage} view */
 function share(view) {
   const made = buttons(
     button("Copy as Python", () => view.copy("python"), { id: "copy-python" }),
     button("Copy as command", () => view.copy("command"), { id: "copy-command" }),
     !view.host && button("Copy link", () => view.copy("link"), { id: "copy-link" }),
     button("Save picture", () => view.save(), { id: "save" }),
-    button("Frame it", () => view.frame(), { id: "frame" }),
+    button("Frame", () => view.frame(), { id: "frame" }),
     button("Reset", () => view.reset(), { id: "reset" }),
   );
   return section("Export", true, made, element("output", { id: "copied" }));

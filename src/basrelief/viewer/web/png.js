@@ -1,4 +1,4 @@
-// PNG with all its bits. A canvas has 8 of them, and loses colours that are see-through.
+// PNG decoding with all bits. A canvas has 8, and loses the colours of transparent pixels.
 
 import { inflated } from "view/maps.js";
 
@@ -16,10 +16,10 @@ const SIGNATURE = [137, 80, 78, 71, 13, 10, 26, 10];
 const CHANNELS = { 0: 1, 2: 3, 3: 1, 4: 2, 6: 4 }; // by colour type: grey, RGB, palette, with alpha
 const PALETTE = 3;
 /** @type {{ [type: number]: number }} */
-const CLEAR = { 0: 1, 2: 3 }; // samples of the colour that stands for what is see-through
+const CLEAR = { 0: 1, 2: 3 }; // samples of the transparent colour
 
 /**
- * Null for what is no PNG.
+ * The header of a PNG; null for other files.
  * @param {Uint8Array} bytes
  * @returns {Header | null}
  */
@@ -31,7 +31,7 @@ export function headerOf(bytes) {
 }
 
 /**
- * Whether `decoded` reads it; the others are left to the browser.
+ * Whether `decoded` supports a file; the browser reads others.
  * @param {Header} header
  */
 export function isRead({ bits, type, interlaced }) {
@@ -132,7 +132,7 @@ function asColors(raw, { width, height, bits, type }, { PLTE, tRNS }) {
   const [count, wide] = [CHANNELS[type], bits === 16];
   const row = (width * count * bits) / 8 + 1;
   const texels = new Uint16Array(4 * width * height);
-  // one colour may stand for what is see-through
+  // one colour may be transparent
   const clear = tRNS && CLEAR[type] ? samples(tRNS, CLEAR[type]) : null;
   const found = [0, 0, 0, 0];
   for (let y = 0; y < height; y++) {

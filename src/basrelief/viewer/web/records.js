@@ -1,4 +1,4 @@
-// Records written into the words that a GPU reads, by the layouts that the page was made with.
+// Packing of records into the words of GPU buffers, by the layouts of the page.
 
 /** @import { Layouts } from "view/data" */
 

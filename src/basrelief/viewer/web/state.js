@@ -1,7 +1,7 @@
-// What a person can change, as one plain object; as a link, a line of Python, a command line.
+// The state of the page, and its forms: link, line of Python, command line.
 
 import { travelling } from "view/camera.js";
-import { copyOf, held, isObject, merged } from "view/checks.js";
+import { copyOf, isObject, merged, validated } from "view/checks.js";
 
 /** @import { Data, Light, Orbit, Pair, SceneState, Setting, Show, Values } from "view/data" */
 /** @import { Fields } from "view/checks.js" */
@@ -15,20 +15,20 @@ import { copyOf, held, isObject, merged } from "view/checks.js";
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 /**
- * Only what differs from another state, so that links stay short.
+ * The fields that differ from another state; links hold only these.
  * @param {unknown} now
  * @param {unknown} then
- * @returns {unknown} undefined where nothing does
+ * @returns {unknown} undefined if none does
  */
 export function difference(now, then) {
   if (!isObject(now) || !isObject(then)) return same(now, then) ? undefined : now;
   /** @type {Fields} */
-  const found = {};
+  const changes = {};
   for (const [name, value] of Object.entries(now)) {
-    const left = difference(value, then[name]);
-    if (left !== undefined) found[name] = left;
+    const change = difference(value, then[name]);
+    if (change !== undefined) changes[name] = change;
   }
-  return Object.keys(found).length ? found : undefined;
+  return Object.keys(changes).length ? changes : undefined;
 }
 
 /**
@@ -36,8 +36,8 @@ export function difference(now, then) {
  * @param {State} start
  */
 export function toHash(state, start) {
-  const left = difference(state, start);
-  return left ? `#${encodeURIComponent(JSON.stringify(left))}` : "";
+  const change = difference(state, start);
+  return change ? `#${encodeURIComponent(JSON.stringify(change))}` : "";
 }
 
 /**
@@ -47,14 +47,15 @@ export function toHash(state, start) {
  */
 export function fromHash(hash, start, data) {
   if (hash.length < 2) return copyOf(start);
-  return laidOver(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
+  return withChanges(start, JSON.parse(decodeURIComponent(hash.slice(1))), data);
 }
 
 /**
- * `other` laid over a state as far as it makes sense, whoever says so.
+ * A state with the valid fields of `other`.
  * @type {(state: State, other: unknown, data: Data) => State}
  */
-export const laidOver = (state, other, data) => held(merged(state, other, data), state, data);
+export const withChanges = (state, other, data) =>
+  validated(merged(state, other, data), state, data);
 
 // --- as text ------------------------------------------------------------------------------------
 
@@ -62,12 +63,12 @@ export const laidOver = (state, other, data) => held(merged(state, other, data),
 const short = (x) => String(Number(Number(x).toPrecision(7)));
 
 /**
- * What the library would have to be told: all that is not its own default.
+ * The options that differ from the library's defaults.
  * @param {State} state
  * @param {Data} data
  */
-function told(state, data) {
-  const made = data.techniques[state.technique];
+function changedOptions(state, data) {
+  const technique = data.techniques[state.technique];
   const { settings, defaults } = data;
   /** @type {(values: Values, known: Setting[]) => Values} */
   const changed = (values, known) =>
@@ -75,8 +76,8 @@ function told(state, data) {
       known.filter((s) => !same(values[s.name], s.default)).map((s) => [s.name, values[s.name]]),
     );
   const numbers = {
-    settings: changed(state.settings[state.technique], made.settings),
-    finish: changed(
+    settings: changed(state.settings[state.technique], technique.settings),
+    surface_parameters: changed(
       state.surface_parameters[state.surface],
       settings.surface_parameters[state.surface],
     ),
@@ -86,24 +87,24 @@ function told(state, data) {
     fog: state.fog_mode === "none" ? {} : changed(state.fog, settings.fog),
   };
   /** @type {Fields} */
-  const plain = { technique: made.called };
+  const simple = { technique: technique.commandName };
   /** @type {Fields} */
   const now = state;
   const usual = {
-    ...defaults.plain,
-    reference_height: made.reference_height,
-    projection: made.projection,
+    ...defaults.options,
+    reference_height: technique.reference_height,
+    projection: technique.projection,
   };
   for (const [name, value] of Object.entries(usual)) {
-    if (now[name] !== value) plain[name] = now[name];
+    if (now[name] !== value) simple[name] = now[name];
   }
-  if (!made.heights.includes(state.heights)) delete plain.heights;
+  if (!technique.heights.includes(state.heights)) delete simple.heights;
   /** @type {<T>(value: T, usually: NoInfer<T>) => T | null} */
   const other = (value, usually) => (same(value, usually) ? null : value);
   const main = { tiles: state.tiling, shift: state.shift };
   const own = Object.entries(state.tilings).filter(([, each]) => !same(each, main));
   return {
-    plain,
+    simple,
     numbers,
     tilings: state.apart && own.length ? Object.fromEntries(own) : null,
     layer: state.layer ? state.layer_tiling : null,
@@ -123,12 +124,13 @@ function told(state, data) {
  */
 function cameraOf(camera, usual) {
   /** @type {Partial<Orbit>} */
-  const made = { azimuth: camera.azimuth, elevation: camera.elevation };
-  if (camera.distance !== null) made.distance = camera.distance;
-  if (!same(camera.target, [0, 0, 0])) made.target = camera.target;
-  if (camera.orthographic_height !== null) made.orthographic_height = camera.orthographic_height;
-  else if (camera.field_of_view !== usual.field_of_view) made.field_of_view = camera.field_of_view;
-  return made;
+  const options = { azimuth: camera.azimuth, elevation: camera.elevation };
+  if (camera.distance !== null) options.distance = camera.distance;
+  if (!same(camera.target, [0, 0, 0])) options.target = camera.target;
+  if (camera.orthographic_height !== null) options.orthographic_height = camera.orthographic_height;
+  else if (camera.field_of_view !== usual.field_of_view)
+    options.field_of_view = camera.field_of_view;
+  return options;
 }
 
 /**
@@ -149,7 +151,7 @@ function lightOf(light, { lightKinds }) {
  * @param {Data} data
  */
 export function toCommand(state, data) {
-  const said = told(state, data);
+  const options = changedOptions(state, data);
   /** @type {(each: Fields, sign: string) => string[]} */
   const values = (each, sign) =>
     Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
@@ -163,38 +165,38 @@ export function toCommand(state, data) {
   };
   /** @type {(pair: Pair) => string} */
   const tiles = (pair) => pair.map(short).join("x");
-  // what begins with a minus would be taken for an option
+  // a value that starts with a minus would be parsed as an option
   /** @type {(name: string, numbers: number[]) => void} */
   const joined = (name, numbers) => parts.push(`--${name}=${numbers.map(short).join(",")}`);
   for (const [name, x] of Object.entries(data.reading)) {
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
     else option(name, x);
   }
-  for (const [name, x] of Object.entries(said.plain)) {
-    // the one number of an object that is no option of its own
+  for (const [name, x] of Object.entries(options.simple)) {
+    // bias is a setting, not an option
     if (name === "bias") parts.push("--set", `bias=${short(x)}`);
     else option(name, x);
   }
-  for (const each of Object.values(said.numbers)) {
+  for (const each of Object.values(options.numbers)) {
     for (const text of values(each, "/")) parts.push("--set", text);
   }
-  if (said.tiling) parts.push("--tiling", tiles(said.tiling));
-  if (said.shift) joined("shift", said.shift);
-  for (const [name, each] of Object.entries(said.tilings ?? {})) {
+  if (options.tiling) parts.push("--tiling", tiles(options.tiling));
+  if (options.shift) joined("shift", options.shift);
+  for (const [name, each] of Object.entries(options.tilings ?? {})) {
     parts.push("--map-tiling", `${name}=${tiles(each.tiles)}`);
     if (!same(each.shift, state.shift)) {
       parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
     }
   }
-  if (said.layer) {
-    parts.push("--layer", data.layerSource, "--layer-tiling", tiles(said.layer.tiles));
-    joined("layer-shift", said.layer.shift);
+  if (options.layer) {
+    parts.push("--layer", data.layerSource, "--layer-tiling", tiles(options.layer.tiles));
+    joined("layer-shift", options.layer.shift);
   }
-  if (said.fade) joined("fade", said.fade);
-  if (said.background) joined("background", said.background);
-  parts.push("--camera", values(said.camera, "/").join(","));
-  if (said.lights?.length === 0) parts.push("--light", "none");
-  for (const light of said.lights ?? []) {
+  if (options.fade) joined("fade", options.fade);
+  if (options.background) joined("background", options.background);
+  parts.push("--camera", values(options.camera, "/").join(","));
+  if (options.lights?.length === 0) parts.push("--light", "none");
+  for (const light of options.lights ?? []) {
     parts.push("--light", [light.kind, ...values(lightOf(light, data), "/")].join(","));
   }
   return parts.map(quoted).join(" ");
@@ -205,7 +207,7 @@ export function toCommand(state, data) {
  * @param {Data} data
  */
 export function toPython(state, data) {
-  const said = told(state, data);
+  const options = changedOptions(state, data);
   /** @type {(x: unknown) => string} */
   const value = (x) => {
     if (x === true) return "True";
@@ -215,34 +217,36 @@ export function toPython(state, data) {
     const items = Object.entries(/** @type {Fields} */ (x));
     return `{${items.map(([name, y]) => `"${name}": ${value(y)}`).join(", ")}}`;
   };
-  /** @type {(given: Fields) => string[]} */
-  const listed = (given) => Object.entries(given).map(([key, x]) => `${key}=${value(x)}`);
-  /** @type {(name: string, given: Fields) => string} */
-  const call = (name, given) => `basrelief.${name}(${listed(given).join(", ")})`;
-  const given = listed(said.plain);
-  for (const [name, each] of Object.entries(said.numbers)) {
-    if (Object.keys(each).length) given.push(`${name}=${value(each)}`);
+  /** @type {(fields: Fields) => string[]} */
+  const listed = (fields) => Object.entries(fields).map(([key, x]) => `${key}=${value(x)}`);
+  /** @type {(name: string, fields: Fields) => string} */
+  const call = (name, fields) => `basrelief.${name}(${listed(fields).join(", ")})`;
+  const args = listed(options.simple);
+  for (const [name, each] of Object.entries(options.numbers)) {
+    if (Object.keys(each).length) args.push(`${name}=${value(each)}`);
   }
   for (const name of /** @type {const} */ (["tiling", "shift", "fade", "background"])) {
-    if (said[name] !== null) given.push(`${name}=${value(said[name])}`);
+    if (options[name] !== null) args.push(`${name}=${value(options[name])}`);
   }
-  if (said.tilings) {
-    const each = Object.entries(said.tilings).map(([name, x]) => `"${name}": ${call("Tiling", x)}`);
-    given.push(`tilings={${each.join(", ")}}`);
+  if (options.tilings) {
+    const each = Object.entries(options.tilings).map(
+      ([name, x]) => `"${name}": ${call("Tiling", x)}`,
+    );
+    args.push(`tilings={${each.join(", ")}}`);
   }
-  if (said.layer) {
+  if (options.layer) {
     const over = `basrelief.load(${JSON.stringify(data.layerSource)})`;
-    given.push(`layer=basrelief.Layer(${over}, ${call("Tiling", said.layer)})`);
+    args.push(`layer=basrelief.Layer(${over}, ${call("Tiling", options.layer)})`);
   }
   const { world } = data.shapes[state.shape];
-  if (world) given.push(`transform=${value(world)}`);
-  given.push(`camera=${call("Orbit", said.camera)}`);
-  if (said.lights) {
-    const each = said.lights.map((l) => `${call(l.kind, lightOf(l, data))},`);
-    given.push(`lights=(${each.join(" ")})`);
+  if (world) args.push(`transform=${value(world)}`);
+  args.push(`camera=${call("Orbit", options.camera)}`);
+  if (options.lights) {
+    const each = options.lights.map((l) => `${call(l.kind, lightOf(l, data))},`);
+    args.push(`lights=(${each.join(" ")})`);
   }
   const source = JSON.stringify(data.source);
   const reading = listed(data.reading);
   const what = reading.length ? `basrelief.load(${[source, ...reading].join(", ")})` : source;
-  return `import basrelief; basrelief.render(${[what, ...given].join(", ")})`;
+  return `import basrelief; basrelief.render(${[what, ...args].join(", ")})`;
 }

@@ -1,4 +1,4 @@
-// Words for people.
+// Text for messages and labels.
 
 /** @type {(name: string) => string} */
 export const words = (name) => name.replaceAll("_", " ");

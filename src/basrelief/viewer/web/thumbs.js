@@ -1,4 +1,4 @@
-// Small pictures of maps, as a person would see them in a folder.
+// Thumbnails of maps.
 
 import { encoded } from "view/srgb.js";
 
@@ -11,7 +11,7 @@ const READS = 4; // texels a side that are averaged for a pixel, at most
  * Canvases by picture and channels.
  * @type {WeakMap<Picture, { [channels: string]: HTMLCanvasElement }>}
  */
-const made = new WeakMap();
+const canvases = new WeakMap();
 
 /**
  * The canvas of a map's channels: one as grey, three as colour, which `light` says to encode.
@@ -20,8 +20,8 @@ const made = new WeakMap();
  * @param {boolean} light
  */
 export function thumbnail(picture, channels, light = false) {
-  const known = made.get(picture) ?? {};
-  made.set(picture, known);
+  const known = canvases.get(picture) ?? {};
+  canvases.set(picture, known);
   const name = channels.join();
   known[name] ??= drawn(picture, channels, light);
   return known[name];
@@ -63,7 +63,7 @@ function drawn({ width, height, count = 4, texels }, channels, light) {
 }
 
 /**
- * Which of `have` texels a pixel of `want` is the mean of.
+ * The indices of the `have` texels that a pixel of `want` averages.
  * @param {number} pixel
  * @param {number} want
  * @param {number} have

@@ -1,7 +1,7 @@
-// The viewer's page as a notebook's widget: a frame, and what its two sides tell each other.
+// The viewer's page as a notebook's widget: an iframe, synchronised with the widget's model.
 //
-// What the page and the model both have by the same name is kept the same. Each side is told only
-// what it does not know yet, so that nothing goes round.
+// Settings that page and model have by the same name are kept equal. Each side receives only values
+// that it does not have, so that no change is echoed.
 
 /** @typedef {{ [name: string]: unknown }} Settings */
 /**
@@ -18,7 +18,7 @@
  * @property {() => void} save_changes
  */
 
-const TOGETHER = 20; // milliseconds: settings that follow one another from Python are one change
+const TOGETHER = 20; // milliseconds within which settings from Python are one change
 // the page's name for a setting where the model has another
 /** @type {{ [name: string]: string | undefined }} */
 const MODEL_NAMES = { settings: "settings_of", surface_parameters: "all_surface_parameters" };
@@ -60,7 +60,7 @@ function render({ model, el }) {
   frame.src = address;
 
   /** @type {Settings | null} */
-  let known = null; // the page's settings as it has said or heard them last; null until it listens
+  let known = null; // the last settings that the page sent or received; null until it listens
   /** @type {number | undefined} */
   let telling;
   const tell = () => {
@@ -82,7 +82,7 @@ function render({ model, el }) {
       const shared = Object.entries(data.state).filter(
         ([name]) => model.get(nameOf(name)) !== undefined,
       );
-      // a frame that a notebook moves loads its page anew: that listens already
+      // an iframe that a notebook moves reloads its page: listeners exist already
       const first = known === null;
       known = Object.fromEntries(shared);
       if (first) for (const name of Object.keys(known)) model.on(`change:${nameOf(name)}`, changed);
@@ -119,7 +119,7 @@ function render({ model, el }) {
 // --- light and dark ------------------------------------------------------------------------------
 
 /**
- * The page within follows the colour scheme of its frame, which is that of what is behind it.
+ * Set the colour scheme of the iframe, which its page follows, by the background behind it.
  * @param {HTMLElement} frame
  */
 function followScheme(frame) {

@@ -1,4 +1,4 @@
-"""Materials made up of numbers, and rays and pictures of them in float64: no shaders here."""
+"""Synthetic materials, and rays and lookups in float64, independent of the shaders."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def normal_under_tripod(lit) -> np.ndarray:
 
 
 def rays(camera: LookAt, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and unit directions through the middles of all pixels, (H, W, 3)."""
+    """Origins and unit directions of the rays through all pixel centres, (H, W, 3)."""
     width, height = size
     position = np.asarray(camera.position, np.float64)
     forward = unit(np.asarray(camera.target) - position)
@@ -47,8 +47,8 @@ def rays(camera: LookAt, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
     if camera.orthographic_height is not None:
         origins = position + across * camera.orthographic_height
         return origins, np.broadcast_to(forward, origins.shape)
-    tall = 2 * math.tan(math.radians(camera.field_of_view) / 2)
-    directions = unit(forward + across * tall)
+    height_at_1 = 2 * math.tan(math.radians(camera.field_of_view) / 2)
+    directions = unit(forward + across * height_at_1)
     return np.broadcast_to(position, directions.shape), directions
 
 
@@ -64,18 +64,18 @@ def noise(seed: int, shape=(24, 36), channels: int = 3, low=0.2, high=0.9) -> np
     total = np.zeros((*shape, channels))
     for _ in range(5):
         i, j = random.integers(-2, 3, 2)
-        turn = random.random(channels)
-        total += np.cos(2 * np.pi * (i * u + j * v)[:, :, None] + 2 * np.pi * turn)
+        phase = random.random(channels)
+        total += np.cos(2 * np.pi * (i * u + j * v)[:, :, None] + 2 * np.pi * phase)
     total = (total - total.min()) / (total.max() - total.min())
     return low + (high - low) * total
 
 
-def plain(color=0.6, height: float | None = None, **maps) -> Material:
-    """A material of one colour, and of one height where that is said."""
-    whole = np.broadcast_to(np.asarray(color, np.float64), 3).reshape(1, 1, 3)
+def uniform_material(color=0.6, height: float | None = None, **maps) -> Material:
+    """A material of one colour, and optionally one height."""
+    pixels = np.broadcast_to(np.asarray(color, np.float64), 3).reshape(1, 1, 3)
     if height is not None:
         maps["height"] = map_of(np.full((1, 1), height))
-    return Material("made up", **{"base_color": map_of(whole), **maps})
+    return Material("made up", **{"base_color": map_of(pixels), **maps})
 
 
 def bilinear(values, uv, edge: str = "wrap") -> np.ndarray:
@@ -83,25 +83,25 @@ def bilinear(values, uv, edge: str = "wrap") -> np.ndarray:
     values = np.asarray(values, np.float64)
     values = values if values.ndim == 3 else values[:, :, None]
     count = np.array(values.shape[1::-1])
-    place = np.asarray(uv) * count - 0.5
-    first = np.floor(place).astype(int)
-    share = place - first
+    position = np.asarray(uv) * count - 0.5
+    first = np.floor(position).astype(int)
+    fraction = position - first
     total = 0.0
     for x in (0, 1):
         for y in (0, 1):
-            at = first + np.array([x, y])
-            at = at % count if edge == "wrap" else np.clip(at, 0, count - 1)
-            weight = np.abs(1 - x - share[..., 0]) * np.abs(1 - y - share[..., 1])
-            total = total + weight[..., None] * values[at[..., 1], at[..., 0]]
+            texel = first + np.array([x, y])
+            texel = texel % count if edge == "wrap" else np.clip(texel, 0, count - 1)
+            weight = np.abs(1 - x - fraction[..., 0]) * np.abs(1 - y - fraction[..., 1])
+            total = total + weight[..., None] * values[texel[..., 1], texel[..., 0]]
     return total
 
 
 def on_plane(camera: LookAt, z: float = 0.0, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
-    """Where rays meet the plane at a height z, as the unit plane's own uv, and how far away."""
+    """Texture coordinates and distances at which rays intersect the unit plane at height z."""
     origins, directions = rays(camera, size)
     distance = (z - origins[..., 2]) / directions[..., 2]
-    met = origins + directions * distance[..., None]
-    return np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1), distance
+    points = origins + directions * distance[..., None]
+    return np.stack([0.5 + points[..., 0], 0.5 - points[..., 1]], -1), distance
 
 
 def drawn(*objects: Object, camera, size=SIZE, device: str = "cpu", **scene) -> Frame:
