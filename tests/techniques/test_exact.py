@@ -126,7 +126,7 @@ def test_a_way_of_minus_zero_goes_nowhere(fall) -> None:
 
 def test_a_ray_that_is_cut_off_says_so(monkeypatch) -> None:
     module = importlib.import_module("basrelief.techniques.exact")
-    monkeypatch.setattr(module, "MOST_STEPS", 2)
+    monkeypatch.setattr(module, "MAX_STEPS", 2)
     heights = np.zeros((64, 64), np.float32)
     field, baked = HeightField([heights]), Texture([baking.bounds(heights, "wrap")])
     hit = exact(field, baked, flat_ray((0.3, 0.6), (5.0, 1.0), cosine=0.1), Nothing())
