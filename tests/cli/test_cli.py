@@ -495,14 +495,15 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         assert "Cost: " in " ".join(parts[name].split())
         for setting in made.settings.__dataclass_fields__:
             assert f"\n    {setting}=" in parts[name]
-    assert "Policarpo" in parts["relief"]
+    assert "Reference: F. Policarpo" in " ".join(parts["relief"].split())
+    assert "----" not in printed
     assert "Defaults: --reference-height 0.5 --projection limited" in parts["offset_limited"]
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
     assert "bias (0.42)" in parts["with every technique"]
     for heading, shown in (
-        ("the standard surface", "base_color=1/1/1 from 0 colour, times the map's, linear"),
-        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 the height below which"),
-        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 levels"),
+        ("the standard surface", "base_color=1/1/1 from 0 colour, multiplied with the map"),
+        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 height of the water"),
+        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 mip levels"),
         ("light and shading", "shininess=10 1 to 1000"),
         ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
         ("fog (--fog-mode linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),
