@@ -443,7 +443,7 @@ def test_device_auto_takes_a_real_gpu_alone(
     class GpuEngine(cpu.CpuEngine):
         name = "gpu"
 
-    monkeypatch.setattr(gpu, "_has_device", lambda: True)
+    monkeypatch.setattr(gpu, "_has_device_file", lambda: True)
     monkeypatch.setattr(gpu, "_request_adapter", Adapter)
     monkeypatch.setattr(gpu, "has_hardware_gpu", gpu.has_hardware_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
@@ -458,9 +458,9 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(gpu, "_request_adapter", started)
     monkeypatch.setattr(gpu.sys, "platform", "linux")
-    monkeypatch.setattr(gpu, "_DEVICES", ("no-such-device*",))
+    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("no-such-device*",))
     assert not gpu.has_hardware_gpu.__wrapped__()
-    monkeypatch.setattr(gpu, "_DEVICES", ("null",))
+    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("null",))
     with pytest.raises(AssertionError, match="was started"):
         gpu.has_hardware_gpu.__wrapped__()
 
@@ -478,7 +478,7 @@ def test_info_tells_what_was_found_and_why(wall: Path) -> None:
     assert printed == report(basrelief.load(wall)) + "\n"
     for name in FILE_NAMES.values():
         assert f"wall_{name}.png" in printed
-    assert "normals with green up: the name says GL" in printed
+    assert "normals with green up: GL by its name" in printed
 
 
 def test_info_as_json(wall: Path) -> None:
