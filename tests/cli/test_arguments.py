@@ -333,27 +333,27 @@ def test_tilings_of_layers_and_single_maps() -> None:
 
 # --- fuzzed ---------------------------------------------------------------------------------------
 
-NUMBERS = st.check_choice(
+NUMBERS = st.one_of(
     st.floats().map(str),
     st.integers(-9, 99).map(str),
     st.lists(st.floats(-5, 5).map(str), min_size=1, max_size=4).map("/".join),
 )
-TEXTS = st.check_choice(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
-NAMES = st.check_choice(
+TEXTS = st.one_of(st.text(), st.text("0123456789.,/x×=-+einfa ", max_size=12), NUMBERS)
+NAMES = st.one_of(
     st.sampled_from(
         [*Orbit.__dataclass_fields__, *LookAt.__dataclass_fields__, "color", "intensity",
          "falloff", "angle", "softness"]
     ),
     st.text(max_size=3),
 )  # fmt: skip
-SETTINGS = st.check_choice(
+SETTINGS = st.one_of(
     st.sampled_from(["min_steps", "max_steps", "steps", "bias", "roughness", "emission", "x"]),
     st.text(max_size=3),
 )
 
 
 def written(names: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-    return st.check_choice(TEXTS, st.tuples(names, TEXTS).map("=".join))
+    return st.one_of(TEXTS, st.tuples(names, TEXTS).map("=".join))
 
 
 LISTS = st.lists(written(NAMES), max_size=4).map(",".join)
@@ -399,7 +399,7 @@ def test_any_light_is_one_or_refused(kind: str, text: str) -> None:
         {},
         optional={
             "settings": st.lists(written(SETTINGS), max_size=3),
-            "technique": st.check_choice(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
+            "technique": st.one_of(st.sampled_from([*TECHNIQUES]), st.text(max_size=8)),
             "tiling": TEXTS,
             "shift": TEXTS,
             "stretch": TEXTS,

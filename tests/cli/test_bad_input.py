@@ -303,7 +303,7 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
     without = types.ModuleType("wgpu")
     without.gpu = types.SimpleNamespace(request_adapter_sync=request)  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "wgpu", without)
-    monkeypatch.setattr("basrelief.engine.gpu._leave_out_opengl", lambda: None)
+    monkeypatch.setattr("basrelief.engine.gpu._exclude_opengl", lambda: None)
     reason = str(error).split("\n")[0]
     line = refused_to_draw(bumps, "--device", "gpu")
     assert line == (f"no usable GPU found ({reason}); use --device cpu, or install a Vulkan driver")

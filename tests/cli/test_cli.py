@@ -443,7 +443,7 @@ def test_device_auto_takes_a_real_gpu_alone(
     class GpuEngine(cpu.CpuEngine):
         name = "gpu"
 
-    monkeypatch.setattr(gpu, "_has_device", lambda: True)
+    monkeypatch.setattr(gpu, "_has_device_file", lambda: True)
     monkeypatch.setattr(gpu, "_request_adapter", Adapter)
     monkeypatch.setattr(gpu, "has_hardware_gpu", gpu.has_hardware_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
@@ -458,9 +458,9 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(gpu, "_request_adapter", started)
     monkeypatch.setattr(gpu.sys, "platform", "linux")
-    monkeypatch.setattr(gpu, "_DEVICES", ("no-such-device*",))
+    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("no-such-device*",))
     assert not gpu.has_hardware_gpu.__wrapped__()
-    monkeypatch.setattr(gpu, "_DEVICES", ("null",))
+    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("null",))
     with pytest.raises(AssertionError, match="was started"):
         gpu.has_hardware_gpu.__wrapped__()
 
@@ -478,7 +478,7 @@ def test_info_tells_what_was_found_and_why(wall: Path) -> None:
     assert printed == report(basrelief.load(wall)) + "\n"
     for name in FILE_NAMES.values():
         assert f"wall_{name}.png" in printed
-    assert "normals with green up: the name says GL" in printed
+    assert "normals with green up: GL by its name" in printed
 
 
 def test_info_as_json(wall: Path) -> None:
@@ -495,14 +495,15 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         assert "Cost: " in " ".join(parts[name].split())
         for setting in made.settings.__dataclass_fields__:
             assert f"\n    {setting}=" in parts[name]
-    assert "Policarpo" in parts["relief"]
+    assert "Reference: F. Policarpo" in " ".join(parts["relief"].split())
+    assert "----" not in printed
     assert "Defaults: --reference-height 0.5 --projection limited" in parts["offset_limited"]
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
     assert "bias (0.42)" in parts["with every technique"]
     for heading, shown in (
-        ("the standard surface", "base_color=1/1/1 from 0 colour, times the map's, linear"),
-        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 the height below which"),
-        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 levels"),
+        ("the standard surface", "base_color=1/1/1 from 0 colour, multiplied with the map"),
+        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 height of the water"),
+        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 mip levels"),
         ("light and shading", "shininess=10 1 to 1000"),
         ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
         ("fog (--fog-mode linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),

@@ -43,7 +43,7 @@ print(key_of("cone"))
 """
 
 EDITS = {
-    "a shader": ("techniques/refine.py", "0.5 if moved", "0.25 if moved"),
+    "a shader": ("techniques/refine.py", "0.5 if replaced", "0.25 if replaced"),
     "a printer": ("lang/llvm.py", '"""', '"""Edited. '),
     "a bake": ("baking/cone.py", '"""', '"""Edited. '),
 }

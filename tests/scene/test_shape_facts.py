@@ -10,8 +10,8 @@ import pytest
 from basrelief.lang import Vec2, Vec3
 from basrelief.material import sample
 from basrelief.scene import SHAPES, Object, Scene
-from basrelief.shading.intersection import clipped
-from basrelief.shading.shapes import ShapeRay, chart, shape
+from basrelief.shading.intersection import is_clipped
+from basrelief.shading.shapes import ShapeRay, chart, intersect_shape
 from basrelief.shading.variant import Variant
 from basrelief.viewer.state import Sources, manifest
 
@@ -25,7 +25,7 @@ def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
     for place in PLACES:
         # a flat shape is hit by a ray from straight above
         direction = np.array([0.0, 0.0, -1.0]) if facts.flat else np.array([0.3, -0.9, 0.2])
-        intersection = shape(
+        intersection = intersect_shape(
             ShapeRay(Vec3(*(place - 3.0 * direction)), Vec3(*direction)), Variant(shape=name)
         )
         inside.append(
@@ -47,21 +47,21 @@ def test_bounding_points_lie_on_the_shape(name) -> None:
 def test_a_round_shape_has_no_rims_along_u(name) -> None:
     placement = Object(sample("bricks", 8), name, tiling=(2.0, -3.0), shift=(0.25, 0.5)).placement()
 
-    def is_clipped(u: float, v: float, edge: Any = "clip") -> bool:
+    def clipped_at(u: float, v: float, edge: Any = "clip") -> bool:
         uv = Vec2(u, v) * placement.tiling + placement.shift
-        return clipped(uv, placement, Variant(shape=name, edge=edge))
+        return is_clipped(uv, placement, Variant(shape=name, edge=edge))
 
-    assert not is_clipped(0.5, 0.5)
-    assert is_clipped(1.1, 0.5) == is_clipped(-0.1, 0.5) == (not SHAPES[name].round)
-    assert is_clipped(0.5, 1.1)
-    assert is_clipped(0.5, -0.1)
-    assert not is_clipped(1.1, 1.1, "wrap")
+    assert not clipped_at(0.5, 0.5)
+    assert clipped_at(1.1, 0.5) == clipped_at(-0.1, 0.5) == (not SHAPES[name].round)
+    assert clipped_at(0.5, 1.1)
+    assert clipped_at(0.5, -0.1)
+    assert not clipped_at(1.1, 1.1, "wrap")
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_u_is_as_wide_as_the_facts_say(name) -> None:
     variant = Variant(shape=name)
-    intersection = shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
+    intersection = intersect_shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
     around = (
         np.hypot(intersection.position.x, intersection.position.z) * 2.0
         if SHAPES[name].round

@@ -266,7 +266,7 @@ def test_bakes_refuse_an_unknown_edge(name: str) -> None:
 
 def test_an_unknown_channel_is_refused() -> None:
     picture = Picture(np.zeros((2, 3, 3), np.uint8), ("R", "G", "B"), Path("a.png"))
-    line = refusal(lambda: channels.one_channel(picture, "x"))
+    line = refusal(lambda: channels.extract_channel(picture, "x"))
     assert line == f"channel is one of {', '.join(get_args(channels.Channel))}, not 'x'"
 
 
@@ -274,4 +274,4 @@ def test_an_unknown_debug_picture_is_refused() -> None:
     empty = np.zeros((1, 1))
     frame = Frame(np.zeros((1, 1, 4)), empty, np.zeros((1, 1, 2)), empty > 0, empty, "cpu")  # type: ignore[arg-type]
     line = refusal(lambda: debug_picture("height", frame))
-    assert line == f"nothing is shown as 'height'; use color, {', '.join(SHOWN)}"
+    assert line == f"there is no debug picture 'height'; use color, {', '.join(SHOWN)}"

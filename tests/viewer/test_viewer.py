@@ -1550,8 +1550,8 @@ def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
     page.set_default_timeout(PATIENCE)
     page.add_init_script(
         """const ask = GPUAdapter.prototype.requestDevice;
-        GPUAdapter.prototype.requestDevice = async function (given) {
-          const device = await ask.call(this, args);
+        GPUAdapter.prototype.requestDevice = async function (...args) {
+          const device = await ask.call(this, ...args);
           if (!window.lost) (window.lost = device).destroy();
           return device;
         };"""

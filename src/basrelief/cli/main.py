@@ -187,7 +187,8 @@ def techniques() -> None:
     for technique in TECHNIQUES.values():
         height, projection = technique.reference_height, technique.projection
         defaults = f"Defaults: --reference-height {height:g} --projection {projection}"
-        paragraphs = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
+        doc = inspect.cleandoc(technique.__doc__ or "")
+        paragraphs = doc.replace("References\n----------\n", "Reference: ").split("\n\n")
         _list(technique.name, [*paragraphs, defaults], technique.settings)
     bias = "Besides the settings of a technique, --set sets bias (0.42), for --projection"
     _list("with every technique", [f"{bias} biased, and the settings below."])
@@ -218,6 +219,9 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
 
     print(name)
     for paragraph in paragraphs:
+        if paragraph.startswith("    "):
+            print(textwrap.indent(paragraph, "  "))  # a formula
+            continue
         print(
             textwrap.fill(
                 paragraph, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False

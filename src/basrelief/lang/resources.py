@@ -48,7 +48,7 @@ class Map:
         if not levels:
             raise ValueError("a map needs at least one level")
         if edge not in get_args(Edge):
-            raise ValueError(f"edge is {edge!r}; use {' or '.join(get_args(Edge))}")
+            raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
         self.edge: Edge = edge
         height, width = levels[0].shape[:2]
         for k, level in enumerate(levels):

@@ -71,17 +71,17 @@ class Shading:
         Strength of the directional occlusion of lights, 0 to 1.
     """
 
-    ambient: Vec3 = setting(default=Vec3(0.1), doc="light from everywhere, linear colour", low=0.0)
-    diffuse: float = setting(
-        default=1.0, doc="share of the base colour in Phong's diffuse term", low=0.0
+    ambient: Vec3 = setting(default=Vec3(0.1), doc="ambient light, linear", low=0.0)
+    diffuse: float = setting(default=1.0, doc="strength of the Phong diffuse term", low=0.0)
+    specular: Vec3 = setting(
+        default=Vec3(1.0), doc="colour of the Phong highlight, linear", low=0.0
     )
-    specular: Vec3 = setting(default=Vec3(1.0), doc="colour of Phong's highlight, linear", low=0.0)
     shininess: float = setting(
-        default=10.0, doc="exponent of Phong's highlight", low=1.0, high=1000.0
+        default=10.0, doc="exponent of the Phong highlight", low=1.0, high=1000.0
     )
     directional_occlusion: float = setting(
         default=1.0,
-        doc="how much occlusion acts on lights, where it has a direction",
+        doc="strength of directional occlusion",
         low=0.0,
         high=1.0,
     )

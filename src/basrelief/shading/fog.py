@@ -13,15 +13,17 @@ LOG2_E = 1.4426950408889634
 class Fog:
     """Settings of the fog; distances in world units."""
 
-    fog_color: Vec3 = setting(default=Vec3(0.5, 0.55, 0.6), doc="of the air, linear", low=0.0)
+    fog_color: Vec3 = setting(
+        default=Vec3(0.5, 0.55, 0.6), doc="colour of the fog, linear", low=0.0
+    )
     fog_density: float = setting(
-        default=0.3, doc="of exponential fog, per world unit", low=0.0, high=1000.0
+        default=0.3, doc="density of exponential fog, per world unit", low=0.0, high=1000.0
     )
     fog_start: float = setting(
-        default=1.0, doc="the distance at which linear fog begins", low=0.0, high=1e6
+        default=1.0, doc="distance at which linear fog begins", low=0.0, high=1e6
     )
     fog_end: float = setting(
-        default=5.0, doc="the distance at which linear fog hides all", low=0.0, high=1e6
+        default=5.0, doc="distance at which linear fog is opaque", low=0.0, high=1e6
     )
 
 

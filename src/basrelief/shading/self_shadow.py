@@ -28,17 +28,15 @@ MAX_READS = 4096
 class Shadowing:
     """Settings of the self-shadow."""
 
-    shadow_steps: int = setting(
-        default=16, doc="heights read on the way to each light", low=1, high=4096
-    )
+    shadow_steps: int = setting(default=16, doc="steps towards each light", low=1, high=4096)
     shadow_softness: float = setting(
         default=8.0,
-        doc="how dark what stands above the ray makes it",
+        doc="darkness of soft shadows per height above the ray",
         low=0.0,
         high=64.0,
     )
     shadow_offset: float = setting(
-        default=0.02, doc="heights this close to the ray cast no shadow", low=0.0, high=1.0
+        default=0.02, doc="height above the ray that casts no shadow yet", low=0.0, high=1.0
     )
 
 

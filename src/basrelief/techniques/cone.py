@@ -71,15 +71,17 @@ MIN_STEP = 1e-6
 class Cones:
     """Settings of cone stepping."""
 
-    steps: int = setting(default=48, doc="cells visited at most", low=1, high=4096)
+    steps: int = setting(default=48, doc="maximum number of cells visited", low=1, high=4096)
 
 
 @struct
 class RelaxedCones:
     """Settings of relaxed cone stepping and of the search that follows."""
 
-    steps: int = setting(default=15, doc="leaps at most", low=1, high=4096)
-    search_steps: int = setting(default=6, doc="halvings of the last leap", low=0, high=24)
+    steps: int = setting(default=15, doc="maximum number of leaps", low=1, high=4096)
+    search_steps: int = setting(
+        default=6, doc="binary search steps in the last leap", low=0, high=24
+    )
 
 
 @technique(bake=CONE_MAP, most_reads=96)

@@ -36,13 +36,13 @@ class Smoothing:
 
     mip_bias: float = setting(
         default=1.0,
-        doc="levels that smooth heights lie below what a pixel covers",
+        doc="mip levels below that of the pixel's footprint",
         low=0.0,
         high=16.0,
     )
     mip_fade: float = setting(
         default=4.0,
-        doc="how readily a smooth height gives way to a still lower level's",
+        doc="fading to a lower mip level where heights differ much",
         low=0.0,
         high=64.0,
     )

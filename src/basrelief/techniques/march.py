@@ -47,9 +47,7 @@ MAX_READS = 4096
 class Steps:
     """Settings of a march with a fixed number of steps."""
 
-    steps: int = setting(
-        default=10, doc="layers that the range of heights is cut into", low=1, high=4096
-    )
+    steps: int = setting(default=10, doc="number of layers", low=1, high=4096)
 
 
 @struct
@@ -57,12 +55,10 @@ class March:
     """Settings of a march whose steps depend on the angle or on the texels passed over."""
 
     min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
-    max_steps: int = setting(
-        default=32, doc="steps when looking along the surface", low=1, high=4096
-    )
+    max_steps: int = setting(default=32, doc="steps at a grazing view", low=1, high=4096)
     steps_per_texel: float = setting(
         default=0.0,
-        doc="steps for each texel passed over, instead of by angle; 0: by angle",
+        doc="steps per texel that the ray passes over; 0 chooses steps by angle",
         low=0.0,
         high=8.0,
     )
@@ -73,17 +69,17 @@ class Relief:
     """Settings of a march followed by a binary search."""
 
     min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
-    max_steps: int = setting(
-        default=32, doc="steps when looking along the surface", low=1, high=4096
+    max_steps: int = setting(default=32, doc="steps at a grazing view", low=1, high=4096)
+    search_steps: int = setting(
+        default=5, doc="binary search steps in the last step", low=0, high=24
     )
-    search_steps: int = setting(default=5, doc="halvings of the last step", low=0, high=24)
 
 
 @struct
 class FixedLength:
     """Settings of a march with steps of constant length."""
 
-    steps: int = setting(default=300, doc="steps at most", low=1, high=4096)
+    steps: int = setting(default=300, doc="maximum number of steps", low=1, high=4096)
     step_length: float = setting(
         default=0.01, doc="length of a step along the ray, in tile widths", low=1e-5, high=1.0
     )

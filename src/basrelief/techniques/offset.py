@@ -23,7 +23,7 @@ class Offset:
     """Settings of the techniques with one read."""
 
     max_offset: float = setting(
-        default=1.0, doc="the most that u and v each move, in tiles", low=0.0, high=1.0
+        default=1.0, doc="maximum offset along u and along v, in tiles", low=0.0, high=1.0
     )
 
 

@@ -25,11 +25,9 @@ class Secant:
     """Settings of a march followed by regula falsi."""
 
     min_steps: int = setting(default=8, doc="steps when looking straight down", low=1, high=4096)
-    max_steps: int = setting(
-        default=32, doc="steps when looking along the surface", low=1, high=4096
-    )
+    max_steps: int = setting(default=32, doc="steps at a grazing view", low=1, high=4096)
     search_steps: int = setting(
-        default=3, doc="times that the last step is cut by its chord and read there", low=0, high=24
+        default=3, doc="secant search steps in the last step", low=0, high=24
     )
 
 
@@ -38,10 +36,10 @@ class Contact:
     """Settings of a march with a second, finer march in its last step."""
 
     min_steps: int = setting(
-        default=4, doc="steps when looking straight down, twice over", low=1, high=4096
+        default=4, doc="steps of each march when looking straight down", low=1, high=4096
     )
     max_steps: int = setting(
-        default=16, doc="steps when looking along the surface, twice over", low=1, high=4096
+        default=16, doc="steps of each march at a grazing view", low=1, high=4096
     )
 
 

@@ -26,14 +26,16 @@ class Landscape:
     """Settings of the landscape surface."""
 
     water_color: Vec3 = setting(
-        default=Vec3(0.1, 0.3, 0.8), doc="of water, times the height, linear", low=0.0
+        default=Vec3(0.1, 0.3, 0.8),
+        doc="colour of the water, multiplied with the height, linear",
+        low=0.0,
     )
-    water_level: float = setting(
-        default=0.4, doc="the height below which there is water", low=0.0, high=1.0
+    water_level: float = setting(default=0.4, doc="height of the water surface", low=0.0, high=1.0)
+    sky_color: Vec3 = setting(
+        default=Vec3(1.0), doc="colour where the ray hits nothing, linear", low=0.0
     )
-    sky_color: Vec3 = setting(default=Vec3(1.0), doc="where the ray meets nothing, linear", low=0.0)
     normal_strength: float = setting(
-        default=1.0, doc="how far normals lean, 1 as stored", low=0.0, high=4.0
+        default=1.0, doc="slope of the normals; 1 is as stored", low=0.0, high=4.0
     )
 
 

@@ -49,24 +49,24 @@ class SurfaceParameters:
         Factor of the second layer's slopes, 0 to 4.
     """
 
-    base_color: Vec3 = setting(default=Vec3(1.0), doc="colour, times the map's, linear", low=0.0)
+    base_color: Vec3 = setting(
+        default=Vec3(1.0), doc="colour, multiplied with the map's, linear", low=0.0
+    )
     normal_strength: float = setting(
-        default=1.0, doc="how far normals lean, 1 as stored", low=0.0, high=4.0
+        default=1.0, doc="slope of the normals; 1 is as stored", low=0.0, high=4.0
     )
-    roughness: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
-    metallic: float = setting(default=1.0, doc="times the map's", low=0.0, high=1.0)
-    occlusion: float = setting(
-        default=1.0, doc="how much of the map's occlusion acts", low=0.0, high=1.0
-    )
-    emission: Vec3 = setting(default=Vec3(1.0), doc="times the map's, linear", low=0.0)
+    roughness: float = setting(default=1.0, doc="multiplied with the map's", low=0.0, high=1.0)
+    metallic: float = setting(default=1.0, doc="multiplied with the map's", low=0.0, high=1.0)
+    occlusion: float = setting(default=1.0, doc="strength of the occlusion map", low=0.0, high=1.0)
+    emission: Vec3 = setting(default=Vec3(1.0), doc="multiplied with the map's, linear", low=0.0)
     cutoff: float = setting(
-        default=0.5, doc="the least opacity that is there, where alpha is a mask", low=0.0, high=1.0
+        default=0.5, doc="opacity below which a mask cuts out", low=0.0, high=1.0
     )
     layer_color: float = setting(
-        default=1.0, doc="how much of a second layer's colour acts", low=0.0, high=1.0
+        default=1.0, doc="strength of the second layer's colour", low=0.0, high=1.0
     )
     layer_normal: float = setting(
-        default=1.0, doc="how far a second layer's normals lean, 1 as stored", low=0.0, high=4.0
+        default=1.0, doc="slope of the second layer's normals; 1 is as stored", low=0.0, high=4.0
     )
 
 
