@@ -243,7 +243,7 @@ def test_places_and_sizes() -> None:
         ({"settings": ["ambient=-1"]}, "ambient is -1"),
         ({"settings": ["bias=1/2"]}, "--set bias 1/2: write a number"),
         ({"settings": ["bias=-1"]}, "bias is -1: give a number from 0"),
-        ({"technique": "bump"}, "no technique is called 'bump'; use one of flat, offset"),
+        ({"technique": "leap"}, "no technique is called 'leap'; use one of flat, offset"),
         ({"shape": "torus"}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
         ({"projection": "skew"}, "projection is one of full, biased, limited, not 'skew'"),
         ({"edge": "mirror"}, "edge is one of wrap, clamp, clip, not 'mirror'"),

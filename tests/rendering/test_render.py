@@ -134,7 +134,7 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(42), "cannot draw a int: give a folder, material or scene"),
         (lambda: drawn(None), "cannot draw a NoneType"),
         (lambda: drawn("nowhere/at all"), "nowhere/at all"),
-        (lambda: drawn(BRICKS, technique="bump"), "no technique is called 'bump'"),
+        (lambda: drawn(BRICKS, technique="leap"), "no technique is called 'leap'"),
         (lambda: drawn(BRICKS, settings={"max_steps": 0}), "max_steps is 0"),
         (lambda: drawn(BRICKS, shape="sphere", camera=Orbit(distance=0.2)), "inside the sphere"),
         (lambda: drawn(BRICKS, shape="box", camera=Orbit(distance=0.2)), "inside the box"),

@@ -377,7 +377,7 @@ def test_a_preset_scrolls_its_film() -> None:
         ("[object]\nscale = 20", "scale is 20: give a number from 0 to 10"),
         ("[object]\nscale = nan", "scale is nan: give a number from 0 to 10"),
         ("[object]\nscale = 1e999", "scale is inf: give a number from 0 to 10"),
-        ("[object]\ntechnique = 'bump'", "no technique is called 'bump'; use one of flat"),
+        ("[object]\ntechnique = 'leap'", "no technique is called 'leap'; use one of flat"),
         ("[object]\ntechnique = 'my.py:bump'", "my.py: there is no such file"),
         ("[object]\nheights = 'soft'", "heights is one of sharp, smooth, mip, not 'soft'"),
         ("[object]\nlengths = 'm'", "object.lengths is one of tile, shape, not 'm'"),

@@ -34,7 +34,17 @@ from basrelief.scene import (
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT
 from basrelief.shading.surfaces.standard import SurfaceParameters
-from basrelief.techniques import TECHNIQUES, Hit, Ray, flat, hit_at, relief, t_at, technique
+from basrelief.techniques import (
+    SYNONYMS,
+    TECHNIQUES,
+    Hit,
+    Ray,
+    flat,
+    hit_at,
+    relief,
+    t_at,
+    technique,
+)
 from basrelief.techniques.march import March, Steps
 
 NAN, INF = math.nan, math.inf
@@ -66,7 +76,7 @@ def refused(make) -> str:
 # --- objects --------------------------------------------------------------------------------------
 
 REFUSED = {
-    "an unknown technique": ({"technique": "bump"}, "no technique is called 'bump'; use one of"),
+    "an unknown technique": ({"technique": "leap"}, "no technique is called 'leap'; use one of"),
     "no such file": ({"technique": "nowhere.py:mine"}, "nowhere.py: there is no such file"),
     "an unknown shape": ({"shape": "torus"}, "shape is one of plane, box, sphere, cylinder"),
     "an unknown projection": ({"projection": "skew"}, "projection is one of full, biased, limited"),
@@ -519,3 +529,27 @@ def test_values_of_the_wrong_type_are_refused_in_a_line(make, message) -> None:
 
 def test_one_object_is_a_scene_of_one() -> None:
     assert len(Scene(Object(BUMPY)).objects) == 1
+
+
+# --- names of techniques --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["parallax_occlusion", "parallax-occlusion", "Parallax-Occlusion"])
+def test_names_of_techniques_take_hyphens_and_capitals(name: str) -> None:
+    assert technique_named(name).name == "parallax_occlusion"
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("pom", "parallax_occlusion"), ("POM", "parallax_occlusion"), ("csm", "cone"),
+        ("relief-mapping", "relief"), ("releif", "relief"), ("steep parallax", "steep"),
+    ],
+)  # fmt: skip
+def test_other_names_suggest_the_technique_that_they_mean(name: str, meant: str) -> None:
+    assert f"did you mean {meant}?" in refused(lambda: technique_named(name))
+
+
+def test_synonyms_are_of_techniques_and_are_none_themselves() -> None:
+    assert set(SYNONYMS.values()) <= set(TECHNIQUES)
+    assert not set(SYNONYMS) & set(TECHNIQUES)

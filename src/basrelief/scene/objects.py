@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ from basrelief.shading.relief import ReliefParameters
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.shading.surfaces.surface import MapTilings
-from basrelief.techniques import TECHNIQUES, Technique, flat, relief
+from basrelief.techniques import SYNONYMS, TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import checked_technique, technique_from_file
 from basrelief.techniques.technique import Projection
@@ -391,6 +392,8 @@ def _first_set(*values: float | None) -> float:
 def technique_named(technique: str | Technique[..., Any]) -> Technique[..., Any]:
     """The technique for a name of the library's, FILE.py:NAME, or a technique.
 
+    Case does not count, and hyphens are read as underscores.
+
     Raises InputError for unknown names and values that are no technique, and ShaderError for a
     signature that does not fit.
     """
@@ -398,9 +401,12 @@ def technique_named(technique: str | Technique[..., Any]) -> Technique[..., Any]
         return checked_technique(technique)
     if ".py:" in technique:
         return technique_from_file(*technique.rsplit(":", 1))
-    if technique not in TECHNIQUES:
+    name = technique.lower().replace("-", "_").replace(" ", "_")
+    if name not in TECHNIQUES:
+        close = SYNONYMS.get(name) or next(iter(get_close_matches(name, TECHNIQUES, 1)), None)
+        meant = f"did you mean {close}? Use" if close else "use"
         raise InputError(
             f"no technique is called {technique!r}; "
-            f"use one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
+            f"{meant} one of {', '.join(TECHNIQUES)}, or FILE.py:NAME"
         )
-    return TECHNIQUES[technique]
+    return TECHNIQUES[name]

@@ -53,6 +53,24 @@ TECHNIQUES: dict[str, Technique[..., Hit]] = {
     item.name: item for item in sorted(_discovered(), key=lambda item: item.most_reads)
 }
 """All techniques by name, from the cheapest on."""
+SYNONYMS = {
+    "none": "flat", "normal_mapping": "flat", "bump": "flat", "bump_mapping": "flat",
+    "parallax": "offset", "parallax_mapping": "offset", "bump_offset": "offset",
+    "parallax_offset": "offset", "offset_limiting": "offset_limited",
+    "spm": "steep", "steep_parallax": "steep", "steep_parallax_mapping": "steep",
+    "pom": "parallax_occlusion", "parallax_occlusion_mapping": "parallax_occlusion",
+    "rm": "relief", "relief_mapping": "relief", "rpm": "relief", "relief_parallax": "relief",
+    "relief_parallax_mapping": "relief", "binary": "relief", "binary_search": "relief",
+    "secant_method": "secant", "interval_mapping": "secant",
+    "contact_refinement": "contact", "contact_refinement_parallax": "contact", "cpm": "contact",
+    "csm": "cone", "cone_map": "cone", "cone_stepping": "cone", "cone_step_mapping": "cone",
+    "rcsm": "relaxed_cone", "relaxed_cone_stepping": "relaxed_cone",
+    "relaxed_cone_step_mapping": "relaxed_cone",
+    "ray_marching": "fixed_length", "raymarch": "fixed_length",
+    "qdm": "exact", "quadtree_displacement_mapping": "exact", "maximum_mipmaps": "exact",
+    "pixel_art": "texel", "voxel": "texel", "voxels": "texel",
+}  # fmt: skip
+"""Names from papers and engines, and the technique that each one means or comes closest to."""
 BAKES: dict[str, Bake] = {
     item.bake.name: item.bake for item in TECHNIQUES.values() if item.bake is not None
 }
