@@ -26,7 +26,9 @@ class ModulePrinter:
     types: ClassVar[Mapping[Any, str]]
     """Spelling of the types that are not records."""
     reserved_words: ClassVar[frozenset[str]]
-    """Words of the language, and the names that its printer declares."""
+    """Words of the language, which no name may be."""
+    declared_names: ClassVar[frozenset[str]]
+    """Names that the printer declares at module scope; fields may have them too."""
     helper_texts: Mapping[str, str]
     """Functions for what the language lacks, by name, callees before callers."""
     function_printer: type[FunctionPrinter]
@@ -41,7 +43,7 @@ class ModulePrinter:
         for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
                 self.add_record(t)
-        self.reserved = {*self.reserved_words, *reserved}
+        self.reserved = {*self.reserved_words, *self.declared_names, *reserved}
         self.scope: dict[Any, str] = {}
         """Unique names of functions and records."""
         for function in [*functions, *elementary_functions().values()]:

@@ -216,7 +216,11 @@ GlslPrinter.reserved_words = frozenset(
     restrict readonly writeonly resource main texture
     abs acos asin atan ceil clamp cos cross dot exp exp2 floor fract length log log2 max min mix mod
     normalize pow reflect round sign sin smoothstep sqrt tan transpose texelFetch textureSize
-    at_edge floor_divide floor_modulo copy_sign power log_clamped log2_clamped corners stored texel
     """,
+    )
+)
+GlslPrinter.declared_names = frozenset(
+    re.findall(
+        r"^\w+ (\w+)\(", "".join([*_HELPERS.values(), *_EDGE["wrap"].values()]), re.MULTILINE
     )
 )

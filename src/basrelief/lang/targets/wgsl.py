@@ -466,5 +466,6 @@ _RESERVED = frozenset(
     )
 )
 
-WgslPrinter.reserved_words = _RESERVED | _PRINTED_NAMES
+WgslPrinter.reserved_words = _RESERVED
+WgslPrinter.declared_names = frozenset(_PRINTED_NAMES)
 WgslPrinter.helper_texts = HELPERS
