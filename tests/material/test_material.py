@@ -876,3 +876,10 @@ def test_rendered_pictures_are_no_maps(tmp_path: Path, technique: str) -> None:
     write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
     write_picture_file(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
     assert load(tmp_path).height is None
+
+
+def test_options_that_a_sample_has_no_use_for_are_noted() -> None:
+    material = load("sample:bricks", height_polarity="depth", stretch_height=True)
+    (note,) = [n for n in material.notes if n.what.startswith("no use for")]
+    assert "height_polarity, stretch_height" in note.what
+    assert not any(n.what.startswith("no use for") for n in load("sample:bricks").notes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -138,6 +138,9 @@ def load(
         depth = material.depth if depth is None else depth
         tile = material.tile if tile is None else tile
         choices: dict[str, Choice] = {}
+        unused = [f.name for f in fields(options) if getattr(options, f.name) != f.default]
+        if unused and not named_files:
+            builder.note(f"no use for {', '.join(unused)}", "a sample is generated, not read")
     else:
         file_set = _file_set(path, options, map_files)
         builder = _Builder(options, file_set.name, list(file_set.notes))
