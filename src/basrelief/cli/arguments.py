@@ -1,6 +1,7 @@
 """Parsers of command-line values: sizes, settings, cameras, lights, scenes.
 
-Every function takes text and raises InputError, in one line, for text that it cannot parse.
+Every function takes text and raises InputError, in one line, for text that it cannot parse. `what`
+names the option in that line, as in "--angles".
 """
 
 from __future__ import annotations
@@ -158,7 +159,7 @@ def motions_from(
 ) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
-    By default a film scrolls as its preset says, or else orbits its object.
+    Without texts, a film scrolls as its preset says, or else the camera orbits the object.
     """
     if frames == 1:
         if texts:
@@ -187,8 +188,8 @@ def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dic
         name, text = name_and_value(part, what)
         if name not in known:
             raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
-        read = vector if name in _VECTORS else number
-        parsed[name] = read(text, f"{what}: {name}")
+        parse = vector if name in _VECTORS else number
+        parsed[name] = parse(text, f"{what}: {name}")
     for name, parameter in known.items():
         if parameter.default is parameter.empty and name not in parsed:
             raise InputError(f"{what}: add a {name}, for example {name}=1/2/1")
@@ -209,7 +210,7 @@ def check_lengths(depth: float | None, tile: float | None, scale: float | None) 
 
 
 def preset_from(text: str | None) -> Preset:
-    """A preset from its name or its file; the empty preset without one."""
+    """The preset of a name or a file; the empty preset for None."""
     return EMPTY_PRESET if text is None else preset(text)
 
 
@@ -255,11 +256,11 @@ def scene(
     merged = preset.options(material, parsed)
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
     draft = Object(material, **_subset(merged, "technique", "surface"))
-    merged["technique"] = draft.selected_technique  # a user's file runs only once
-    numbers = _by_record(dict(name_and_value(text, "--set") for text in settings), draft)
-    merged |= numbers.pop("object")
-    for home, values in numbers.items():
-        merged[home] = {**merged.get(home, {}), **values}
+    merged["technique"] = draft.selected_technique  # loaded here once: loading runs a user's file
+    settings_by_record = _by_record(dict(name_and_value(text, "--set") for text in settings), draft)
+    merged |= settings_by_record.pop("object")
+    for record, values in settings_by_record.items():
+        merged[record] = {**merged.get(record, {}), **values}
     merged["tilings"] = _tilings(material, merged, map_tiling, map_shift)
     if stretch is not None:
         default_transform = Object(material, **_subset(merged, "technique", "shape")).to_world
@@ -295,7 +296,7 @@ def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer 
 def _tilings(
     material: Material, options: Mapping[str, Any], tilings: Sequence[str], shifts: Sequence[str]
 ) -> dict[str, Tiling]:
-    """Tilings of single maps; tiles or shift that are not set are those of the heights."""
+    """Tilings of single maps; a tiling or shift that is not set is that of the heights."""
     own: dict[str, Tiling] = dict(options.get("tilings", {}))
     if not tilings and not shifts:
         return own
@@ -314,37 +315,42 @@ def _tilings(
 
 
 def _by_record(settings: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
-    """Settings by the record that has them; the technique's take precedence."""
+    """Settings by the field of `Object` or `Scene` whose record has them.
+
+    Where several records have a name, the technique's takes precedence. Settings of the object
+    itself are under "object".
+    """
     records = {
         "settings": obj.selected_technique.settings,
         "surface_parameters": SURFACES[obj.surface],
         **_RECORDS,
     }
-    known = {home: [f.name for f in fields(record)] for home, record in records.items()}
+    known = {owner: [f.name for f in fields(record)] for owner, record in records.items()}
     known["object"] = ["bias"]
-    values: dict[str, dict[str, Any]] = {home: {} for home in known}
+    values: dict[str, dict[str, Any]] = {owner: {} for owner in known}
     for name, text in settings.items():
-        home = next((home for home, names in known.items() if name in names), None)
-        if home is None:
+        owner = next((owner for owner, names in known.items() if name in names), None)
+        if owner is None:
             hint = suggestion(name, [name for names in known.values() for name in names])
             raise InputError(f"--set {name}: there is no such setting here; {hint}")
-        parse = number if home == "object" else value
-        values[home][name] = parse(text, f"--set {name}")
+        parse = number if owner == "object" else value
+        values[owner][name] = parse(text, f"--set {name}")
     return values
 
 
-# --- further objects -----------------------------------------------------------------------------
+# --- added objects -------------------------------------------------------------------------------
 
 _TEXTS = ("technique", "projection", "heights", "edge", "mapping", "alpha", "casts")
 _NUMBERS = ("scale", "reference_height", "bias")
 _PAIRS = ("tiling", "shift")
 _PARAMETERS = ("position", "size", "turn", "material", "color")
+"""Parameters of --add: those of `Object` by their parser, and those of `object_from` alone."""
 
 
 def object_from(text: str) -> Object:
-    """A further object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
+    """An added object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
 
-    The first word is its shape. Further words set its `position` in world units, its `size` as a
+    The first word is its shape. The others set its `position` in world units, its `size` as a
     factor, and a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it).
     Without a `material` the object has one `color`; with one, the color multiplies the maps.
     """

@@ -51,7 +51,7 @@ def main() -> NoReturn:
     except MemoryError:
         _fail("this does not fit in memory; use a smaller --size, or smaller maps")
     except BrokenPipeError:
-        _leave_closed_pipe()
+        _exit_after_closed_pipe()
     except Exception as error:
         _usage_error(error)
     sys.exit(code)
@@ -78,8 +78,9 @@ def _renamed_option(error: Any) -> str:
     return new_name(option, known)
 
 
-def _leave_closed_pipe() -> NoReturn:
+def _exit_after_closed_pipe() -> NoReturn:
     """Exit silently where the reader of the output, such as `head`, has closed the pipe."""
+    # Python flushes standard output once more at exit, which would raise again
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(1)
 
@@ -105,7 +106,7 @@ def _top(
 PathArgument = Annotated[
     str, typer.Argument(help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).")
 ]
-_of_picture = functools.partial(typer.Option, rich_help_panel="Picture")
+_picture_option = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
 ScaleOption = Annotated[
     float | None, typer.Option(help="Height range as a fraction of a tile's width.")
@@ -116,11 +117,11 @@ ReferenceHeightOption = Annotated[
 ProjectionOption = Annotated[
     str | None, typer.Option(help="Projection: full, biased or limited (each technique's own).")
 ]
-DeviceOption = Annotated[str, _of_picture(help="Device: auto, cpu or gpu.")]
+DeviceOption = Annotated[str, _picture_option(help="Device: auto, cpu or gpu.")]
 
 
 def _without_none(options: dict[str, Any]) -> dict[str, Any]:
-    """Options that are not None."""
+    """The options that were given; those left at None get their defaults elsewhere."""
     return {name: value for name, value in options.items() if value is not None}
 
 
@@ -129,14 +130,14 @@ def _json_options(options: dict[str, Any]) -> dict[str, Any]:
     return {name: str(x) if isinstance(x, Path) else x for name, x in options.items()}
 
 
-def _loaded(path: str, **maps: Any) -> Material:
+def _load_material(path: str, **maps: Any) -> Material:
     from basrelief.material import load
 
     return load(path, **_without_none(maps))
 
 
 def _preset_and_maps(values: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
-    """Take the preset and the given options of maps out of `values`."""
+    """Remove the preset and the options of maps from `values`, and return them."""
     from basrelief.cli import arguments
 
     maps = {name: values.pop(name) for name in options.names_of(options.Maps)}
@@ -144,13 +145,13 @@ def _preset_and_maps(values: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
     return arguments.preset_from(values.pop("preset")), _without_none(maps)
 
 
-def _scene(path: str, chosen: Preset, maps: dict[str, Any], values: dict[str, Any]) -> Scene:
+def _scene(path: str, preset: Preset, maps: dict[str, Any], values: dict[str, Any]) -> Scene:
     """The scene that the options of a command describe."""
     from basrelief.cli import arguments
 
-    material = _loaded(path, **{**chosen.maps, **maps})
+    material = _load_material(path, **{**preset.maps, **maps})
     return arguments.scene(
-        material, preset=chosen, measured="depth" in maps, **_without_none(values)
+        material, preset=preset, measured="depth" in maps, **_without_none(values)
     )
 
 
@@ -167,7 +168,7 @@ def info(
     from basrelief.material import describe, report
 
     with _Progress(f"reading {path}"):
-        material = _loaded(path, **maps)
+        material = _load_material(path, **maps)
     print(json_text.dumps(describe(material), indent=2) if json else report(material))
 
 
@@ -189,9 +190,9 @@ def techniques() -> None:
         defaults = f"Defaults: --reference-height {height:g} --projection {projection}"
         doc = inspect.cleandoc(technique.__doc__ or "")
         paragraphs = doc.replace("References\n----------\n", "Reference: ").split("\n\n")
-        _list(technique.name, [*paragraphs, defaults], technique.settings)
+        _print_entry(technique.name, [*paragraphs, defaults], technique.settings)
     bias = "Besides the settings of a technique, --set sets bias (0.42), for --projection"
-    _list("with every technique", [f"{bias} biased, and the settings below."])
+    _print_entry("with every technique", [f"{bias} biased, and the settings below."])
     for name, record in (
         ("smooth heights (--heights smooth)", Smoothing),
         ("the standard surface", SurfaceParameters),
@@ -200,21 +201,22 @@ def techniques() -> None:
         ("shadows of the relief on itself (--shadows hard, soft)", Shadowing),
         ("fog (--fog-mode linear, exponential, exponential_squared)", Fog),
     ):
-        _list(name, [], record)
+        _print_entry(name, [], record)
 
 
 @app.command()
 def presets() -> None:
     """List the presets: settings of an article under one name."""
-    from basrelief.scene.presets import PRESETS, preset
+    from basrelief.scene.presets import PRESETS
+    from basrelief.scene.presets import preset as preset_named
 
     for name in PRESETS:
-        chosen = preset(name)
-        _list(name, [chosen.about, f"After {chosen.source}."])
+        preset = preset_named(name)
+        _print_entry(name, [preset.about, f"After {preset.source}."])
 
 
-def _list(name: str, paragraphs: list[str], *records: Any) -> None:
-    """Print a heading, paragraphs, and a table of the settings of records."""
+def _print_entry(name: str, paragraphs: list[str], *records: Any) -> None:
+    """Print a heading, indented paragraphs, and a table of the settings of records."""
     import textwrap
 
     print(name)
@@ -227,8 +229,10 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
                 paragraph, 78, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False
             )
         )
-    rows = [_setting(field) for record in records for field in record.__dataclass_fields__.values()]
-    # without settings there is no table
+    rows = [
+        _setting_row(field) for record in records for field in record.__dataclass_fields__.values()
+    ]
+    # zip(*rows) is empty, and nothing is printed, where there are no settings
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
@@ -236,7 +240,7 @@ def _list(name: str, paragraphs: list[str], *records: Any) -> None:
     print()
 
 
-def _setting(field: Any) -> tuple[str, str, str]:
+def _setting_row(field: Any) -> tuple[str, str, str]:
     """A setting with its default, its range and its meaning."""
     from basrelief.lang import Vec3
 
@@ -255,27 +259,27 @@ def _setting(field: Any) -> tuple[str, str, str]:
 def render(
     path: PathArgument,
     output: Annotated[
-        Path | None, _of_picture(*_OUTPUT, help="File: png, jpg, webp, exr …, or mp4, gif.")
+        Path | None, _picture_option(*_OUTPUT, help="File: png, jpg, webp, exr …, or mp4, gif.")
     ] = None,
-    size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
-    samples: Annotated[int, _of_picture(help="Samples per pixel.")] = 4,
-    bits: Annotated[int | None, _of_picture(help="Bits per channel: 8, or 16 for PNG.")] = None,
+    size: Annotated[str, _picture_option(help="Width × height in pixels.")] = "1280x720",
+    samples: Annotated[int, _picture_option(help="Samples per pixel.")] = 4,
+    bits: Annotated[int | None, _picture_option(help="Bits per channel: 8, or 16 for PNG.")] = None,
     quality: Annotated[
-        int, _of_picture(min=1, max=100, help="Quality of JPEG, WebP and MP4.")
+        int, _picture_option(min=1, max=100, help="Quality of JPEG, WebP and MP4.")
     ] = 95,
     frames: Annotated[
-        int, _of_picture(help="Frames; more than 1 make a film or numbered pictures.")
+        int, _picture_option(help="Frames; more than 1 make a film or numbered pictures.")
     ] = 1,
-    fps: Annotated[float, _of_picture(help="Frames per second of a film.")] = 30.0,
+    fps: Annotated[float, _picture_option(help="Frames per second of a film.")] = 30.0,
     motion: Annotated[
         list[str] | None,
-        _of_picture(
+        _picture_option(
             help="Motion in a film: orbit · light · scroll,u=0.25,v=0 · opening; repeatable.",
             metavar="NAME,NAME=VALUE…",
         ),
     ] = None,
     show: Annotated[
-        str, _of_picture(help="Picture: color, reads, missed, overshoot or depth-error.")
+        str, _picture_option(help="Picture: color, reads, missed, overshoot or depth-error.")
     ] = "color",
     device: DeviceOption = "auto",
     **values: Any,
@@ -286,20 +290,20 @@ def render(
         from basrelief.rendering import film
 
         pixels = arguments.size(size)
-        chosen, maps = _preset_and_maps(values)
-        motions = arguments.motions_from(motion or [], frames, chosen)
-        scene = _scene(path, chosen, maps, values)
+        preset, maps = _preset_and_maps(values)
+        motions = arguments.motions_from(motion or [], frames, preset)
+        scene = _scene(path, preset, maps, values)
         material, selected_technique = (
             scene.objects[0].material,
             scene.objects[0].selected_technique.name,
         )
-        # `load` recognises this name and does not take the picture for a map
-        shown = "" if show == "color" else f"-{show}"
-        target = output or Path(f"{material.name}-{selected_technique}{shown}-basrelief.png")
+        suffix = "" if show == "color" else f"-{show}"
+        # `load` recognises this name, and does not take the picture for a map
+        target = output or Path(f"{material.name}-{selected_technique}{suffix}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
-            _show(show, scene, pixels, samples, device, frames, target, bits, quality)
+            _draw_debug_picture(show, scene, pixels, samples, device, frames, target, bits, quality)
             return
         rendered = film.frames(
             scene, motions, count=frames, fps=fps, size=pixels, samples=samples, device=device,
@@ -314,13 +318,13 @@ def render(
             "note: MP4 has no transparency, so the film is composited over the default background"
         )
         print(note, file=sys.stderr)
-    # of many files, the first and the last
+    # a numbered series is reported by its first and last file
     files = " … ".join(map(str, dict.fromkeys((written.files[0], written.files[-1]))))
     print(f"{files}  ({written.device})")
 
 
-def _show(
-    what: str,
+def _draw_debug_picture(
+    kind: str,
     scene: Any,
     size: tuple[int, int],
     samples: int,
@@ -337,21 +341,21 @@ def _show(
     from basrelief.measure.truth import truth
     from basrelief.rendering.render import render
 
-    check_shown(what)
+    check_shown(kind)
     if frames != 1:
-        raise InputError(f"--show {what}: draws a single picture; omit --frames")
+        raise InputError(f"--show {kind}: draws a single picture; omit --frames")
     columns = [
         obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns
     ]
-    if columns and what != "reads":
+    if columns and kind != "reads":
         raise InputError(
-            f"--show {what} measures against the bilinear surface, but {columns[0]} draws columns; "
+            f"--show {kind} measures against the bilinear surface, but {columns[0]} draws columns; "
             "use --show reads or another technique"
         )
     engine = choose_device(device)
-    reference = None if what == "reads" else truth(scene, size, device=engine)
+    reference = None if kind == "reads" else truth(scene, size, device=engine)
     frame = render(scene, size=size, samples=samples, device=engine)
-    picture = debug_picture(what, frame, reference)
+    picture = debug_picture(kind, frame, reference)
     picture.image.save(target, bits=bits, quality=quality)
     print(f"{target}  ({frame.device})\n{picture.meaning}")
 
@@ -391,7 +395,7 @@ def compare(
     """Measure every technique on a material and recommend one, on a page with pictures."""
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
-        from basrelief.measure.compare import compare as compared
+        from basrelief.measure.compare import compare as compare_techniques
 
         degrees, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
         arguments.check_lengths(maps["depth"], maps["tile"], scale)
@@ -401,11 +405,11 @@ def compare(
         )
         if "bias" in fixed:
             relief["bias"] = fixed.pop("bias")
-        material = _loaded(path, **maps)
+        material = _load_material(path, **maps)
 
-        result = compared(
+        result = compare_techniques(
             material, technique, angles=degrees, size=pixels, samples=samples, device=device,
-            settings=fixed, progress=progress.at, **relief,
+            settings=fixed, progress=progress.report, **relief,
         )  # fmt: skip
         page = result.save(output or Path(f"{material.name}-compare"))
     print(f"{result.summary()}\n{page}  ({result.device})")
@@ -445,7 +449,7 @@ def tune(
     """Find the cheapest technique and settings that keep an error under a bound."""
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
-        from basrelief.measure.tune import tune as tuned
+        from basrelief.measure.tune import tune as tune_material
 
         bound = None if missed is None else arguments.share(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
@@ -456,11 +460,11 @@ def tune(
         )
         if "bias" in fixed:
             relief["bias"] = fixed.pop("bias")
-        material = _loaded(path, **maps)
+        material = _load_material(path, **maps)
 
-        result = tuned(
+        result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=fixed, progress=progress.at, source=path, **relief,
+            device=device, settings=fixed, progress=progress.report, source=path, **relief,
         )  # fmt: skip
         written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
@@ -509,7 +513,7 @@ def bake(
 
         arguments.check_lengths(values["depth"], values["tile"], scale)
         maps = {name.removesuffix("_map"): value for name, value in values.items()}
-        material = _loaded(path, **maps)
+        material = _load_material(path, **maps)
         progress.task = f"baking {material.name}"
         height_scale = next(
             number for number in (scale, material.scale, DEFAULT_SCALE) if number is not None
@@ -533,23 +537,23 @@ def explain(
     path: PathArgument,
     pixel: Annotated[
         str,
-        _of_picture(help="Pixel to explain, from the top left.", metavar="X,Y"),
+        _picture_option(help="Pixel to explain, from the top left.", metavar="X,Y"),
     ],
     output: Annotated[
-        Path | None, _of_picture(*_OUTPUT, help="File of the cross-section: svg, png or pdf.")
+        Path | None, _picture_option(*_OUTPUT, help="File of the cross-section: svg, png or pdf.")
     ] = None,
-    size: Annotated[str, _of_picture(help="Width × height in pixels.")] = "1280x720",
-    table: Annotated[bool, _of_picture("--table", help="List each read.")] = False,
+    size: Annotated[str, _picture_option(help="Width × height in pixels.")] = "1280x720",
+    table: Annotated[bool, _picture_option("--table", help="List each read.")] = False,
     **values: Any,
 ) -> None:
     """Show the reads of a technique along the ray of one pixel, and the true hit."""
     with _Progress(f"reading {path}"):
         from basrelief.cli import arguments
-        from basrelief.measure.explain import explain as explained
+        from basrelief.measure.explain import explain as explain_pixel
 
         xy, pixels = arguments.pixel(pixel), arguments.size(size)
-        chosen, maps = _preset_and_maps(values)
-        explanation = explained(_scene(path, chosen, maps, values), pixel=xy, size=pixels)
+        preset, maps = _preset_and_maps(values)
+        explanation = explain_pixel(_scene(path, preset, maps, values), pixel=xy, size=pixels)
         drawing = None if output is None else explanation.save(output)
     print(explanation.summary)
     if table or drawing is None:
@@ -602,13 +606,13 @@ def view(
             raise InputError(f"--texels {texels}: give at least 1")
         if output is not None and output.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--output {output}: name an HTML file, for example page.html")
-        chosen, maps = _preset_and_maps(values)
-        scene = _scene(path, chosen, maps, values)
-        sources = Sources(path, _json_options({**chosen.maps, **maps}), values["layer"])
+        preset, maps = _preset_and_maps(values)
+        scene = _scene(path, preset, maps, values)
+        sources = Sources(path, _json_options({**preset.maps, **maps}), values["layer"])
         name = scene.objects[0].material.name
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
         page = write_view(
-            scene, target, texels=texels, sources=sources, device=device, progress=progress.at
+            scene, target, texels=texels, sources=sources, device=device, progress=progress.report
         )
     if page.scaled_to is not None:
         width, height = page.scaled_to
@@ -634,20 +638,21 @@ def gallery(
     with _Progress("drawing the gallery") as progress:
         from basrelief.cli import arguments
         from basrelief.engine import choose_device
-        from basrelief.gallery.folder import chosen, write
+        from basrelief.gallery.folder import chosen as chosen_pages
+        from basrelief.gallery.folder import write
 
-        def report(what: str, share: float) -> None:
-            progress.task = f"drawing: {what}"
+        def report(page: str, share: float) -> None:
+            progress.task = f"drawing: {page}"
             progress(share)
 
-        pages, pixels = chosen(only or [], source), arguments.size(size)
+        pages, pixels = chosen_pages(only or [], source), arguments.size(size)
         index = write(output, pages, choose_device(device), pixels, samples, report)
     print(index)
 
 
 # --- progress ------------------------------------------------------------------------------------
 
-_PATIENCE = 1.0
+_PROGRESS_DELAY = 1.0
 """Seconds after which the progress of a task is shown."""
 
 
@@ -661,7 +666,7 @@ class _Progress:
         self.task = task
         self.share: float | None = None
         self.bar: Any = None
-        self.timer = threading.Timer(_PATIENCE, self._show)
+        self.timer = threading.Timer(_PROGRESS_DELAY, self._show)
         self.timer.daemon = True
 
     def __enter__(self) -> _Progress:
@@ -670,10 +675,11 @@ class _Progress:
         return self
 
     def __call__(self, share: float) -> None:
+        """Set the finished share of the task."""
         self.share = share
         self._update()
 
-    def at(self, task: str, share: float) -> None:
+    def report(self, task: str, share: float) -> None:
         """Set the task's name and its finished share."""
         self.task = task
         self(share)

@@ -1,4 +1,4 @@
-"""CPU engine: LLVM through llvmlite, one SIMD lane for each pixel, rows spread over all cores."""
+"""CPU engine: LLVM through llvmlite, one SIMD lane per pixel, rows spread over all cores."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
 _ROWS_PER_TASK = 8
-"""Rows of a task: enough to outweigh scheduling, few enough to balance the cores."""
+"""Rows in a task: enough to outweigh scheduling, few enough to balance the cores."""
 
 
 class CpuEngine:
-    """Runs programs on all cores; `lanes` and `threads` default to those of the machine."""
+    """Engine that runs programs on all cores; by default with the machine's lanes and threads."""
 
     name = "cpu"
     rounding = "IEEE 754"
@@ -112,7 +112,7 @@ class CpuEngine:
     def _cache_key(self, program: Program) -> str:
         import llvmlite
 
-        # a program's own key does not depend on front end, printer and memory layout
+        # the program's key does not cover the front end, the printer and the memory layout
         source = cache.source_digest(basrelief.lang, basrelief.engine)
         parts = (
             program.key, source, self.lanes, *_host(), llvmlite.__version__, platform.machine(),
@@ -152,7 +152,7 @@ def _core_count() -> int:
 
 
 def _target_machine() -> Any:
-    """A new target machine, because the compiler that links code takes ownership of it."""
+    """A new target machine; MCJIT takes ownership of it, so it cannot be shared."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -172,8 +172,8 @@ def _object_code(program: Program, lanes: int) -> bytes:
     module.triple = llvm.get_default_triple()
     module.data_layout = str(machine.target_data)
     module.verify()
-    # the code is vectorized already, so LLVM's vectorizers would only take time; the passes of
-    # level 2 take 1.5 times as long as those of level 1, and the code is no faster
+    # the printed code is vectorized already, so LLVM's vectorizers would only take time; level 2
+    # takes 1.5 times as long as level 1, and its code is no faster
     tuning = llvm.create_pipeline_tuning_options(speed_level=1)
     tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
     builder = llvm.create_pass_builder(machine, tuning)
@@ -187,16 +187,17 @@ def _link(code: bytes, parameters: list[str]) -> _Compiled:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    pointer, wide, word = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32
-    kind = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, wide, word, word, word, word)
-    return _Compiled(kind(engine.get_function_address("run.rows")), parameters, engine)
+    pointer, int64, int32 = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int32
+    signature = (pointer, pointer, pointer, int64, int32, int32, int32, int32)
+    rows = ctypes.CFUNCTYPE(None, *signature)
+    return _Compiled(rows(engine.get_function_address("run.rows")), parameters, engine)
 
 
 # --- memory layout of resources: see the end of `lang/llvm.py` ------------------------------------
 
 
 class _ResourceLayout:
-    """Resource in memory as compiled code reads it: data, and a header that points to it."""
+    """A resource in memory as compiled code reads it: data, and a header that points to it."""
 
     def __init__(self, data: NDArray[Any], words: list[int]) -> None:
         self.data = data

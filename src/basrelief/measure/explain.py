@@ -113,7 +113,7 @@ def explain(
     Raises
     ------
     InputError
-        For a pixel outside the picture, or one that shows no relief.
+        For a pixel outside the picture, and for one that shows no relief.
     """
     scene = scene_of(what, {"preset": None, **options})
     x, y = pixel
@@ -123,26 +123,28 @@ def explain(
         )
     scene.check_camera()
     intersections = [
-        pair for obj in scene.objects if (pair := _met(obj, scene, pixel, size)) is not None
+        pair
+        for obj in scene.objects
+        if (pair := _intersection_with(obj, scene, pixel, size)) is not None
     ]
     if not intersections:
         raise InputError(f"pixel {x},{y} shows no object; choose another")
-    obj, meeting = min(intersections, key=lambda pair: float(pair[1].distance))
+    obj, intersection = min(intersections, key=lambda pair: float(pair[1].distance))
     if not obj.has_relief:
         raise InputError(
             f"pixel {x},{y} shows a {obj.shape} without relief, where nothing is read; "
             "give it heights and a technique other than flat"
         )
-    return _explanation(obj, scene, meeting, pixel, size)
+    return _explanation(obj, scene, intersection, pixel, size)
 
 
-def _met(
+def _intersection_with(
     obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
 ) -> tuple[Object, Intersection] | None:
-    """An object and the intersection of its shape with the ray through a pixel's centre, if any."""
+    """The object, with the intersection of its shape and a pixel's ray; None for a miss."""
     ray = _camera_ray(scene, pixel, size)
-    meeting = intersect(ray, obj.placement(), variant_of(obj, scene))
-    return (obj, meeting) if meeting.found else None
+    intersection = intersect(ray, obj.placement(), variant_of(obj, scene))
+    return (obj, intersection) if intersection.found else None
 
 
 def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> CameraRay:
@@ -160,14 +162,14 @@ def _explanation(
     values = values_of(obj, scene, size, choose_device("cpu"))
     field, technique = values["field"], obj.selected_technique
     variant = variant_of(obj, scene)
-    seen = faded_relief(values["relief"], intersection.distance, variant)
-    if seen.scale <= 0.0:
+    faded = faded_relief(values["relief"], intersection.distance, variant)
+    if faded.scale <= 0.0:
         raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()
     footprint = footprint_at(camera, placement, intersection, intersection.distance)
     lod = height_lod(field, footprint, values["smoothing"])
-    depth = object_height_range(seen, placement, variant)
-    ray = relief_ray(intersection, seen, depth, lod, values["smoothing"].mip_fade, variant)
+    depth = object_height_range(faded, placement, variant)
+    ray = relief_ray(intersection, faded, depth, lod, values["smoothing"].mip_fade, variant)
     recorder = _ReadRecorder(ray, field, technique.columns)
     baked = values.get("baked") or _NO_BAKE
     with bound({displace: technique}), watched(recorder.watch):
@@ -196,6 +198,7 @@ def _explanation(
 
 
 _NO_BAKE = Texture([np.zeros((1, 1, 4), np.uint16)])
+"""Argument of techniques that read no baked table."""
 
 
 # --- recording reads ------------------------------------------------------------------------------
@@ -217,13 +220,13 @@ class _ReadRecorder:
         self.ray_heights: dict[bytes, float] = {}
         self.uv: Vec2 | None = None
         self.cell: list[int] = []
-        self.recorded_kinds: set[type] = set()
+        self.recorded_types: set[type] = set()
         self.nesting = 0
 
     def watch(
         self, shader: Shader[..., Any], arguments: Mapping[str, Any], run: Callable[[], Any]
     ) -> Any:
-        """Run the call of a shader and record what it reads, or where it will read."""
+        """Run the call of a shader; record its read, or the location of the reads that follow."""
         if shader is surface_height:
             self.nesting += 1
             result = run()
@@ -246,39 +249,39 @@ class _ReadRecorder:
         return result
 
     def _set_location(self, uv: Vec2 | None, cell: list[int]) -> None:
-        self.uv, self.cell, self.recorded_kinds = uv, cell, set()
+        self.uv, self.cell, self.recorded_types = uv, cell, set()
 
     def recording(self, map: Any) -> Any:
         """A copy of a map that reports its reads."""
-        kind = type(map)
+        map_type = type(map)
         copied = copy.copy(map)
         recorder = self
 
-        class RecordingMap(kind):  # type: ignore[misc, valid-type]
+        class RecordingMap(map_type):  # type: ignore[misc, valid-type]
             def texel_index(self, x: int, y: int, level: int) -> tuple[int, int, int]:
-                recorder.read(kind, x, y)
+                recorder.read(map_type, x, y)
                 index: tuple[int, int, int] = super().texel_index(x, y, level)
                 return index
 
         copied.__class__ = RecordingMap
         return copied
 
-    def read(self, kind: type, x: int, y: int) -> None:
+    def read(self, map_type: type, x: int, y: int) -> None:
         """Record the read of a texel, if it is the first of those that count as one read."""
-        if self.nesting or kind in self.recorded_kinds:
+        if self.nesting or map_type in self.recorded_types:
             return
-        if kind is not Texture:
-            self.recorded_kinds.add(kind)
-        of: Kind = "record" if kind is Texture else "height"
+        if map_type is not Texture:
+            self.recorded_types.add(map_type)
+        kind: Kind = "record" if map_type is Texture else "height"
         if self.uv is not None:
-            self._add(of, self.uv, None)
+            self._add(kind, self.uv, None)
         elif len(self.cell) == 2:
             cell_kind: Kind = "height" if self.columns else "cell"
-            self._add_cell(cell_kind if of == "height" else of, IVec2(*self.cell))
+            self._add_cell(cell_kind if kind == "height" else kind, IVec2(*self.cell))
         else:
-            # read by the index of its texel alone: take the texel's centre
+            # no location was recorded; take the centre of the texel
             rows, columns = self.heights.shape
-            self._add(of, Vec2((x + 0.5) / columns, (y + 0.5) / rows), None)
+            self._add(kind, Vec2((x + 0.5) / columns, (y + 0.5) / rows), None)
 
     def _add(self, kind: Kind, uv: Vec2, surface: float | None) -> None:
         point = _array(uv)
@@ -295,23 +298,23 @@ class _ReadRecorder:
         )
 
     def _height_at(self, point: Floats) -> float:
-        """The ray's height over a point of the map, by its distance along the ray."""
+        """The ray's height over a point of the map, from the point's position along the ray."""
         travel = _array(self.ray.travel)
-        moved = point - _array(self.ray.uv)
-        return float(1.0 - moved @ travel / max(float(travel @ travel), 1e-30))
+        offset = point - _array(self.ray.uv)
+        return float(1.0 - offset @ travel / max(float(travel @ travel), 1e-30))
 
     def _add_cell(self, kind: Kind, cell: IVec2) -> None:
         """Record the read of a whole cell or column at the point where the ray enters it."""
         texels = np.array(self.heights.shape[::-1], np.float64)
         half = 0.0 if self.columns else 0.5
-        start, moved = _array(self.ray.uv) * texels - half, _array(self.ray.travel) * texels
+        start, travel = _array(self.ray.uv) * texels - half, _array(self.ray.travel) * texels
         low = np.array([int(cell.x), int(cell.y)], np.float64)
         with np.errstate(divide="ignore", invalid="ignore"):
-            walls = np.divide(low + (moved <= 0) - start, moved)
-        t_enter = float(np.clip(np.nanmax(np.where(moved == 0, -np.inf, walls)), 0.0, 1.0))
-        point = (start + moved * t_enter + half) / texels
-        # slightly further on, so that the column is the one behind the wall
-        inside = (np.clip(start + moved * t_enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
+            walls = np.divide(low + (travel <= 0) - start, travel)
+        t_enter = float(np.clip(np.nanmax(np.where(travel == 0, -np.inf, walls)), 0.0, 1.0))
+        point = (start + travel * t_enter + half) / texels
+        # moved off the wall, so that the height is that of this column, not of its neighbour
+        inside = (np.clip(start + travel * t_enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
         surface = float(surface_heights(self.heights, inside[None], self.edge, self.columns)[0])
         self.samples.append(Sample(kind, _pair(point), 1.0 - t_enter, surface))
 

@@ -43,6 +43,7 @@ ANGLE_STEP = 15.0
 MAX_EFFORT = 1024
 """Largest effort that is tried."""
 _RUNS = 5
+"""Timed runs of each trial at each angle; the median counts."""
 Measure = Literal["missed", "flip"]
 _MEASURE_NAMES: dict[Measure, str] = {"missed": "missed hits", "flip": "FLIP"}
 _SAMPLES: dict[Measure, int] = {"missed": 1, "flip": 4}
@@ -152,30 +153,30 @@ class TuneResult:
         low, high = self.angles[0], self.angles[-1]
         lines = [
             f"{_with_settings(chosen, self.settings)}: {self._error_text(chosen)} (bound "
-            f"{self._number(self.bound)}), worst at {chosen.angle:g}°; "
+            f"{self._formatted(self.bound)}), worst at {chosen.angle:g}°; "
             f"{chosen.seconds * 1e3:.3g} ms a picture, {low:g} to {high:g}°"
         ]
         if self.nearest is None:
             lines.append("nothing cheaper was tried")
         else:
             near = self.nearest
-            less = 100.0 * (1.0 - near.seconds / chosen.seconds)
+            faster = 100.0 * (1.0 - near.seconds / chosen.seconds)
             lines.append(
-                f"just missed: {_with_settings(near)} would be {less:.0f} % faster "
+                f"just missed: {_with_settings(near)} would be {faster:.0f} % faster "
                 f"({near.seconds * 1e3:.3g} ms), but has {self._error_text(near)} "
                 f"at {near.angle:g}°"
             )
         if self.others:
-            also = ", ".join(
+            alternatives = ", ".join(
                 f"{_with_settings(o)} ({o.seconds * 1e3:.3g} ms)" for o in self.others[:3]
             )
-            lines.append(f"also under the bound: {also}")
+            lines.append(f"also under the bound: {alternatives}")
         return "\n".join(lines)
 
     def _error_text(self, trial: Trial) -> str:
-        return f"{self._number(trial.error)} {_MEASURE_NAMES[self.measure]}"
+        return f"{self._formatted(trial.error)} {_MEASURE_NAMES[self.measure]}"
 
-    def _number(self, error: float) -> str:
+    def _formatted(self, error: float) -> str:
         match self.measure:
             case "missed":
                 return f"{100.0 * error:.3g} %"
@@ -219,7 +220,7 @@ def tune(
     device : str or Engine
         "auto", "cpu" or "gpu", or an engine.
     settings : mapping, optional
-        Settings that keep these values.
+        Settings with fixed values, which are not searched.
     source : str, optional
         The material as the command line in the result names it.
     progress : callable
@@ -234,7 +235,7 @@ def tune(
     Raises
     ------
     InputError
-        Where nothing stays under the bound, and whatever `compare` refuses.
+        Where nothing stays under the bound, and as for `compare`.
     """
     if (missed is None) == (flip is None):
         raise InputError("give one bound: missed hits (missed=0.001) or FLIP (flip=0.05)")
@@ -250,26 +251,27 @@ def tune(
     material = what if isinstance(what, Material) else load(what)
     check_measurable(material, options)
     fixed = dict(settings or {})
-    chosen = [
+    requested = [
         c
         for c in candidates(techniques, fixed)
         if techniques is None or _is_requested(c, techniques)
     ]
     engine = engine_of(device)
-    views = _views(angles)
+    view_angles = _view_angles(angles)
     measure: Measure = "missed" if flip is None else "flip"
     progress(f"computing the truth of {material.name}", 0.0)
-    evaluator = _Evaluator(material, views, size, engine, options, measure, bound)
+    evaluator = _Evaluator(material, view_angles, size, engine, options, measure, bound)
     trials: list[Trial] = []
-    for number, candidate in enumerate(chosen):
-        progress(f"trying {candidate.name}", 0.1 + 0.7 * number / len(chosen))
+    for number, candidate in enumerate(requested):
+        progress(f"trying {candidate.name}", 0.1 + 0.7 * number / len(requested))
         for variant in _variants(candidate, fixed):
             trials += _search(variant, fixed, evaluator.evaluate)
     if not any(trial.passed for trial in trials):
         closest = min(trials, key=lambda trial: trial.error)
         raise InputError(
-            f"nothing stays under {bound:g} from {views[0]:g} to {views[-1]:g}°; the closest is "
-            f"{_with_settings(closest)} with {closest.error:.3g} at {closest.angle:g}°; "
+            f"nothing stays under {bound:g} from {view_angles[0]:g} to {view_angles[-1]:g}°; "
+            f"the closest is {_with_settings(closest)} with {closest.error:.3g} "
+            f"at {closest.angle:g}°; "
             "raise the bound, or add the technique exact"
         )
     progress("timing", 0.85)
@@ -277,7 +279,7 @@ def tune(
     passing = sorted((trial for trial in timed if trial.passed), key=lambda trial: trial.seconds)
     best = passing[0]
     cheaper = [trial for trial in timed if not trial.passed and trial.seconds < best.seconds]
-    scene = evaluator.scene(best.candidate, views[0])
+    scene = evaluator.scene(best.candidate, view_angles[0])
     obj = scene.objects[0]
     return TuneResult(
         chosen=best,
@@ -285,7 +287,7 @@ def tune(
         others=tuple(passing[1:]),
         measure=measure,
         bound=bound,
-        angles=views,
+        angles=view_angles,
         source=source or (material.name if isinstance(what, Material) else os.fspath(what)),
         material=material.name,
         scale=obj.relief_scale,
@@ -302,14 +304,14 @@ def check_flip() -> None:
 
 
 def _is_requested(candidate: Candidate, techniques: Sequence[Any]) -> bool:
-    """Whether a technique was requested; `candidates` adds `exact`, which is no reference here."""
+    """Whether a technique was requested; `candidates` always adds `exact`, for `compare`."""
     return candidate.name != "exact" or any(
         technique == "exact" or getattr(technique, "name", None) == "exact"
         for technique in techniques
     )
 
 
-def _views(angles: tuple[float, float]) -> tuple[float, ...]:
+def _view_angles(angles: tuple[float, float]) -> tuple[float, ...]:
     low, high = angles
     if not low <= high:
         raise InputError(f"angles from {low:g} to {high:g}: give the smaller first")
@@ -350,8 +352,8 @@ class _Evaluator:
 
     def scene(self, candidate: Candidate, angle: float) -> Scene:
         """The scene that draws a candidate at an angle."""
-        own = {"technique": candidate.technique, "settings": candidate.settings}
-        return at_angle(self.material, angle, self.size, {**self.options, **own})
+        variant = {"technique": candidate.technique, "settings": candidate.settings}
+        return at_angle(self.material, angle, self.size, {**self.options, **variant})
 
     def render(self, scene: Scene) -> Frame:
         """Render a scene."""
@@ -394,32 +396,32 @@ def _search(
     candidate: Candidate, fixed: Mapping[str, Any], evaluate: Callable[[Candidate], Trial]
 ) -> list[Trial]:
     """The trial of the least effort that passes, then the last one that failed, if any."""
-    main = effort(candidate.technique, fixed)
-    if main is None:
+    effort_name = effort(candidate.technique, fixed)
+    if effort_name is None:
         return [evaluate(candidate)]
-    field = candidate.technique.settings.__dataclass_fields__[main]
+    field = candidate.technique.settings.__dataclass_fields__[effort_name]
     low = int(field.metadata["low"])
     high = int(min(field.metadata["high"] or MAX_EFFORT, MAX_EFFORT))
 
-    def at(count: int) -> Trial:
-        return evaluate(_with_effort(candidate, main, count, fixed))
+    def trial_of(count: int) -> Trial:
+        return evaluate(_with_effort(candidate, effort_name, count, fixed))
 
     count, failed = max(low, 1), None
-    last = at(count)
-    while not last.passed and count < high:
-        failed, below = last, count
+    best = trial_of(count)
+    while not best.passed and count < high:
+        failed, failed_count = best, count
         count = min(2 * count, high)
-        last = at(count)
-    if not last.passed or failed is None:
-        return [last]
-    while count - below > 1:
-        middle = (below + count) // 2
-        trial = at(middle)
+        best = trial_of(count)
+    if not best.passed or failed is None:
+        return [best]
+    while count - failed_count > 1:
+        middle = (failed_count + count) // 2
+        trial = trial_of(middle)
         if trial.passed:
-            last, count = trial, middle
+            best, count = trial, middle
         else:
-            failed, below = trial, middle
-    return [last, failed]
+            failed, failed_count = trial, middle
+    return [best, failed]
 
 
 def effort(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> str | None:
@@ -436,31 +438,32 @@ def _whole_numbers(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> 
     }  # fmt: skip
 
 
-def _partner(technique: Technique[..., Any], main: str) -> str | None:
-    """The setting of the minimum that belongs to the maximum `main`, if any."""
-    name = main.replace("max", "min")
-    return name if name != main and name in technique.settings.__dataclass_fields__ else None
+def _minimum_setting(technique: Technique[..., Any], effort_name: str) -> str | None:
+    """The setting of the minimum that belongs to the maximum `effort_name`, if any."""
+    name = effort_name.replace("max", "min")
+    return name if name != effort_name and name in technique.settings.__dataclass_fields__ else None
 
 
 def _with_effort(
-    candidate: Candidate, main: str, count: int, fixed: Mapping[str, Any]
+    candidate: Candidate, effort_name: str, count: int, fixed: Mapping[str, Any]
 ) -> Candidate:
+    """A candidate with this effort; a minimum number of steps changes in proportion."""
     fields = candidate.technique.settings.__dataclass_fields__
-    settings = {**candidate.settings, main: count}
-    partner = _partner(candidate.technique, main)
-    if partner is not None and partner not in fixed:
-        share = count * int(fields[partner].default) / int(fields[main].default)
-        settings[partner] = max(int(fields[partner].metadata["low"]), round(share))
+    settings = {**candidate.settings, effort_name: count}
+    minimum = _minimum_setting(candidate.technique, effort_name)
+    if minimum is not None and minimum not in fixed:
+        proportional = count * int(fields[minimum].default) / int(fields[effort_name].default)
+        settings[minimum] = max(int(fields[minimum].metadata["low"]), round(proportional))
     return replace(candidate, settings=settings)
 
 
 def _variants(candidate: Candidate, fixed: Mapping[str, Any]) -> Iterator[Candidate]:
     """A candidate with its other whole numbers at half, once and twice their default."""
-    main = effort(candidate.technique, fixed)
-    partner = main and _partner(candidate.technique, main)
+    effort_name = effort(candidate.technique, fixed)
+    minimum = effort_name and _minimum_setting(candidate.technique, effort_name)
     others = [
         name for name in _whole_numbers(candidate.technique, fixed)
-        if name not in (main, partner, *candidate.settings)
+        if name not in (effort_name, minimum, *candidate.settings)
     ]  # fmt: skip
     yield candidate
     for name in others:

@@ -31,15 +31,15 @@ from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 
 __all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
-Light = NDArray[np.float32]
-"""A picture, (height, width, 4), linear, with straight alpha last."""
+Picture = NDArray[np.float32]
+"""Linear colours with straight alpha, (height, width, 4)."""
 
 _MAX_FRAMES = 100_000
 """Almost an hour at 30 frames a second."""
 _MAX_FPS = 240.0
 """Above the refresh rate of common screens."""
 _CHECKED_MOMENTS = 360
-"""Moments at which the camera is checked before the first frame is drawn."""
+"""Largest number of moments at which the camera is checked before the first frame is drawn."""
 
 
 # --- drawing -------------------------------------------------------------------------------------
@@ -120,7 +120,7 @@ def _check_count(count: int) -> None:
 
 
 def _rate(fps: float) -> Fraction:
-    """Frame rate as a fraction, as films count it: 29.97 is 30 000 ÷ 1001."""
+    """Frame rate as a fraction, as film formats store it: 29.97 becomes 30 000 ÷ 1001."""
     if not 0.1 <= fps <= _MAX_FPS:
         raise InputError(f"{fps:g} frames a second: give 0.1 to {_MAX_FPS:g}")
     return Fraction(fps).limit_denominator(1001)
@@ -131,7 +131,10 @@ def _rate(fps: float) -> Fraction:
 
 @dataclass(frozen=True)
 class FilmFiles:
-    """Files of a film in order, one except for numbered pictures, and the device that drew."""
+    """The files of a film, in order, and the device that drew it.
+
+    There is one file, except for numbered pictures.
+    """
 
     files: tuple[Path, ...]
     device: str
@@ -142,13 +145,13 @@ class _FilmFormat:
     """A film format: its codec, its writer and its limits.
 
     `codec` is FFmpeg's name. `write` takes the file, the pictures, their size, the frame rate, and
-    the quality, 1 to 100. `even` demands even sides.
+    the quality, 1 to 100. `even` tells whether the sides must be even.
     """
 
     codec: str
-    write: Callable[[Path, Iterator[Light], tuple[int, int], Fraction, int], None]
+    write: Callable[[Path, Iterator[Picture], tuple[int, int], Fraction, int], None]
     longest_side: int
-    fastest: float = _MAX_FPS
+    max_fps: float = _MAX_FPS
     even: bool = False
 
 
@@ -255,8 +258,8 @@ def check_film(
     if format.even and (size[0] % 2 or size[1] % 2):
         even = "x".join(str(side + side % 2) for side in size)
         raise InputError(f"{path}: sides are even in {suffix} films; take the size {even}")
-    if rate > format.fastest:
-        raise InputError(f"{path}: {suffix} films show at most {format.fastest:g} frames a second")
+    if rate > format.max_fps:
+        raise InputError(f"{path}: {suffix} films show at most {format.max_fps:g} frames a second")
     _check_av(path, format)
     check_writable(path)
 
@@ -299,7 +302,7 @@ def _numbered(path: Path, number: int, count: int) -> Path:
     return path.with_name(f"{path.stem}-{number:0{digits}d}{path.suffix}")
 
 
-def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Light]:
+def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Picture]:
     """The colours of the frames, which must be of one size."""
     for frame in remaining:
         if frame.distance.shape != (size[1], size[0]):
@@ -310,7 +313,7 @@ def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> 
 def _write_with_av(
     format: _FilmFormat,
     partial: Path,
-    pictures: Iterator[Light],
+    pictures: Iterator[Picture],
     size: tuple[int, int],
     fps: float,
     quality: int,
@@ -327,21 +330,23 @@ def _write_with_av(
 # --- MP4 -----------------------------------------------------------------------------------------
 
 _BT709, _SRGB = 1, 13
-"""Primaries and matrix; transfer: ITU-T H.273, Coding-independent code points, tables 2 to 4."""
+"""Code points of the primaries and the matrix, and of the transfer function.
+
+ITU-T H.273, Coding-independent code points, tables 2 to 4."""
 _LIMITED, _FULL = 1, 2
 """FFmpeg's AVColorRange: luma 16 to 235, and 0 to 255."""
 _EXACT_SCALING = 0x4 | 0x4000 | 0x40000
-"""swscale: bicubic, chroma read at every pixel, rounded and not cut."""
+"""Flags of swscale: SWS_BICUBIC, SWS_FULL_CHR_H_INP (chroma from every pixel), SWS_ACCURATE_RND."""
 
 
 def _write_mp4(
-    path: Path, pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     import av
 
-    # x264's scale, 51 the worst; 17, at the default of 95, is hard to tell from the original
+    # constant rate factor of x264, at worst 51; about 17, at the default of 95, looks lossless
     options = {"crf": f"{51.0 - 0.36 * quality:g}"}
-    # the index precedes the pictures, so that a browser plays while it loads
+    # the index precedes the pictures, so that a browser can play the film while it loads
     with av.open(_ffmpeg_path(path), "w", format="mp4", options={"movflags": "+faststart"}) as file:
         stream: Any = file.add_stream("libx264", rate=rate, options=options)
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
@@ -360,7 +365,7 @@ def _write_mp4(
         file.mux(stream.encode(None))
 
 
-def _opaque(picture: Light) -> Light:
+def _opaque(picture: Picture) -> Picture:
     """The picture composited over the default background."""
     alpha = picture[:, :, 3:]
     return picture[:, :, :3] * alpha + np.array(BACKGROUND, np.float32) * (1 - alpha)
@@ -373,7 +378,7 @@ _HUNDREDTH = Fraction(1, 100)
 
 
 def _write_gif(
-    path: Path, pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     """Write a GIF in two passes, palette and coding; between them the pictures are on disk."""
     import av
@@ -392,7 +397,7 @@ def _write_gif(
 
 
 def _palette(
-    pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
+    pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
 ) -> Any:
     """Palette of 256 colours for all pictures, by median cut; copies the pictures to `spool`."""
     graph, (source,) = _filter_graph(size, "palettegen")
@@ -400,7 +405,7 @@ def _palette(
         codes = encode_light(picture)
         spool.write(codes.tobytes())
         source.push(_frame(codes, number, rate, _HUNDREDTH))
-        # pulling, although nothing is available, makes the filter consume and release the picture
+        # nothing is available yet, but pulling makes the filter consume and release the picture
         list(_available_frames(graph))
     source.push(None)
     palette = graph.pull().reformat(format="rgba")
@@ -412,7 +417,7 @@ def _with_palette(
     palette: Any, frame_bytes: Iterator[NDArray[np.uint8]], size: tuple[int, int], rate: Fraction
 ) -> Iterator[Any]:
     """The pictures in the colours of a palette, with ordered dithering."""
-    # ordered dithering is static where the picture is; error diffusion would flicker
+    # ordered dithering is static where the picture is static; error diffusion would flicker
     graph, (source, colors) = _filter_graph(
         size, "paletteuse", "dither=bayer:bayer_scale=3", (16, 16)
     )
@@ -469,7 +474,7 @@ _THOUSANDTH = Fraction(1, 1000)
 
 
 def _write_webp(
-    path: Path, pictures: Iterator[Light], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     import av
 
@@ -507,7 +512,7 @@ def _ffmpeg_path(path: Path) -> str:
 FILMS = {
     ".mp4": _FilmFormat("libx264", _write_mp4, longest_side=16384, even=True),
     # browsers slow down GIFs whose pictures last less than two hundredths of a second
-    ".gif": _FilmFormat("gif", _write_gif, longest_side=65535, fastest=50.0),
+    ".gif": _FilmFormat("gif", _write_gif, longest_side=65535, max_fps=50.0),
     ".webp": _FilmFormat("libwebp_anim", _write_webp, longest_side=16383),
 }
 """Film formats by suffix."""

@@ -25,13 +25,14 @@ from basrelief.material.material import Map, Material
 from basrelief.techniques import Bake
 
 _UNIT = 65535
+"""The 16-bit code of 1."""
 _DEFAULT_COLOR = 0.6
 """Default for a missing colour, as in `shading.surfaces.standard.base_color_of`."""
 _cache: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
 
 
 def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> HeightField | None:
-    """The material's height field with a filter; None without heights."""
+    """The material's height field, read with a filter; None without heights."""
     height = material.height
     if height is None:
         return None
@@ -46,7 +47,10 @@ def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> He
 def bake_texture(
     material: Material, edge: Edge, bake: Bake | None, engine: Engine, *, all_levels: bool = False
 ) -> Texture | None:
-    """The table that a bake makes from the heights, or from all their levels; None without one."""
+    """Texture of the table that a bake makes from the heights, or from all their mip levels.
+
+    None without heights or without a bake.
+    """
     height = material.height
     if height is None or bake is None:
         return None
@@ -80,7 +84,7 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
 def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Texture | None:
     """Tangent-space normals, from the normal map, or from the heights at a relief's scale.
 
-    Both are normals of square texels. Of normals from heights, only the latest are cached.
+    Both are normals of square texels. Normals from heights are cached for the latest scale only.
     """
     if material.normal is not None:
         normal_map = material.normal
@@ -91,11 +95,11 @@ def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Text
     if height is None or scale <= 0.0:
         return None
     latest = _cache.setdefault(height, {})
-    slopes = (edge, scale, engine.rounding)
-    if latest.get("slopes") != slopes:
+    parameters = (edge, scale, engine.rounding)
+    if latest.get("normal parameters") != parameters:
         heights = height.linear()[:, :, 0]
         latest["normal"] = _texture(_normals_of(heights, scale, edge, engine), edge)
-        latest["slopes"] = slopes
+        latest["normal parameters"] = parameters
     return latest["normal"]
 
 
@@ -108,9 +112,9 @@ def response(material: Material, edge: Edge) -> Texture | None:
     def make() -> Texture:
         shape = _largest(*maps)
         channels = []
-        for map, missing in zip(maps, (1.0, 0.8, 0.0, 1.0), strict=True):
+        for map, default in zip(maps, (1.0, 0.8, 0.0, 1.0), strict=True):
             if map is None:
-                channels.append(np.full(shape, round(missing * _UNIT), np.uint16))
+                channels.append(np.full(shape, round(default * _UNIT), np.uint16))
             else:
                 channels.append(_resized(_fractions(map), shape))
         return _texture(channels, edge)
@@ -138,15 +142,17 @@ def emission_scale(material: Material) -> float:
     emission_map = material.emission
     if emission_map is None or emission_map.pixels.dtype != np.float32:
         return 1.0
-    return _cached(emission_map, "glow", lambda: max(float(emission_map.pixels.max()), 1e-9))
+    return _cached(
+        emission_map, "emission scale", lambda: max(float(emission_map.pixels.max()), 1e-9)
+    )
 
 
 @dataclass(frozen=True)
 class TextureSource:
     """A surface texture: its constructor, and the channels that hold each of the material's maps.
 
-    `light` marks colours and light as opposed to data; `of_heights` a texture that heights replace
-    if its map is missing.
+    `light` tells whether the texture holds colours or light, not data; `of_heights` whether it can
+    be computed from heights where its map is missing.
     """
 
     texture: Callable[[Material, Edge, float, Engine], Texture | None]
@@ -155,10 +161,10 @@ class TextureSource:
     of_heights: bool = False
 
     def has(self, material: Material, scale: float) -> bool:
-        """Whether a material has the texture, at a scale of its relief; found without baking."""
+        """Whether a material has the texture, at a scale of its relief; nothing is baked."""
         maps = (getattr(material, name) for name in self.channels)
-        sloping = self.of_heights and material.height is not None and scale > 0.0
-        return sloping or any(map is not None for map in maps)
+        from_heights = self.of_heights and material.height is not None and scale > 0.0
+        return from_heights or any(map is not None for map in maps)
 
 
 MATERIAL_TEXTURES: dict[str, TextureSource] = {
@@ -221,7 +227,7 @@ def _channels(map: Map) -> NDArray[np.uint16]:
 
 
 def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
-    """One channel resized, bilinearly and without a seam at the edges."""
+    """One channel, resized bilinearly; it wraps, so that it tiles without a seam."""
     values = pixels[:, :, 0]
     for axis, target in enumerate(shape):
         count = values.shape[axis]
@@ -236,7 +242,10 @@ def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.u
 
 
 def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Texture:
-    """A mip pyramid of four channels; a missing last one is 1, that of a cut-out is opacity."""
+    """A texture with mip levels, from up to four channels; missing ones are 1.
+
+    With `cut_out` the fourth channel is opacity, by which the colours are weighted.
+    """
     height, width = channels[0].shape
     first = np.full((height, width, 4), _UNIT, np.uint16)
     for index, channel in enumerate(channels):
@@ -252,7 +261,7 @@ def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint1
     """The next mip level; colours of a cut-out are weighted by opacity."""
     if not cut_out:
         return np.rint(halved(level)).astype(np.uint16)
-    # a small weight for all texels, so that transparent areas keep their colour
+    # every texel has some weight, so that fully transparent areas keep their colour
     weight = level[:, :, 3:].astype(np.float32) + 1.0
     color = halved(level[:, :, :3] * weight) / halved(weight)
     return np.rint(np.concatenate([color, halved(level[:, :, 3:])], 2)).astype(np.uint16)

@@ -1,9 +1,11 @@
 """The bake of the technique `exact`: the records of empty space, one per shader invocation.
 
+A patch is the bilinear surface over one cell. Room is the space above a height h: 1 − h.
+
 Three passes: the highest point of each block of cells, with a margin around the map, so that later
 passes do not depend on the edge; the highest points of windows of blocks, each from smaller windows
 that overlap; and the records, for the four quadrants that a ray can run towards. All heights are
-rounded up, and so all room (1 − height) down.
+rounded up, and so all room down.
 """
 
 from __future__ import annotations
@@ -40,15 +42,15 @@ from basrelief.techniques.exact_records import (
 from basrelief.techniques.height import extent_of
 
 MAX_CODE = 65535.0
-"""The largest number of 16 bits."""
+"""The largest 16-bit code."""
 HEIGHT_ERROR = 1e-6
-"""Heights that float32 may lose along a ray."""
+"""Bound on the float32 error of a height along a ray."""
 POSITION_ERROR_TEXELS = 0.002
-"""Texels by which float32 may misplace a ray; times the slope, an error in height."""
+"""Bound on the float32 error of a ray's position; times the slope, it is an error of the height."""
 REACH = WINDOW // BLOCK
 """Blocks along each side of a near record's window, and the margin that it needs."""
 FAR_REACH = FAR_4
-"""The same for the widest window of a far record."""
+"""The same for the widest window of a far record, in blocks of far records."""
 
 
 @struct

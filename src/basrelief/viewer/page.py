@@ -36,15 +36,15 @@ LARGEST = 12 * 1000**2
 """Largest size of a page in bytes; maps are scaled until it fits."""
 GENERATOR = "basrelief view"
 _SMALLEST = 64
-"""Side of a map, in texels, below which it is not scaled."""
-_REST = 400_000
+"""Largest side in texels at which maps are not scaled further."""
+_OTHER_BYTES = 400_000
 """Bytes of a page besides maps and pictures, mostly programs."""
 Progress = Callable[[str, float], None]
 _STILLS = ("flat", "offset", "parallax_occlusion", "relief")
 """Techniques of the still pictures, for browsers without WebGPU."""
 _BAKED_BY_PAGES = (BOUNDS, CONE_MAP)
-"""Tables that pages bake; they contain the others. `web/bakes.js` bakes relaxed cones too, but that
-takes minutes without a GPU."""
+"""Tables that a page bakes itself; it contains the other tables. `web/bakes.js` can bake relaxed
+cones too, but that takes minutes without a GPU."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
     "text", "colors", "missed", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs",
@@ -125,16 +125,16 @@ def page_of(
     engine = engine_of(device)
     stills = list(_stills(scene, engine, progress))
     largest = max((max(map.width, map.height) for map in _all_maps(obj)), default=1)
-    most = min(largest, texels)
+    max_side = min(largest, texels)
     while True:
         progress("packing the maps", 0.9)
-        scaled_obj = _with_scaled_maps(obj, most)
+        scaled_obj = _with_scaled_maps(obj, max_side)
         maps = _maps(scaled_obj, engine)
-        if _bytes(maps, stills) <= LARGEST or most <= _SMALLEST:
+        if _bytes(maps, stills) <= LARGEST or max_side <= _SMALLEST:
             break
-        most = most // 2
+        max_side = max_side // 2
     maps |= _bakes(scaled_obj.material, LARGEST - _bytes(maps, stills), engine)
-    scaled = largest_map_size(scaled_obj) if most < largest else None
+    scaled = largest_map_size(scaled_obj) if max_side < largest else None
     data = {
         "programs": programs.to_dict(),
         "records": layouts(programs.library.names),
@@ -146,7 +146,7 @@ def page_of(
 def _bytes(maps: dict[str, Any], stills: list[tuple[str, str]]) -> int:
     """Approximate size of a page in bytes."""
     texts = [map["content"] for map in maps.values()] + [text for _, text in stills]
-    return sum(map(len, texts)) + _REST
+    return sum(map(len, texts)) + _OTHER_BYTES
 
 
 def largest_map_size(obj: Object) -> tuple[int, int]:
@@ -160,22 +160,22 @@ def _all_maps(obj: Object) -> Iterator[Map]:
         yield from (map for _, map in (material.maps() if material else ()))
 
 
-def _with_scaled_maps(obj: Object, most: int) -> Object:
+def _with_scaled_maps(obj: Object, max_side: int) -> Object:
     """The object with its maps, and its layer's, scaled to at most `most` texels a side."""
-    over = obj.layer
+    layer = obj.layer
     return replace(
         obj,
-        material=_scaled(obj.material, most),
-        layer=over and replace(over, material=_scaled(over.material, most)),
+        material=_scaled(obj.material, max_side),
+        layer=layer and replace(layer, material=_scaled(layer.material, max_side)),
     )
 
 
-def _scaled(material: Material, most: int) -> Material:
+def _scaled(material: Material, max_side: int) -> Material:
     """The material with maps of at most `most` texels a side, each halved until it fits."""
     changed: dict[str, Map] = {}
     for name, map in material.maps():
         pixels = map.linear()
-        while max(pixels.shape[:2]) > most:
+        while max(pixels.shape[:2]) > max_side:
             pixels = halved(pixels)
         if pixels.shape[:2] != (map.height, map.width):
             changed[name] = _stored_as(map, pixels, name == "height")
@@ -183,7 +183,7 @@ def _scaled(material: Material, most: int) -> Material:
 
 
 def _stored_as(original: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
-    """A scaled map with the bits of the original, which packs better; heights stay exact."""
+    """A scaled map; not `exact`, in 8 bits where the original has 8, which compresses better."""
     if exact or original.pixels.dtype != np.uint8:
         return Map(np.ascontiguousarray(pixels), False, original.source)
     codes = srgb_encode(pixels) if original.srgb else pixels
@@ -197,28 +197,28 @@ def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
     field = textures.height_field(material, "wrap")
     if field is not None:
         packed_maps["field"] = packed(as_fractions(field.levels[0]))
-    for name, source, made_of, scale in surface_maps(obj):
+    for name, source, texture_material, scale in surface_maps(obj):
         # pages derive normals from heights themselves
-        own = name != "normal" or material.normal is not None
-        map = source.texture(made_of, "wrap", scale, engine) if own else None
+        is_stored = name != "normal" or material.normal is not None
+        map = source.texture(texture_material, "wrap", scale, engine) if is_stored else None
         if map is not None:
             packed_maps[name] = packed(map.levels[0])
     return packed_maps
 
 
-def _bakes(material: Material, room: int, engine: Engine) -> dict[str, Any]:
-    """Tables that pages do not bake, as far as they fit in `room` bytes, packed."""
+def _bakes(material: Material, budget: int, engine: Engine) -> dict[str, Any]:
+    """Tables that pages do not bake themselves, packed, as far as they fit in `budget` bytes."""
     tables: dict[str, Any] = {}
     height = material.height
     for name, bake in BAKES.items():
-        if bake in _BAKED_BY_PAGES or height is None or room <= height.width * height.height:
+        if bake in _BAKED_BY_PAGES or height is None or budget <= height.width * height.height:
             continue
         baked = textures.bake_texture(material, "wrap", bake, engine)
         assert baked is not None
         packed_table = packed(baked.levels[0])
-        if len(packed_table["content"]) <= room:
+        if len(packed_table["content"]) <= budget:
             tables[name] = packed_table
-            room -= len(packed_table["content"])
+            budget -= len(packed_table["content"])
     return tables
 
 
@@ -242,7 +242,7 @@ def _html(
     name: str, data: dict[str, Any], maps: dict[str, Any], stills: list[tuple[str, str]]
 ) -> str:
     web = files("basrelief.viewer") / "web"
-    # base64 has no characters that are escaped
+    # kept outside the JSON: base64 needs no escaping in HTML
     contents = {key: map.pop("content") for key, map in maps.items()}
     text = json.dumps({**data, "maps": maps}, separators=(",", ":"))
     return fill(
@@ -258,6 +258,6 @@ def _html(
 
 
 def _module(web: Any, name: str) -> str:
-    """A module's source as a data: address."""
+    """A module's source as a data: URL."""
     source = (web / f"{name}.js").read_bytes()
     return f"data:text/javascript;base64,{base64.b64encode(source).decode()}"

@@ -68,7 +68,9 @@ LIMITS: dict[str, Any] = {
     "least": NEAR,
     "most": FAR,
 }
-"""Ranges of numbers that are no settings of a record, as `Object` and `Scene` check them."""
+"""Ranges of numbers outside the records of settings, as `Object` and `Scene` check them.
+
+`least` and `most` are the smallest and largest absolute value of a tiling."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def _source_name(material: Material | None, otherwise: str) -> str:
 
 
 def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
-    """The data of a page without programs and maps."""
+    """The data of a page, except its programs and maps."""
     obj = scene.objects[0]
     material = obj.material
     layer = None if obj.layer is None else obj.layer.material
@@ -158,7 +160,7 @@ def _slots() -> dict[str, Any]:
 
 
 def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
-    """The library's techniques by name, and that of an object, if it is a user's."""
+    """The library's techniques by name, and the object's own technique, if a user wrote it."""
     own = obj.selected_technique
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
@@ -184,29 +186,32 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
 
 
 def _command_name(technique: Technique[..., Any]) -> str:
-    """A technique on a command line: its name, or FILE.py:NAME."""
+    """A technique as a command line names it: NAME, or FILE.py:NAME for a user's."""
     if technique in TECHNIQUES.values():
         return technique.name
     file = Path(technique.function.__code__.co_filename)
-    home = Path.cwd()
-    return f"{file.relative_to(home) if file.is_relative_to(home) else file.name}:{technique.name}"
+    folder = Path.cwd()
+    shown = file.relative_to(folder) if file.is_relative_to(folder) else file.name
+    return f"{shown}:{technique.name}"
 
 
 def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
     """Placement, tiling and extent of a shape."""
-    # the scene's transform belongs to the shape of its object
-    placed = obj.transform if shape == obj.shape else None
-    stands = Object(obj.material, shape=shape, technique="flat", transform=placed)
-    placement = json_value(stands.placement())
-    facts = SHAPES[shape]
+    # a transform was chosen for the object's own shape; other shapes keep their default
+    transform = obj.transform if shape == obj.shape else None
+    placed_object = Object(obj.material, shape=shape, technique="flat", transform=transform)
+    placement = json_value(placed_object.placement())
+    geometry = SHAPES[shape]
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
-        "tiling": list(map(float, stands.tiles)),
-        "flat": facts.flat,
-        "radius": round(float(np.linalg.norm(facts.bounding_points, axis=1).max()), 2),
-        "outline": [[round(float(x), 9) for x in point] for point in stands.bounding_points()],
-        "world": None if placed is None else np.asarray(placed, np.float64).tolist(),
+        "tiling": list(map(float, placed_object.tiles)),
+        "flat": geometry.flat,
+        "radius": round(float(np.linalg.norm(geometry.bounding_points, axis=1).max()), 2),
+        "outline": [
+            [round(float(x), 9) for x in point] for point in placed_object.bounding_points()
+        ],
+        "world": None if transform is None else np.asarray(transform, np.float64).tolist(),
     }
 
 
@@ -284,11 +289,11 @@ def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
     """A camera as a mapping of an orbit; a `LookAt` becomes the orbit through its position."""
     if isinstance(camera, LookAt):
         camera.camera((1, 1))  # raises InputError where position and target coincide
-        away = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
-        distance = math.hypot(*away)
+        offset = [p - t for p, t in zip(camera.position, camera.target, strict=True)]
+        distance = math.hypot(*offset)
         camera = Orbit(
-            math.degrees(math.atan2(away[0], away[2])),
-            math.degrees(math.asin(away[1] / distance)),
+            math.degrees(math.atan2(offset[0], offset[2])),
+            math.degrees(math.asin(offset[1] / distance)),
             distance,
             camera.target,
             camera.field_of_view,
@@ -309,7 +314,7 @@ def light_to_dict(light: Light) -> dict[str, Any]:
     numbers = json_value(light)
     intensity = max(*numbers["color"], 1e-9)
     x, y, z = (-float(component) for component in light.direction)
-    # a light without a cone has the default cone of a spot
+    # the page can turn any light into a spot, so each has a cone
     cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
     outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
     return {
@@ -328,7 +333,7 @@ def light_to_dict(light: Light) -> dict[str, Any]:
 def _presets(
     material: Material, shown: Object, techniques: Mapping[str, Technique[..., Any]]
 ) -> dict[str, Any]:
-    """Presets as states, or the reasons why a page cannot draw them."""
+    """States of the presets, or the reason why a page cannot draw one."""
     presets: dict[str, Any] = {}
     for name in PRESETS:
         chosen = preset(name)
@@ -339,15 +344,15 @@ def _presets(
             presets[name] = {"about": about, "why": str(error)}
             continue
         obj = scene.objects[0]
-        if _layer_of(obj) not in (None, _layer_of(shown)):
-            why = f"it has a layer of {_layer_of(obj)}; make a page with --preset {name}"
+        if _layer_name(obj) not in (None, _layer_name(shown)):
+            why = f"it has a layer of {_layer_name(obj)}; make a page with --preset {name}"
             presets[name] = {"about": about, "why": why}
             continue
         presets[name] = {"about": about, "state": state_of(scene, obj, techniques)}
     return presets
 
 
-def _layer_of(obj: Object) -> str | None:
+def _layer_name(obj: Object) -> str | None:
     return None if obj.layer is None else obj.layer.material.name
 
 

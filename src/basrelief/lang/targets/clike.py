@@ -1,8 +1,9 @@
 """Base of the printers for C-like languages: names, order, statements and expressions.
 
-A language is a child of `ModulePrinter` and of `FunctionPrinter`, which overrides what it spells
-otherwise: types, declarations, function heads, loops, selections, intrinsics. Names, docstrings and
-comments of the shaders are kept, for readers. After the emitters of Slang.
+A target language subclasses `ModulePrinter` and `FunctionPrinter`, and overrides what it spells
+differently: types, declarations, function heads, loops, selections, intrinsics. Names, docstrings
+and comments of the shaders are kept, so that the text can be read. After Slang's
+`CLikeSourceEmitter`.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_re
 
 
 class ModulePrinter:
-    """Prints the functions of a module, and the records and helpers that they share."""
+    """Printer of the functions of a module, and of the records and helpers that they share."""
 
     types: ClassVar[Mapping[Any, str]]
     """Spelling of the types that are not records."""
     reserved_words: ClassVar[frozenset[str]]
-    """Words of the language, which no name may be."""
+    """Keywords and built-in names of the language, which may not be used as names."""
     declared_names: ClassVar[frozenset[str]]
     """Names that the printer declares at module scope; fields may have them too."""
     helper_texts: Mapping[str, str]
-    """Functions for what the language lacks, by name, callees before callers."""
+    """Helper functions for intrinsics that the language lacks, by name, callees before callers."""
     function_printer: type[FunctionPrinter]
 
     def __init__(self, functions: Sequence[tree.Function], reserved: Iterable[str] = ()) -> None:
@@ -38,7 +39,7 @@ class ModulePrinter:
         self.helpers: set[str] = set()
         """Helpers that the functions printed so far need."""
         self.elementary: set[str] = set()
-        """Elementary functions of our own that they need."""
+        """Elementary functions, written as shaders, that they need."""
         self.records: dict[Any, None] = {}
         for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
@@ -78,7 +79,10 @@ class ModulePrinter:
         return buffer_record(t) is None
 
     def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
-        """Two texts under a static condition; programs have none, only libraries."""
+        """Text that selects between two texts by a static condition.
+
+        Only libraries have such conditions; programs are specialized before they are printed.
+        """
         raise AssertionError(condition)
 
     def function_texts(self) -> Iterator[str]:
@@ -114,12 +118,12 @@ class ModulePrinter:
 
 
 class FunctionPrinter:
-    """Prints one function."""
+    """Printer of one function."""
 
     spelling: ClassVar[Mapping[str, str]] = {}
     """Intrinsics whose name differs, or whose helper has another name."""
     own_functions: ClassVar[frozenset[str]] = frozenset()
-    """Intrinsics that are computed by our own elementary functions."""
+    """Intrinsics that are printed as calls of elementary functions, not of built-in ones."""
 
     def __init__(self, module: Any, function: tree.Function) -> None:
         self.module = module
@@ -132,7 +136,7 @@ class FunctionPrinter:
             self.names[name] = self.fresh(name)
 
     def fresh(self, name: str) -> str:
-        """A name that is unique in the function; `_` becomes `round`."""
+        """A name that is unique in the function; the loop variable `_` becomes `round`."""
         unique = "round" if name == "_" else name
         while unique in self.used:
             unique += "_"
@@ -168,12 +172,12 @@ class FunctionPrinter:
         return f"{self.module.type(t)} {name}" + (f" = {value}" if value is not None else "")
 
     def select(self, node: tree.Select) -> str:
-        """One of two values by a condition that is known at run time only."""
+        """Text that selects between two values by a condition that is known only at run time."""
         test, then = self.operand(node.test, 4), self.operand(node.then, 4)
         return f"({test} ? {then} : {self.operand(node.otherwise, 4)})"
 
     def long_step_loop(self, name: str, stop: str, node: tree.For) -> None:
-        """Body of a counted loop whose step is above 1, and so could overflow the counter."""
+        """Emit a loop with a step above 1, whose counter must not overflow after the last pass."""
         last = self.fresh(f"{name}_last")
         self.emit(f"bool {last} = false;")
         declared = self.declaration(name, int, self.value(node.start))
@@ -208,7 +212,7 @@ class FunctionPrinter:
         self.indent -= 1
 
     def block_text(self, block: tree.Block) -> str:
-        """Text of a block without braces, at the present indentation."""
+        """Text of a block without braces, at the current indentation."""
         outer, self.lines = self.lines, []
         self.block(block)
         text, self.lines = "".join(self.lines), outer
@@ -332,34 +336,34 @@ class FunctionPrinter:
         """Text of an argument."""
         return self.value(node)
 
-    def operand(self, node: tree.Expression, strength: int) -> str:
-        """Text of an operand, in parentheses where it binds less tightly than `strength`."""
+    def operand(self, node: tree.Expression, precedence: int) -> str:
+        """Text of an operand, in parentheses where it binds less tightly than `precedence`."""
         text = self.value(node)
-        return f"({text})" if self.operator_strength(node, text) < strength else text
+        return f"({text})" if self.operator_precedence(node, text) < precedence else text
 
     def infix(self, operator: str, left: tree.Expression, right: tree.Expression) -> str:
         symbol = SYMBOLS.get(operator, operator)
-        strength = STRENGTH[symbol]
+        precedence = PRECEDENCE[symbol]
         if symbol in ("<<", ">>"):
             assert isinstance(right, tree.Literal)
             return f"{self.operand(left, 8)} {symbol} {right.value}u"
         if symbol in ("&", "|", "^"):
             return f"{self.operand(left, 8)} {symbol} {self.operand(right, 8)}"
         if symbol in ("&&", "||"):
-            # WGSL wants parentheses where && and || are mixed, and readers do
+            # WGSL requires parentheses where && and || are mixed, and they help readers
             same = isinstance(left, tree.Logic) and left.operator == operator
             return (
-                f"{self.operand(left, strength if same else 3)} {symbol} {self.operand(right, 3)}"
+                f"{self.operand(left, precedence if same else 3)} {symbol} {self.operand(right, 3)}"
             )
-        a = self.operand(left, strength + (symbol in COMPARISONS))
-        return f"{a} {symbol} {self.operand(right, strength + 1)}"
+        a = self.operand(left, precedence + (symbol in COMPARISONS))
+        return f"{a} {symbol} {self.operand(right, precedence + 1)}"
 
-    def operator_strength(self, node: tree.Expression, text: str) -> int:
+    def operator_precedence(self, node: tree.Expression, text: str) -> int:
         match node:
             case tree.Binary(operator=operator) if operator in ("//", "%"):
                 return 9
             case tree.Infix(operator=operator):
-                return STRENGTH[SYMBOLS.get(operator, operator)]
+                return PRECEDENCE[SYMBOLS.get(operator, operator)]
             case tree.Unary():
                 return 7
             case tree.Select(test=tree.Static()):
@@ -376,7 +380,7 @@ class FunctionPrinter:
         if name == "mix" and node.type in VECTORS and arguments[1].type is float:
             texts[1] = f"{self.module.type(node.type)}({texts[1]})"
         if name in SAME_TYPE_ARGUMENTS and node.type in VECTORS:
-            # all arguments must have one type
+            # shading languages want all arguments to have one type
             vector = self.module.type(node.type)
             texts = [
                 f"{vector}({text})" if a.type in SCALARS else text
@@ -392,11 +396,12 @@ def is_finest(level: tree.Expression) -> bool:
 
 SYMBOLS = {"@": "*", "and": "&&", "or": "||"}
 """Operators whose symbols differ from Python's."""
-STRENGTH = {
+PRECEDENCE = {
     "||": 1, "&&": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "==": 3, "!=": 3, "&": 0, "|": 0, "^": 0,
     "<<": 0, ">>": 0, "+": 5, "-": 5, "*": 6, "/": 6,
 }  # fmt: skip
-"""Precedence of operators; that of bits is 0, so that they always stand in parentheses."""
+"""Precedence of operators, higher binds tighter; that of bit operators is 0, so that they are
+always in parentheses, because languages disagree about it."""
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 SAME_TYPE_ARGUMENTS = {"clamp", "minimum", "maximum"}
 """Intrinsics that take a vector and scalars in Python, and only vectors in shading languages."""

@@ -1,4 +1,4 @@
-"""GLSL 3.30: functions for a host that has its own entry point, textures and uniforms.
+"""GLSL 3.30: functions for a host shader that has its own entry point, textures and uniforms.
 
 Height fields are `sampler2D`, other maps `usampler2D` of 16-bit fractions. Both are read texel by
 texel (`texelFetch`) at level 0, and interpolated by the shaders, so that the host's filters and
@@ -37,7 +37,7 @@ def print_glsl(module: tree.Module, edge: Edge) -> str:
 
 
 class _FunctionPrinter(FunctionPrinter):
-    """Prints one function as GLSL."""
+    """Printer of one function as GLSL."""
 
     spelling: ClassVar = {
         "minimum": "min",
@@ -50,7 +50,7 @@ class _FunctionPrinter(FunctionPrinter):
         "log2": "log2_clamped",
     }
     own_functions = frozenset({"asin", "acos", "atan", "atan2"})
-    """GLSL leaves their precision open."""
+    """GLSL does not specify their precision."""
 
     def text(self) -> str:
         return _ascii(super().text())
@@ -67,7 +67,7 @@ class _FunctionPrinter(FunctionPrinter):
 
 
 class GlslPrinter(ModulePrinter):
-    """Prints the functions of a module as GLSL."""
+    """Printer of the functions of a module as GLSL."""
 
     types: ClassVar = {
         float: "float",
@@ -91,7 +91,7 @@ class GlslPrinter(ModulePrinter):
                         f"{function.location}: {name} is a buffer; GLSL 3.30 has none"
                     )
         super().__init__(functions)
-        self.helper_texts = {**_EDGE[edge], **_HELPERS}
+        self.helper_texts = {**_EDGE_HELPERS[edge], **_HELPERS}
 
     def record_text(self, record: Any) -> str:
         fields = fields_of(record)
@@ -107,18 +107,18 @@ class GlslPrinter(ModulePrinter):
 
 
 def _ascii(text: str) -> str:
-    """The text in ASCII: comments of GLSL 3.30 may have no other characters."""
-    for character, plain in _PLAIN.items():
-        text = text.replace(character, plain)
+    """The text in ASCII, the only characters that GLSL 3.30 allows, even in comments."""
+    for character, substitute in _ASCII.items():
+        text = text.replace(character, substitute)
     return unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
 
 
-_PLAIN = {
+_ASCII = {
     "·": "*", "×": "x", "−": "-", "÷": "/", "≤": "<=", "≥": ">=", "–": "-", "∂": "d", "π": "pi",
     "½": "1/2", "¼": "1/4", "²": "^2", "√": "sqrt", "…": "...", "→": "->", "“": '"', "”": '"',
 }  # fmt: skip
 
-_EDGE: dict[Edge, dict[str, str]] = {
+_EDGE_HELPERS: dict[Edge, dict[str, str]] = {
     "wrap": {
         "at_edge": """\
 // A texel of a map or of its border, which repeats the opposite side.
@@ -221,6 +221,8 @@ GlslPrinter.reserved_words = frozenset(
 )
 GlslPrinter.declared_names = frozenset(
     re.findall(
-        r"^\w+ (\w+)\(", "".join([*_HELPERS.values(), *_EDGE["wrap"].values()]), re.MULTILINE
+        r"^\w+ (\w+)\(",
+        "".join([*_HELPERS.values(), *_EDGE_HELPERS["wrap"].values()]),
+        re.MULTILINE,
     )
 )
