@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -21,7 +22,7 @@ from basrelief.lang.resources import buffer_record
 from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record
 
 
-class ModulePrinter:
+class ModulePrinter(ABC):
     """Printer of the functions of a module, and of the records and helpers that they share."""
 
     types: ClassVar[Mapping[Any, str]]
@@ -100,9 +101,9 @@ class ModulePrinter:
         names = self.function_printer(self, function).names
         return {name: names[name] for name, t in function.parameters.items() if self.is_passed(t)}
 
+    @abstractmethod
     def record_text(self, record: Any) -> str:
         """Text of the declaration of a record."""
-        raise NotImplementedError
 
     def record_texts(self) -> Iterator[str]:
         yield from map(self.record_text, self.records)
@@ -193,8 +194,8 @@ class FunctionPrinter:
         return f"{self.spelling.get(node.name, node.name)}({', '.join(texts)})"
 
     def item(self, node: tree.Item) -> str:
-        """An item of a buffer."""
-        raise NotImplementedError
+        """An item of a buffer; a language without buffers refuses them before it prints."""
+        raise AssertionError(node)
 
     # --- statements -----------------------------------------------------------------------------
 
