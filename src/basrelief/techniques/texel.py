@@ -12,7 +12,7 @@ from basrelief.techniques.columns import (
     t_exits,
 )
 from basrelief.techniques.exact import Clearance, first_root
-from basrelief.techniques.ray import MIN_DROP, Hit, Ray, descent_at, height_at
+from basrelief.techniques.ray import MIN_DROP, Hit, Ray, at, descent_at, height_at
 from basrelief.techniques.technique import Nothing, technique
 
 
@@ -46,16 +46,17 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     while k < MAX_COLUMNS and not found and t < 1.0:
         top = column_top(field, extent, column)
         exits = t_exits(line, column)
-        t_exit = min(max(min(exits.x, exits.y), t), 1.0)
+        t_exit = min(min(exits.x, exits.y), 1.0)
         # kept for the next column: to compute it again there costs a GPU 10 %
         exit_height = height_at(ray, t_exit)
-        # through a side, or from above
-        found = min(height, exit_height) <= top
+        lowest = min(height, exit_height)
         if ray.bend > 0.0:
-            found = found or height_at(ray, clamp(t_lowest, t, t_exit)) <= top
+            lowest = min(lowest, height_at(ray, clamp(t_lowest, t, t_exit)))
+        # through a side, or from above
+        found = lowest <= top
         t = t if found else t_exit
         height = height if found else exit_height
-        column = column if found or t_exit >= 1.0 else next_column(line, column, exits)
+        column = column if found else next_column(line, column, exits)
         k = k + 1
     above = height - top
     on_top = found and above > 0.0
@@ -63,4 +64,6 @@ def texel(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
     position = position_in_column(line, column, t)
     texels = Vec2(float(extent.x), float(extent.y))
     uv = (Vec2(float(column.x), float(column.y)) + position) / texels
+    # the loop is past the last column of a ray that hits none
+    uv = uv if found else at(ray, t)
     return Hit(uv, top if on_top else height, t, found, k)
