@@ -51,7 +51,7 @@ def jobs(
 ) -> tuple[dict[str, Job], Any]:
     """Jobs of the engine's program and the linked one, and the seconds to make each."""
     obj = scene.objects[0]
-    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
+    program, values = program_of(obj.resolved, scene), values_of(obj.resolved, scene, size, engine)
     library = made.library
     types = program.parameters
     needed = [replace(b, type=types.get(b.name)) for b in library.bindings["pixel"]]

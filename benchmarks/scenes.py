@@ -33,7 +33,7 @@ def plane_scene(maps: int = 1024) -> basrelief.Scene:
 def work(scene: basrelief.Scene, size: tuple[int, int], engine: Engine):  # type: ignore[no-untyped-def]
     """Program of the first object of a scene, and its values, baked by an engine."""
     obj = scene.objects[0]
-    return program_of(obj, scene), values_of(obj, scene, size, engine)
+    return program_of(obj.resolved, scene), values_of(obj.resolved, scene, size, engine)
 
 
 class Seconds(NamedTuple):

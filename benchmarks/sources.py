@@ -78,7 +78,7 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
     tasks: dict[str, Callable[[], object]] = {}
     for name, (scene, size) in cases.items():
         obj = scene.objects[0]
-        program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
+        program, values = program_of(obj.resolved, scene), values_of(obj.resolved, scene, size, engine)
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
     walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
@@ -95,8 +95,8 @@ def on_gpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
     runs = 1 if quick else RUNS
     for name, (scene, size) in cases.items():
         obj = scene.objects[0]
-        values = values_of(obj, scene, size, engine)
-        with engine.prepare(program_of(obj, scene), values, size) as job:
+        values = values_of(obj.resolved, scene, size, engine)
+        with engine.prepare(program_of(obj.resolved, scene), values, size) as job:
             times[name] = milliseconds(engine, {name: job}, size[1], runs)[name] / 1000.0
     return engine.adapter, times, {}
 

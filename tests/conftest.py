@@ -125,7 +125,7 @@ def _small_samples() -> Iterator[None]:
     They are loaded very often, and one of 512 takes up to a second.
     """
     # the package's own `load` is the function; a suite that imports none of it has no samples
-    module = sys.modules.get("basrelief.material.load")
+    module = sys.modules.get("basrelief.material.loading")
     if module is None:
         yield
         return

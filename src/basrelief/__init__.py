@@ -8,11 +8,11 @@ Names are imported on first use, so that `import basrelief` is fast.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, DeviceError, InputError
+from basrelief.lazy import lazy_names as _lazy_names
 
 if TYPE_CHECKING:
     from basrelief.engine import choose_device
@@ -47,29 +47,29 @@ if TYPE_CHECKING:
     from basrelief.techniques import TECHNIQUES
 
 _HOMES = {
-    "basrelief.engine": ("choose_device",),
-    "basrelief.material": ("Map", "Material", "load", "sample"),
-    "basrelief.measure.compare": ("Comparison", "compare"),
-    "basrelief.measure.debug": ("debug_picture",),
-    "basrelief.measure.errors": ("Errors",),
-    "basrelief.measure.truth": ("Truth", "truth"),
-    "basrelief.measure.tune": ("TuneResult", "tune"),
-    "basrelief.measure.explain": ("Explanation", "explain"),
-    "basrelief.rendering.film": ("frames", "write_film"),
-    "basrelief.rendering.frame": ("Frame", "Image"),
-    "basrelief.rendering.render": ("render",),
-    "basrelief.scene": (
+    "engine": ("choose_device",),
+    "material": ("Map", "Material", "load", "sample"),
+    "measure.compare": ("Comparison", "compare"),
+    "measure.debug": ("debug_picture",),
+    "measure.errors": ("Errors",),
+    "measure.truth": ("Truth", "truth"),
+    "measure.tune": ("TuneResult", "tune"),
+    "measure.explain": ("Explanation", "explain"),
+    "rendering.film": ("frames", "write_film"),
+    "rendering.frame": ("Frame", "Image"),
+    "rendering.render": ("render",),
+    "scene": (
         "Layer", "LookAt", "Object", "Orbit", "Scene", "Tiling", "directional", "placed", "point",
         "spot", "rotated",
     ),
-    "basrelief.scene.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
-    "basrelief.scene.presets": ("PRESETS", "Preset", "preset"),
-    "basrelief.shading.brdf": ("Shading",),
-    "basrelief.shading.lights": ("Light",),
-    "basrelief.shading.surfaces.standard": ("SurfaceParameters",),
-    "basrelief.techniques": ("TECHNIQUES",),
+    "scene.motion": ("Lighting", "Opening", "Orbiting", "Scrolling"),
+    "scene.presets": ("PRESETS", "Preset", "preset"),
+    "shading.brdf": ("Shading",),
+    "shading.lights": ("Light",),
+    "shading.surfaces.standard": ("SurfaceParameters",),
+    "techniques": ("TECHNIQUES",),
 }  # fmt: skip
-_HOME = {name: home for home, names in _HOMES.items() for name in names}
+__getattr__ = _lazy_names(__name__, _HOMES)
 
 __all__ = [
     "PRESETS",
@@ -119,17 +119,6 @@ __all__ = [
     "tune",
     "write_film",
 ]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        from basrelief.errors import new_name
-
-        hint = new_name(name, __all__)
-        raise AttributeError(hint or f"module 'basrelief' has no attribute {name!r}")
-    value = getattr(importlib.import_module(_HOME[name]), name)
-    globals()[name] = value
-    return value
 
 
 def __dir__() -> list[str]:

@@ -29,6 +29,8 @@ RENAMED = {
     "EngineError": "DeviceError",
     "--fog": "--fog-mode",
     "--level": "--reference-height",
+    "--height-map": "--height",
+    "--normal-map": "--normal",
     "level": "reference_height",
     "finish": "surface_parameters",
     "finish_of": "all_surface_parameters",

@@ -207,24 +207,25 @@ def test_a_scene_without_options_is_the_default() -> None:
 
 
 def test_settings_go_to_their_records() -> None:
-    texts = ["max-steps=9", "roughness=0.5", "base_color=0.1/0.2/0.3", "ambient=0.4", "bias=0.2"]
-    parsed = scene(settings=texts, technique="relief")
+    texts = ["max-steps=9", "roughness=0.5", "base_color=0.1/0.2/0.3", "ambient=0.4"]
+    parsed = scene(settings=texts, technique="relief", bias=0.2)
     obj = parsed.objects[0]
-    assert obj.settings == replace(relief.settings(), max_steps=9)
-    assert obj.surface_parameters == SurfaceParameters(
+    assert obj.resolved.settings == replace(relief.settings(), max_steps=9)
+    assert obj.resolved.surface_parameters == SurfaceParameters(
         base_color=Vec3(0.1, 0.2, 0.3), roughness=0.5
     )
     assert parsed.shading.ambient == Vec3(0.4)
     assert obj.bias == 0.2
     # the last one wins
-    assert scene(settings=["bias=1", "bias=2"]).objects[0].bias == 2.0
+    twice = scene(settings=["steps=8", "steps=9"], technique="steep").objects[0]
+    assert twice.resolved.settings.steps == 9
 
 
 def test_places_and_sizes() -> None:
     obj = scene(tiling="2x3", shift="0.5,0.25", shape="box", stretch="1/2/3").objects[0]
-    assert obj.tiles == (2.0, 3.0)
+    assert obj.tiling == (2.0, 3.0)
     assert obj.shift == (0.5, 0.25)
-    assert (obj.to_world == placed(scale=(1.0, 2.0, 3.0))).all()
+    assert (obj.resolved.transform == placed(scale=(1.0, 2.0, 3.0))).all()
 
 
 @pytest.mark.parametrize(
@@ -241,8 +242,8 @@ def test_places_and_sizes() -> None:
         ({"settings": ["roughness=2"]}, "roughness is 2: give a number from 0 to 1"),
         ({"settings": ["emission=1/2"]}, "emission"),
         ({"settings": ["ambient=-1"]}, "ambient is -1"),
-        ({"settings": ["bias=1/2"]}, "--set bias 1/2: write a number"),
-        ({"settings": ["bias=-1"]}, "bias is -1: give a number from 0"),
+        ({"settings": ["bias=1"]}, "--set bias: it is an option of its own; write --bias"),
+        ({"bias": -1.0}, "bias is -1: give a number from 0"),
         ({"technique": "leap"}, "no technique is called 'leap'; use one of flat, offset"),
         ({"shape": "torus"}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
         ({"projection": "skew"}, "projection is one of full, biased, limited, not 'skew'"),
@@ -306,13 +307,13 @@ def test_further_objects() -> None:
     parsed = scene(add=["plane,position=0/1/0,tiling=2x3,shift=0.5,casts=none", "sphere,turn=z/90"])
     first, lying, ball = parsed.objects
     assert first.shape == "plane"
-    assert (lying.tiles, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
-    assert lying.to_world == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
-    assert ball.to_world == pytest.approx(rotated("z", 90.0))
+    assert (lying.tiling, lying.shift, lying.casts) == ((2.0, 3.0), (0.5, 0.5), "none")
+    assert lying.resolved.transform == pytest.approx(placed((0.0, 1.0, 0.0)) @ LYING)
+    assert ball.resolved.transform == pytest.approx(rotated("z", 90.0))
     (_, lifted) = scene(
         add=["sphere,material=sample:tiles,reference_height=0.5,bias=0.2,scale=0.1"]
     ).objects
-    assert (lifted.selected_technique, lifted.relief_reference_height, lifted.bias) == (
+    assert (lifted.resolved.technique, lifted.resolved.reference_height, lifted.bias) == (
         relief,
         0.5,
         0.2,
@@ -420,7 +421,9 @@ def test_any_scene_is_one_or_refused(texts: dict[str, Any]) -> None:
     parsed = reads_or_refuses(lambda: scene(**texts))
     if parsed is not None:
         obj = parsed.objects[0]
-        assert np.isfinite([*obj.tiles, *obj.shift, obj.bias, obj.relief_scale]).all()
+        assert np.isfinite(
+            [*obj.resolved.tiling.tiles, *obj.shift, obj.bias, obj.resolved.scale]
+        ).all()
         assert parsed.background is None or np.isfinite(parsed.background).all()
 
 

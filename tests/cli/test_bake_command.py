@@ -9,12 +9,12 @@ import pytest
 
 import basrelief
 from basrelief import baking
-from basrelief.baking.files import OPTIONS
+from basrelief.baking.files import FILE_BAKES
 from basrelief.images import read_picture, write_data
 from helpers.command_line import done, refused, write_heights
 
 HEIGHTS = (np.random.default_rng(4).random((20, 28, 1)) * 65535).astype(np.uint16)
-FLAGS = [f"--{name.replace('_', '-')}" for name in OPTIONS]
+NAMES = [name.replace("_", "-") for name in FILE_BAKES]
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def codes(path: Path, bits: int = 16) -> np.ndarray:
 
 
 def test_contents_of_the_files(bumps: Path) -> None:
-    flags = ("--normal", "--occlusion", "--horizon", "--bounds")
+    flags = ("normal", "occlusion", "horizon", "bounds")
     out = done("bake", bumps, *flags, "--scale", "0.2", "--edge", "clamp")
     folder, heights = bumps / "baked", linear(bumps)
     assert all(str(folder / name) in out for name in names(folder))
@@ -63,7 +63,7 @@ def test_contents_of_the_files(bumps: Path) -> None:
 
 def test_green_and_bits(bumps: Path) -> None:
     for green in ("gl", "dx"):
-        done("bake", bumps, "--normal", "--green", green, "--bits", "8")
+        done("bake", bumps, "normal", "--green", green, "--bits", "8")
     up, down = (codes(next((bumps / "baked").glob(f"*{g}.png")), 8) for g in ("gl", "dx"))
     np.testing.assert_array_equal(up[:, :, [0, 2]], down[:, :, [0, 2]])
     assert np.abs(up[:, :, 1].astype(int) + down[:, :, 1] - 255).max() <= 1
@@ -73,7 +73,7 @@ def test_green_and_bits(bumps: Path) -> None:
 def test_a_baked_normal_map_draws_as_the_computed_one(bumps: Path) -> None:
     computed = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
     for green in ("gl", "dx"):
-        done("bake", bumps, "--normal", "--scale", "0.1", "--green", green, "-o", bumps)
+        done("bake", bumps, "normal", "--scale", "0.1", "--green", green, "-o", bumps)
         (file,) = bumps.glob(f"*_normal_{green}.png")
         assert basrelief.load(bumps).normal is not None
         drawn = basrelief.render(bumps, scale=0.1, size=(32, 20), device="cpu").color
@@ -87,33 +87,33 @@ def test_heights_from_a_folder_with_normals_alone(tmp_path: Path) -> None:
     folder = tmp_path / "wall"
     folder.mkdir()
     write_data(folder / "wall_normal.png", np.rint((normals * 0.5 + 0.5) * 65535).astype("uint16"))
-    out = done("bake", folder, "--height", "-o", folder)
+    out = done("bake", folder, "height", "-o", folder)
     assert "scale 0.1" in out or "scale 0.09" in out
     baked = linear(folder)
     assert np.corrcoef(baked.ravel(), heights.ravel())[0, 1] > 0.95
 
 
 def test_the_loader_leaves_records_alone(bumps: Path) -> None:
-    done("bake", bumps, "--horizon", "--bounds", "-o", bumps)
+    done("bake", bumps, "horizon", "bounds", "-o", bumps)
     assert [kind for kind, _ in basrelief.load(bumps).maps()] == ["height"]
 
 
 def test_samples_go_to_a_folder_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    done("bake", "sample:grid", "--height")
+    done("bake", "sample:grid", "height")
     assert names(tmp_path / "baked") == ["grid_height.png"]
 
 
 def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
-    done("bake", bumps, "--normal")
+    done("bake", bumps, "normal")
     (file,) = (bumps / "baked").iterdir()
     before = file.read_bytes()
-    line = refused("bake", bumps, "--normal", "--bounds", "--scale", "0.3")
+    line = refused("bake", bumps, "normal", "bounds", "--scale", "0.3")
     assert file.name in line
     assert "--overwrite" in line
     assert file.read_bytes() == before
     assert names(bumps / "baked") == [file.name]
-    done("bake", bumps, "--normal", "--bounds", "--scale", "0.3", "--overwrite")
+    done("bake", bumps, "normal", "bounds", "--scale", "0.3", "--overwrite")
     assert file.read_bytes() != before
     assert len(names(bumps / "baked")) == 2
 
@@ -122,14 +122,17 @@ def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
     ("arguments", "message"),
     [
         ((), "nothing to bake"),
-        (("--height",), "has no normal map"),
-        (("--normal", "--edge", "clip"), "--edge clip: choose wrap or clamp"),
-        (("--normal", "--green", "up"), "--green up: choose gl or dx"),
-        (("--normal", "--bits", "32"), "--bits 32: choose 8 or 16"),
-        (("--normal", "--scale", "-1"), "scale"),
-        (("--horizon", "--directions", "6"), "--directions 6"),
-        (("--horizon", "--directions", "0"), "at least one direction"),
-        (("--normal", "-o", "{file}"), "cannot be written"),
+        (("height",), "has no normal map"),
+        (("normal", "--edge", "mirror"), "edge is one of wrap, clamp, clip, not 'mirror'"),
+        (("shadow",), "there is no bake 'shadow'"),
+        (("--horizon",), "maps to bake are named without dashes"),
+        (("--normal", "--green", "dx"), "--normal names a file"),
+        (("normal", "--green", "up"), "--green up: choose gl or dx"),
+        (("normal", "--bits", "32"), "--bits 32: choose 8 or 16"),
+        (("normal", "--scale", "-1"), "scale"),
+        (("horizon", "--directions", "6"), "--directions 6"),
+        (("horizon", "--directions", "0"), "at least one direction"),
+        (("normal", "-o", "{file}"), "cannot be written"),
     ],
 )
 def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], message: str) -> None:
@@ -141,17 +144,17 @@ def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], message
 
 def test_all_or_none(bumps: Path) -> None:
     """The normals could be made; the heights cannot."""
-    refused("bake", bumps, *FLAGS)
+    refused("bake", bumps, *NAMES)
     assert not (bumps / "baked").exists()
 
 
 def test_the_refusal_lists_all_bakes(bumps: Path) -> None:
     line = refused("bake", bumps)
-    assert all(flag in line for flag in FLAGS)
+    assert all(name in line for name in FILE_BAKES)
 
 
 def test_without_heights(tmp_path: Path) -> None:
     folder = tmp_path / "flat"
     folder.mkdir()
     write_data(folder / "flat_Color.png", np.zeros((4, 4, 3), np.uint8))
-    assert "has no height map" in refused("bake", folder, "--bounds")
+    assert "has no height map" in refused("bake", folder, "bounds")

@@ -127,7 +127,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     "scale": ("--scale 0.21", {"scale": 0.21}),
     "level": ("--reference-height 0.3", {"reference_height": 0.3}),
     "projection": ("--projection limited", {"projection": "limited"}),
-    "bias": ("--projection biased --set bias=0.1", {"projection": "biased", "bias": 0.1}),
+    "bias": ("--projection biased --bias 0.1", {"projection": "biased", "bias": 0.1}),
     "clamp": ("--edge clamp --scale 0.3", {"edge": "clamp", "scale": 0.3}),
     "clip": ("--edge clip --scale 0.3", {"edge": "clip", "scale": 0.3}),
     "tiling": ("--tiling 2x3", {"tiling": (2.0, 3.0)}),
@@ -233,7 +233,7 @@ def test_stretch(bumps: Path, here: Path) -> None:
     assert same(picture, expected)
     # a plane is horizontal before it is stretched
     picture = drawn_by_command(bumps, *DRAW, "--stretch", "1/1/2")
-    lying = basrelief.Object(basrelief.load(bumps)).to_world
+    lying = basrelief.Object(basrelief.load(bumps)).resolved.transform
     expected = drawn(bumps, transform=placed(scale=(1.0, 1.0, 2.0)) @ lying)
     assert same(picture, expected)
 
@@ -499,7 +499,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
     assert "----" not in printed
     assert "Defaults: --reference-height 0.5 --projection limited" in parts["offset_limited"]
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
-    assert "bias (0.42)" in parts["with every technique"]
+    assert "--set sets the numbers below" in parts["with every technique"]
     for heading, shown in (
         ("the standard surface", "base_color=1/1/1 from 0 colour, multiplied with the map"),
         ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 height of the water"),

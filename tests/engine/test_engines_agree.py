@@ -124,7 +124,10 @@ def test_python_reads_heights_as_the_cpu_does(heights: str) -> None:
 
 def assert_python_agrees(scene: Scene) -> None:
     obj = scene.objects[0]
-    program, values = program_of(obj, scene), values_of(obj, scene, (40, 24), cpu())
+    program, values = (
+        program_of(obj.resolved, scene),
+        values_of(obj.resolved, scene, (40, 24), cpu()),
+    )
     planes = cpu().run(program, values, (40, 24))
     for x, y in [(20, 12), (15, 9), (24, 14), (0, 0)]:
         expected = pixel_in_python(program, values, x, y)
@@ -181,7 +184,7 @@ def test_a_pixel_is_the_same_in_a_picture_of_rows_and_alone() -> None:
     """A smaller size computes the same pixels as a larger one, with the same camera."""
     obj = Object(material("bricks", 64), technique="relief")
     scene = Scene((obj,))
-    program, values = program_of(obj), values_of(obj, scene, (67, 19), cpu())
+    program, values = program_of(obj.resolved), values_of(obj.resolved, scene, (67, 19), cpu())
     whole = cpu().run(program, values, (67, 19))
     part = cpu().run(program, values, (5, 3))
     for name in whole:

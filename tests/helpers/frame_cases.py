@@ -149,7 +149,7 @@ class Option:
 
 def copy(first: Object) -> tuple[Object, ...]:
     """A smaller copy of the object above it; solid shapes intersect."""
-    return (replace(first, transform=placed((0.2, 0.45, 0.1), 0.6) @ first.to_world),)
+    return (replace(first, transform=placed((0.2, 0.45, 0.1), 0.6) @ first.resolved.transform),)
 
 
 def floor_and_ball(first: Object) -> tuple[Object, ...]:

@@ -28,7 +28,7 @@ from basrelief.lang.program import Program
 from basrelief.lang.tree import holds
 from basrelief.lang.values import IVec2
 from basrelief.rendering.programs import program_of, values_of
-from basrelief.scene.objects import technique_named
+from basrelief.scene import technique_named
 from basrelief.shading.geometry import Vertex
 from basrelief.shading.shadow_map import ShadowMapView
 from basrelief.techniques import displace
@@ -195,7 +195,7 @@ def test_a_linked_program_computes_what_the_whole_one_does(case: str) -> None:
     obj = basrelief.Object(material, **options)
     scene = basrelief.Scene((obj,), basrelief.Orbit(24.0, 32.0), shadows="soft", fog_mode="linear")
     engine, size = GpuEngine(), (64, 48)
-    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
+    program, values = program_of(obj.resolved, scene), values_of(obj.resolved, scene, size, engine)
     made = program_library()
     text = linked(made.library, program)
     types = program.parameters

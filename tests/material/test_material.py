@@ -202,7 +202,9 @@ def test_every_map_of_a_folder_is_loaded(tmp_path: Path) -> None:
         write_picture_file(tmp_path, f"a_{name}.png")
     write_picture_file(tmp_path, "a_emission.png", flat(9, 8, 7))
     material = load(tmp_path, depth=0.1, tile=2.0)
-    assert {kind: each.channels for kind, each in material.maps()} == MAPS
+    assert {kind: each.channels for kind, each in material.maps()} == {
+        kind: map.channels for kind, map in MAPS.items()
+    }
     assert [kind for kind, each in material.maps() if each.srgb] == ["base_color", "emission"]
     assert material.name == tmp_path.name
     assert material.scale == pytest.approx(0.05)
@@ -656,7 +658,7 @@ def test_bump_maps_are_classified_by_their_colours(tmp_path: Path, grey: bool) -
 
 def test_samples_load_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     # at the default size, which other tests reduce
-    monkeypatch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
+    monkeypatch.setattr(sys.modules["basrelief.material.loading"], "sample", sample)
     material = load("sample:bricks", tile=3.0)
     assert (material.name, material.tile) == ("bricks", 3.0)
     assert material.height is not None

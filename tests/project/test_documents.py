@@ -50,7 +50,7 @@ def _smaller_samples() -> Iterator[None]:
     """Samples that commands name have 32 texels a side here, and are drawn once."""
     with pytest.MonkeyPatch.context() as patch:
         sample = functools.cache(functools.partial(basrelief.sample, size=32))
-        patch.setattr(sys.modules["basrelief.material.load"], "sample", sample)
+        patch.setattr(sys.modules["basrelief.material.loading"], "sample", sample)
         yield
 
 

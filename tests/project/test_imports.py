@@ -65,9 +65,9 @@ def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: 
 
 
 def test_no_module_is_loose() -> None:
-    """Beside the packages stand the errors, the version and `python -m basrelief` alone."""
+    """Beside the packages stand errors, lazy imports, version and `python -m basrelief` alone."""
     loose = {path.stem for path in (REPOSITORY / "src" / "basrelief").glob("*.py")}
-    assert loose == {"__init__", "__main__", "_version", "errors"}
+    assert loose == {"__init__", "__main__", "_version", "errors", "lazy"}
 
 
 def test_tests_lie_as_the_source_does() -> None:
@@ -81,8 +81,8 @@ def test_tests_lie_as_the_source_does() -> None:
 
 
 def test_lang_stands_alone() -> None:
-    """The shader subset knows nothing of the rest of the package but its errors."""
+    """The shader subset knows nothing of the rest of the package but errors and settings."""
     graph = grimp.build_graph("basrelief")
     within = {"basrelief.lang"} | graph.find_descendants("basrelief.lang")
     imported = {i for module in within for i in graph.find_modules_directly_imported_by(module)}
-    assert imported - within <= {"basrelief.errors"}
+    assert imported - within <= {"basrelief.errors", "basrelief.settings"}

@@ -39,9 +39,9 @@ def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
     """Every pair of options then compiles on both engines, as the CPU draws all cases."""
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
-    programs = [program_of(obj, scene) for scene in scenes for obj in scene.objects]
+    programs = [program_of(obj.resolved, scene) for scene in scenes for obj in scene.objects]
     casting = [scene for scene in scenes if scene.casts]
-    programs += [depth_program_of(obj) for scene in casting for obj in scene.objects]
+    programs += [depth_program_of(obj.resolved) for scene in casting for obj in scene.objects]
     distinct = {program.key: program for program in programs}
     assert len(distinct) > 140
     for program in distinct.values():

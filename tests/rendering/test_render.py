@@ -558,7 +558,7 @@ def test_a_user_defined_technique_runs_on_the_cpu() -> None:
     assert_shifted(drawn(once), once, 1.0)
     assert_shifted(drawn(twice), twice, 2.0)
     assert drawn(twice).reads.max() == 3
-    keys = {program_of(scene.objects[0]).key for scene in (once, twice)}
+    keys = {program_of(scene.resolved[0]).key for scene in (once, twice)}
     assert len(keys) == 1
     assert drawn(own_scene(times=0)).reads.max() == 0
     frame = drawn(Scene((Object(BRICKS, technique=without_a_hit),)))
@@ -580,7 +580,7 @@ def test_a_user_defined_technique_runs_as_plain_python() -> None:
     """C14: the pixel in plain Python equals the CPU's bit for bit."""
     scene = own_scene(times=2, strength=1.5)
     made = scene.objects[0]
-    program, values = program_of(made), values_of(made, scene, SIZE, CpuEngine())
+    program, values = program_of(made.resolved), values_of(made.resolved, scene, SIZE, CpuEngine())
     frame = drawn(scene)
     for x, y in ((32, 18), (28, 20), (36, 16)):
         one = pixel_in_python(program, values, x, y)
@@ -629,7 +629,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
     def at_angle(angle: float):
         turn = rotated("y", angle)
         made = Object(BRICKS, technique="relief", scale=0.1)
-        made = replace(made, transform=turn @ made.to_world)
+        made = replace(made, transform=turn @ made.resolved.transform)
         camera = Orbit(30.0 + angle, 35.0)
         return drawn(Scene((made,), camera=camera, lights=(directional(-40.0 + angle, 40.0),)))
 

@@ -327,7 +327,7 @@ def test_available_maps_are_found_without_baking() -> None:
         if material is bare and "technique" in options:
             continue
         obj = Object(material, layer=layer and Layer(layer), **options)
-        there = {f"maps_{name}" for name, has in available_maps(obj).items() if has}
-        assert there == set(resources_of(obj, CPU)) - {"field", "baked"}
+        there = {f"maps_{name}" for name, has in available_maps(obj.resolved).items() if has}
+        assert there == set(resources_of(obj.resolved, CPU)) - {"field", "baked"}
     assert available_maps(Object(high, technique="texel"))["normal"] is False
     assert available_maps(Object(full, technique="texel"))["normal"] is True

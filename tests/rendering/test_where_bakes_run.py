@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import basrelief
-from basrelief.baking.files import OPTIONS
+from basrelief.baking.files import FILE_BAKES
 from basrelief.engine import choose_device
 from basrelief.engine.cpu import CpuEngine
 from basrelief.images import write_data
@@ -97,14 +97,12 @@ def test_a_page_holds_what_that_engine_baked(engine: RecordingEngine, tmp_path: 
 
 # --- the command line -----------------------------------------------------------------------------
 
-FLAGS = [f"--{name.replace('_', '-')}" for name in OPTIONS]
-
 
 def with_both_maps(folder: Path) -> tuple[str | Path, ...]:
     """Arguments of the command that bakes everything from heights and normals."""
     made = write_heights(folder / "bumps", (noise(10, (20, 28), 1) * 65535).astype(np.uint16))
     file = write_data(folder / "leaning_normal.png", np.full((4, 6, 3), 40000, np.uint16))
-    return ("bake", made, *FLAGS, "--normal-map", file)
+    return ("bake", made, *FILE_BAKES, "--normal", file)
 
 
 def test_bake_takes_the_engine_it_is_given(
@@ -114,7 +112,7 @@ def test_bake_takes_the_engine_it_is_given(
     done(*with_both_maps(tmp_path), "--device", "gpu")
     wanted = {each for bake in BAKES.values() for each in bake.programs}
     assert set(engine.entries) == {normals, horizon, sky_visibility, *wanted}
-    assert len(list((tmp_path / "bumps" / "baked").iterdir())) == len(OPTIONS) + 1
+    assert len(list((tmp_path / "bumps" / "baked").iterdir())) == len(FILE_BAKES) + 1
 
 
 @pytest.mark.gpu

@@ -87,7 +87,11 @@ def test_the_distance_is_the_largest_on_the_way_round(
     """The maximum of `framing` over whole degrees is close to it, and never larger."""
     lens = {"orthographic_height": 1.5} if orthographic else {"field_of_view": view}
     camera = Orbit(0.0, elevation, None, (0.1, -0.2, 0.05), **lens)
-    points = scene(shape=shape, transform=placed(position, stretch)).objects[0].bounding_points()
+    points = (
+        scene(shape=shape, transform=placed(position, stretch))
+        .objects[0]
+        .resolved.bounding_points()
+    )
     all_round = camera.framing_all_azimuths(points, size).distance
     each = [
         replace(camera, azimuth=float(azimuth)).framing(points, size).distance
@@ -111,7 +115,7 @@ def test_the_object_stays_in_the_frame(shape: str) -> None:
             np.array([*v], np.float64)
             for v in (camera.position, camera.right, camera.down, camera.forward)
         )
-        away = start.objects[0].bounding_points() - place
+        away = start.objects[0].resolved.bounding_points() - place
         depth = away @ forward
         x = away @ right / (right @ right) / depth / (width / 2)
         y = away @ down / (down @ down) / depth / (height / 2)

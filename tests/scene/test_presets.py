@@ -90,24 +90,24 @@ def test_each_number_has_a_source(name: str) -> None:
 
 def test_catlike_follows_its_article() -> None:
     obj, scene = drawn("catlike")
-    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "biased")
+    assert (obj.resolved.technique.name, obj.resolved.projection) == ("offset", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.42, 0.03, 0.5)
     assert scene.shading_model == "ggx"
     assert preset("catlike").maps == {"height_channel": "g"}
     obj, _ = drawn("catlike-limited")
-    assert (obj.selected_technique.name, obj.relief_projection) == ("offset_limited", "limited")
+    assert (obj.resolved.technique.name, obj.resolved.projection) == ("offset_limited", "limited")
     assert (obj.scale, obj.reference_height) == (0.03, 0.5)
     obj, _ = drawn("catlike-march")
-    assert (obj.selected_technique.name, obj.relief_projection) == ("relief", "biased")
+    assert (obj.resolved.technique.name, obj.resolved.projection) == ("relief", "biased")
     assert (obj.bias, obj.scale, obj.reference_height) == (0.0, 0.03, 1.0)
-    assert (obj.settings.min_steps, obj.settings.max_steps) == (10, 10)
-    assert obj.settings.search_steps == 3
+    assert (obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (10, 10)
+    assert obj.resolved.settings.search_steps == 3
 
 
 def test_wikibooks_follows_its_article() -> None:
     obj, scene = drawn("wikibooks")
-    assert (obj.selected_technique.name, obj.relief_projection) == ("offset", "full")
-    assert (obj.scale, obj.reference_height, obj.settings.max_offset) == (
+    assert (obj.resolved.technique.name, obj.resolved.projection) == ("offset", "full")
+    assert (obj.scale, obj.reference_height, obj.resolved.settings.max_offset) == (
         0.01,
         0.5,
         np.float32(0.01),
@@ -120,17 +120,17 @@ def test_wikibooks_follows_its_article() -> None:
     # coordinates of the mesh are shifted: tiles of a quarter of the shape shift four times as far
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0))
     assert obj.scale == pytest.approx(0.04)
-    assert obj.settings.max_offset == pytest.approx(0.04)
+    assert obj.resolved.settings.max_offset == pytest.approx(0.04)
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
-    assert (obj.scale, obj.settings.max_offset) == (0.1, 0.5)
+    assert (obj.scale, obj.resolved.settings.max_offset) == (0.1, 0.5)
     # the tiled coordinates are shifted
     assert drawn("catlike", tiling=(4.0, 4.0))[0].scale == 0.03
 
 
 def test_gamedev_follows_its_article() -> None:
     obj, scene = drawn("gamedev")
-    assert (obj.selected_technique.name, obj.relief_projection) == ("parallax_occlusion", "full")
-    assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
+    assert (obj.resolved.technique.name, obj.resolved.projection) == ("parallax_occlusion", "full")
+    assert (obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (4, 20)
     assert (obj.scale, obj.reference_height) == (0.1, 1.0)
     assert scene.shading_model == "phong"
     assert scene.shading.ambient == Vec3(0.1)
@@ -139,23 +139,23 @@ def test_gamedev_follows_its_article() -> None:
 
 def test_halliwell_follows_its_article() -> None:
     stock, _ = drawn("halliwell-stock")
-    assert (stock.selected_technique.name, stock.relief_projection) == ("offset", "biased")
+    assert (stock.resolved.technique.name, stock.resolved.projection) == ("offset", "biased")
     assert (stock.bias, stock.reference_height) == (0.42, 0.5)
     obj, scene = drawn("halliwell")
-    assert (obj.selected_technique.name, obj.heights, obj.reference_height) == (
+    assert (obj.resolved.technique.name, obj.heights, obj.reference_height) == (
         "relief",
         "smooth",
         1.0,
     )
-    assert obj.settings.min_steps < obj.settings.max_steps
-    assert obj.settings.search_steps > 0
+    assert obj.resolved.settings.min_steps < obj.resolved.settings.max_steps
+    assert obj.resolved.settings.search_steps > 0
     assert (scene.shadows, scene.occlusion_kind) == ("hard", "directional")
     assert obj.scale == stock.scale
 
 
 def test_habrador_follows_its_article() -> None:
     obj, scene = drawn("habrador")
-    assert (obj.selected_technique.name, obj.surface, obj.reference_height) == (
+    assert (obj.resolved.technique.name, obj.surface, obj.reference_height) == (
         "fixed_length",
         "landscape",
         1.0,
@@ -163,13 +163,16 @@ def test_habrador_follows_its_article() -> None:
     # a quad's width is five tiles of the noise: a height of 1 and a step of 0.01, in fifths
     assert obj.tiling == (0.2, 0.2)
     assert obj.scale / obj.tiling[0] == pytest.approx(1.0)
-    assert obj.settings.steps == 300
-    assert obj.settings.step_length / obj.tiling[0] == pytest.approx(0.01)
+    assert obj.resolved.settings.steps == 300
+    assert obj.resolved.settings.step_length / obj.tiling[0] == pytest.approx(0.01)
     assert obj.tilings == {"base_color": Tiling((0.4, 0.4))}
     assert obj.layer is not None
     assert (obj.layer.material.name, obj.layer.tiling.tiles) == ("stone", (0.4, 0.4))
-    assert obj.surface_parameters.water_level == np.float32(0.4)
-    assert (obj.surface_parameters.sky_color, obj.surface_parameters.normal_strength) == (
+    assert obj.resolved.surface_parameters.water_level == np.float32(0.4)
+    assert (
+        obj.resolved.surface_parameters.sky_color,
+        obj.resolved.surface_parameters.normal_strength,
+    ) == (
         Vec3(1.0),
         0.0,
     )
@@ -178,7 +181,7 @@ def test_habrador_follows_its_article() -> None:
     assert preset("gamedev").scroll == (0.0, 0.0)
     for name in ("habrador-hole", "habrador-bricks"):
         obj, _ = drawn(name)
-        assert (obj.selected_technique.name, obj.settings.steps) == ("fixed_length", 300)
+        assert (obj.resolved.technique.name, obj.resolved.settings.steps) == ("fixed_length", 300)
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -304,17 +307,21 @@ def test_options_win_over_a_preset() -> None:
         "gamedev", scale=0.3, settings={"max_steps": 50}, shading={"diffuse": 0.9},
         shading_model="ggx", lights=[basrelief.directional()], camera=Orbit(10.0),
     )  # fmt: skip
-    assert (obj.scale, obj.settings.min_steps, obj.settings.max_steps) == (0.3, 4, 50)
+    assert (obj.scale, obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (
+        0.3,
+        4,
+        50,
+    )
     assert (scene.shading.diffuse, scene.shading.ambient) == (np.float32(0.9), Vec3(0.1))
     assert (scene.shading_model, scene.camera) == ("ggx", Orbit(10.0))
     assert [each.kind for each in scene.lights] == [DIRECTIONAL]
     # another technique keeps the settings it shares
     obj, _ = drawn("gamedev", technique="relief")
-    assert (obj.settings.min_steps, obj.settings.max_steps) == (4, 20)
+    assert (obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (4, 20)
     obj, _ = drawn("gamedev", technique="steep")
-    assert (obj.selected_technique.name, obj.settings.steps) == ("steep", 10)
+    assert (obj.resolved.technique.name, obj.resolved.settings.steps) == ("steep", 10)
     obj, _ = drawn("habrador", surface="standard", tilings={"normal": Tiling((3.0, 3.0))})
-    assert (obj.surface, obj.surface_parameters.normal_strength) == ("standard", 0.0)
+    assert (obj.surface, obj.resolved.surface_parameters.normal_strength) == ("standard", 0.0)
     assert {*obj.tilings} == {"base_color", "normal"}
     # None stands for the material's own
     assert drawn("gamedev", scale=None)[0].scale is None
@@ -371,7 +378,7 @@ def test_a_preset_scrolls_its_film() -> None:
         ("about = 3", "about is 3: give a text"),
         ("nothing = 1", "no key 'nothing'; there are name, about, source, maps, object, scene"),
         ("object = 3", "object is 3: make it a table, [object]"),
-        ("[object]\nscal = 1", "object has no key 'scal'; it has technique, shape"),
+        ("[object]\nscal = 1", "object has no key 'scal'; it has shape, technique"),
         ("[object]\nscale = 'deep'", "object.scale is 'deep': give a number"),
         ("[object]\nscale = true", "object.scale is True: give a number"),
         ("[object]\nscale = 20", "scale is 20: give a number from 0 to 10"),
@@ -453,7 +460,7 @@ def test_paths_are_from_the_folder_of_the_file(
     material = basrelief.load("hill", **made.maps)
     assert material.base_color is not None
     scene = made.scene(material)
-    assert scene.objects[0].selected_technique.name == "half"
+    assert scene.objects[0].resolved.technique.name == "half"
     assert scene.objects[0].layer is not None
 
 

@@ -150,54 +150,56 @@ def test_a_technique_without_heights_is_refused(name) -> None:
 
 
 def test_the_default_technique_without_heights_is_flat() -> None:
-    assert Object(FLAT).technique is flat
-    assert not Object(FLAT).has_relief
-    assert obj().technique is relief
-    assert obj().has_relief
-    assert not obj(technique="flat").has_relief
+    assert Object(FLAT).resolved.technique is flat
+    assert not Object(FLAT).resolved.has_relief
+    assert obj().resolved.technique is relief
+    assert obj().resolved.has_relief
+    assert not obj(technique="flat").resolved.has_relief
 
 
 def test_defaults_come_from_material_and_technique() -> None:
-    assert obj().relief_scale == 0.05
-    assert Object(replace(BUMPY, depth=0.02, tile=0.4)).relief_scale == pytest.approx(0.05)
-    assert Object(replace(BUMPY, depth=0.08, tile=0.4)).relief_scale == pytest.approx(0.2)
-    assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.3).relief_scale == 0.3
-    assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.0).relief_scale == 0.0
+    assert obj().resolved.scale == 0.05
+    assert Object(replace(BUMPY, depth=0.02, tile=0.4)).resolved.scale == pytest.approx(0.05)
+    assert Object(replace(BUMPY, depth=0.08, tile=0.4)).resolved.scale == pytest.approx(0.2)
+    assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.3).resolved.scale == 0.3
+    assert Object(replace(BUMPY, depth=0.08, tile=0.4), scale=0.0).resolved.scale == 0.0
     for name, made in TECHNIQUES.items():
         one = obj(technique=name)
-        assert (one.relief_reference_height, one.relief_projection) == (
+        assert (one.resolved.reference_height, one.resolved.projection) == (
             made.reference_height,
             made.projection,
         )
-    assert obj(technique="offset", reference_height=0.0).relief_reference_height == 0.0
-    assert obj(technique="offset_limited", projection="full").relief_projection == "full"
+    assert obj(technique="offset", reference_height=0.0).resolved.reference_height == 0.0
+    assert obj(technique="offset_limited", projection="full").resolved.projection == "full"
 
 
 def test_settings_change_only_the_named_fields() -> None:
     one = obj(technique="parallax_occlusion", settings={"max_steps": 20, "min_steps": 4.0})
-    assert one.settings == March(4, 20, 0.0)
+    assert one.resolved.settings == March(4, 20, 0.0)
     assert obj(technique="steep", settings=Steps(3)).settings == Steps(3)
-    assert obj(technique="steep").settings == Steps()
+    assert obj(technique="steep").resolved.settings == Steps()
 
 
 def test_tiles_are_about_square() -> None:
     wide = heights(np.full((2, 4), 0.5))
-    assert Object(wide).tiles == (1.0, 1.0)
-    assert Object(wide, shape="sphere").tiles == (4.0, 4.0)
-    assert Object(wide, shape="cylinder").tiles == (3.0, 2.0)
-    assert Object(wide, shape="sphere", tiling=(5, 1)).tiles == (5, 1)
+    assert Object(wide).resolved.tiling.tiles == (1.0, 1.0)
+    assert Object(wide, shape="sphere").resolved.tiling.tiles == (4.0, 4.0)
+    assert Object(wide, shape="cylinder").resolved.tiling.tiles == (3.0, 2.0)
+    assert Object(wide, shape="sphere", tiling=(5, 1)).resolved.tiling.tiles == (5, 1)
 
 
 def test_a_plane_lies_flat_in_the_proportions_of_its_maps() -> None:
     """The picture's top is away from a camera at azimuth 0; the sides are those of the maps."""
     wide, high = Object(heights(np.full((2, 4), 0.5))), Object(heights(np.full((4, 2), 0.5)))
     corner = np.array([-0.5, 0.5, 0.0, 1.0])  # top left
-    np.testing.assert_allclose((wide.to_world @ corner)[:3], [-0.5, 0, -0.25], atol=1e-12)
-    np.testing.assert_allclose((high.to_world @ corner)[:3], [-0.25, 0, -0.5], atol=1e-12)
+    np.testing.assert_allclose((wide.resolved.transform @ corner)[:3], [-0.5, 0, -0.25], atol=1e-12)
+    np.testing.assert_allclose((high.resolved.transform @ corner)[:3], [-0.25, 0, -0.5], atol=1e-12)
     # z is scaled like x: the scale is a fraction of a tile's width, which for the high one is half
-    np.testing.assert_allclose((wide.to_world @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
-    np.testing.assert_allclose((high.to_world @ [0, 0, 1, 0])[:3], [0, 0.5, 0], atol=1e-12)
-    assert np.array_equal(Object(BUMPY, shape="box").to_world, np.eye(4))
+    np.testing.assert_allclose((wide.resolved.transform @ [0, 0, 1, 0])[:3], [0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        (high.resolved.transform @ [0, 0, 1, 0])[:3], [0, 0.5, 0], atol=1e-12
+    )
+    assert np.array_equal(Object(BUMPY, shape="box").resolved.transform, np.eye(4))
 
 
 # --- transforms -----------------------------------------------------------------------------------
@@ -219,7 +221,7 @@ def test_placed_scales_before_it_translates() -> None:
 
 def test_placements_hold_the_inverse_transform() -> None:
     matrix = placed((0.5, -1, 2), (2, 0.5, 3)) @ rotated("y", 25.0)
-    place = obj(transform=matrix).placement()
+    place = obj(transform=matrix).resolved.placement()
     world = np.array([0.3, -0.7, 1.1])
     local = place.to_object @ Vec3(*(world - np.array([*place.origin])))
     np.testing.assert_allclose([*local], (np.linalg.inv(matrix) @ [*world, 1])[:3], atol=1e-6)
@@ -282,7 +284,7 @@ def test_an_unknown_shading_model_is_refused() -> None:
         ({"shading": Shading(shininess=0.0)}, "shininess is 0: give a number from 1 to 1000"),
         ({"background": (NAN, 0.0, 0.0)}, "background (nan, 0.0, 0.0): give three"),
         ({"background": (0.1, -0.2, 0.0)}, "background (0.1, -0.2, 0.0): give three"),
-        ({"background": (0.1, 0.2)}, "background (0.1, 0.2): give three"),
+        ({"background": (0.1, 0.2)}, "background is (0.1, 0.2): give three"),
     ],
 )
 def test_invalid_colours_are_refused(options, message) -> None:
@@ -368,7 +370,9 @@ def test_invalid_cameras_are_refused(camera) -> None:
 def test_without_a_distance_the_whole_object_is_in_the_picture(shape, size) -> None:
     """The default distance fits objects of any size into a wide picture."""
     plain = obj(shape=shape, technique="flat")
-    one = obj(shape=shape, technique="flat", transform=placed(scale=size) @ plain.to_world)
+    one = obj(
+        shape=shape, technique="flat", transform=placed(scale=size) @ plain.resolved.transform
+    )
     hit = render(Scene((one,), lights=()), size=(64, 36), samples=1, device=CPU).hit
     assert not np.concatenate([hit[0], hit[-1], hit[:, 0], hit[:, -1]]).any()
     assert hit.mean() > 0.15
@@ -397,11 +401,12 @@ def sliding(field: HeightField, ray: Ray, settings: Slide) -> Hit:
 
 
 def test_settings_of_user_defined_techniques_are_checked() -> None:
-    assert obj(technique=sliding).settings == Slide()
-    assert obj(technique=sliding).relief_reference_height == 0.5
-    assert obj(technique=sliding, settings={"times": 3}).settings.times == 3
-    assert obj(technique=sliding, settings={"tint": 0.5}).settings.tint == Vec3(0.5)
-    assert obj(technique=sliding, settings={"tint": (1, 2, 3)}).settings.tint == Vec3(1, 2, 3)
+    assert obj(technique=sliding).resolved.settings == Slide()
+    assert obj(technique=sliding).resolved.reference_height == 0.5
+    assert obj(technique=sliding, settings={"times": 3}).resolved.settings.times == 3
+    assert obj(technique=sliding, settings={"tint": 0.5}).resolved.settings.tint == Vec3(0.5)
+    triple = obj(technique=sliding, settings={"tint": (1, 2, 3)})
+    assert triple.resolved.settings.tint == Vec3(1, 2, 3)
     assert "along is 2: give" in refused(lambda: obj(technique=sliding, settings={"along": 2}))
     for tint in ((1.0, 2.0), (1.0, -1.0, 0.0), "red", None, (NAN, 0, 0), [[1, 2, 3]]):
         assert "tint" in refused(lambda t=tint: obj(technique=sliding, settings={"tint": t}))

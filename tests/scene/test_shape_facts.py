@@ -45,7 +45,9 @@ def test_bounding_points_lie_on_the_shape(name) -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_round_shape_has_no_rims_along_u(name) -> None:
-    placement = Object(sample("bricks", 8), name, tiling=(2.0, -3.0), shift=(0.25, 0.5)).placement()
+    placement = Object(
+        sample("bricks", 8), name, tiling=(2.0, -3.0), shift=(0.25, 0.5)
+    ).resolved.placement()
 
     def clipped_at(u: float, v: float, edge: Any = "clip") -> bool:
         uv = Vec2(u, v) * placement.tiling + placement.shift

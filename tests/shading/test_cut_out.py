@@ -172,11 +172,11 @@ def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
     }
     for alpha in readings:
         obj = Object(material, alpha=alpha)
-        text = print_wgsl(program_of(obj).module, "wrap")
+        text = print_wgsl(program_of(obj.resolved).module, "wrap")
         assert [each in text for each in readings.values()] == [each == alpha for each in readings]
         assert ("alpha_mask" in text) == (alpha == "mask")
         for casts, cut in (("shape", alpha == "mask"), ("opaque", False)):
-            program = depth_program_of(replace(obj, casts=casts))
+            program = depth_program_of(replace(obj, casts=casts).resolved)
             assert ("alpha_mask" in print_wgsl(program.module, "wrap")) == cut
 
 

@@ -53,7 +53,11 @@ def depth_map(made: Object) -> Planes:
     """The planes of an object's part of a depth map, as a camera sees it and not a light."""
     engine = choose_device("cpu")
     view = CameraSample(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
-    return engine.run(depth_program_of(made), {**object_values(made, engine), "sample": view}, SIZE)
+    return engine.run(
+        depth_program_of(made.resolved),
+        {**object_values(made.resolved, engine), "sample": view},
+        SIZE,
+    )
 
 
 def words(program: Program) -> set[str]:
@@ -67,17 +71,17 @@ def words(program: Program) -> set[str]:
 def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
     """And a picture has it all, so that the names above are the right ones."""
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
-    lit = words(program_of(made, Scene((made, other), **FULL)))
+    lit = words(program_of(made.resolved, Scene((made, other), **FULL)))
     assert lit >= LIT - ({"self_shadow_visibility"} if name == "nothing displaced" else set())
     of_shadow = {"shadowing", "Shadowing", "shadow", "shadow_steps"}
-    assert words(depth_program_of(made)) & (LIT | of_shadow) == set()
+    assert words(depth_program_of(made.resolved)) & (LIT | of_shadow) == set()
 
 
 @pytest.mark.parametrize("name", OBJECTS)
 def test_it_is_depth_only_that_leaves_the_light_out(name: str) -> None:
     """Whatever else the variant asks for."""
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
-    program = program_of(made, Scene((made, other), **FULL))
+    program = program_of(made.resolved, Scene((made, other), **FULL))
     depth_only = replace(program, variant=replace(program.variant, depth_only=True))
     assert words(depth_only) & LIT == set()
 

@@ -116,7 +116,7 @@ def test_the_cost_falls_with_distance() -> None:
 def test_without_fading_there_is_no_code_for_it() -> None:
     material = sample("tiles", 16)
     texts = [
-        print_wgsl(program_of(Object(material, fade=fade)).module, "wrap")
+        print_wgsl(program_of(Object(material, fade=fade).resolved).module, "wrap")
         for fade in (None, (1.0, 2.0))
     ]
     assert ["relief_.fade_near" in text for text in texts] == [False, True]

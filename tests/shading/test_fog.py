@@ -86,7 +86,7 @@ def test_without_fog_there_is_no_code_for_it() -> None:
     obj = Object(sample("tiles", 16))
 
     def text(fog: str) -> str:
-        program = program_of(obj, Scene((obj,), fog_mode=fog))
+        program = program_of(obj.resolved, Scene((obj,), fog_mode=fog))
         return print_wgsl(program.module, program.edge)
 
     clear, thick = text("none"), text("exponential")

@@ -38,6 +38,9 @@ def test_a_program_that_reads_it_has_it() -> None:
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
 def test_the_entries_take_it_and_no_shape_reads_it(shape: str) -> None:
     obj = Object(sample("cobbles", 8), shape=shape, technique="exact")
-    for entry, program in ((pixel, program_of(obj)), (view_ray, view_ray_program_of(obj))):
+    for entry, program in (
+        (pixel, program_of(obj.resolved)),
+        (view_ray, view_ray_program_of(obj.resolved)),
+    ):
         assert entry.signature[0]["geometry"] is Geometry
         assert "geometry" not in str(program.module)

@@ -45,7 +45,7 @@ def reliefs(material: Material, height: float = HEIGHT, **options) -> Object:
 
 def places(obj: Object) -> np.ndarray:
     """Where each ray ends, in the unit plane's own coordinates, before any tiling."""
-    lowered = (HEIGHT - 1.0) * SCALE / abs(obj.tiles[0])
+    lowered = (HEIGHT - 1.0) * SCALE / abs(obj.resolved.tiling.tiles[0])
     return on_plane(SLANTED, lowered)[0]
 
 
@@ -255,7 +255,7 @@ def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
 
 
 def text(obj: Object) -> str:
-    program = program_of(obj)
+    program = program_of(obj.resolved)
     return print_wgsl(program.module, program.edge)
 
 
@@ -317,5 +317,7 @@ def test_a_layer_of_heights_alone_has_their_normals() -> None:
     uniform_material = Material(
         "plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain")
     )
-    text = print_wgsl(program_of(Object(uniform_material, layer=Layer(over))).module, "wrap")
+    text = print_wgsl(
+        program_of(Object(uniform_material, layer=Layer(over)).resolved).module, "wrap"
+    )
     assert "layer_normal_of(map: texture_2d" in text

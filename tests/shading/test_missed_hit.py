@@ -41,8 +41,8 @@ def by_shader(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Missed and passed, as a page finds them."""
     obj = scene.objects[0]
-    program = replace(view_ray_program_of(obj), entry=missed_hit)
-    values = values_of(obj, scene, SIZE, choose_device(device))
+    program = replace(view_ray_program_of(obj.resolved), entry=missed_hit)
+    values = values_of(obj.resolved, scene, SIZE, choose_device(device))
     found = choose_device(device).run(
         program,
         {

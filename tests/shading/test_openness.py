@@ -100,7 +100,7 @@ def test_a_height_below_all_is_the_lowest() -> None:
 def test_without_a_direction_there_is_no_code_for_it() -> None:
     obj = Object(sample("tiles", 16))
     texts = [
-        print_wgsl(program_of(obj, Scene((obj,), occlusion_kind=kind)).module, "wrap")
+        print_wgsl(program_of(obj.resolved, Scene((obj,), occlusion_kind=kind)).module, "wrap")
         for kind in ("ambient", "directional")
     ]
     assert ["directional_visibility" in text for text in texts] == [False, True]

@@ -192,7 +192,7 @@ class Face:
     def of(cls, obj: Object, name: str, form: Form) -> Face:
         out, right, down = (np.array(way, np.float64) for way in FACES[name])
         lift = 0.0 if obj.shape == "plane" else 0.5
-        linear, origin = obj.to_world[:3, :3], obj.to_world[:3, 3]
+        linear, origin = obj.resolved.transform[:3, :3], obj.resolved.transform[:3, 3]
         return cls(
             corner=origin + linear @ (lift * out - right / 2 - down / 2),
             right=linear @ right,

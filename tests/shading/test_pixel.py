@@ -90,7 +90,7 @@ HEIGHT = 0.625
 def assert_shifted(obj: Object, camera: LookAt, height: float = HEIGHT) -> None:
     """Depth and uv are those of the plane at a height, within the polygon's outline."""
     frame = drawn(obj, camera)
-    origins, directions = in_object(obj.to_world, *rays(camera))
+    origins, directions = in_object(obj.resolved.transform, *rays(camera))
     polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
     outline = np.abs(polygon[..., :2]).max(axis=-1)
     within = outline < 0.499
@@ -99,7 +99,7 @@ def assert_shifted(obj: Object, camera: LookAt, height: float = HEIGHT) -> None:
     assert not frame.hit[outline > 0.501].any()
     # in object space the whole range is `scale` of the width of a tile, along u
     tiles = np.array(obj.tiles, np.float64)
-    shift = (height - obj.relief_reference_height) * obj.relief_scale / abs(tiles[0])
+    shift = (height - obj.resolved.reference_height) * obj.resolved.scale / abs(tiles[0])
     distance = (shift - origins[..., 2]) / directions[..., 2]
     met = origins + directions * distance[..., None]
     uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1) * tiles + obj.shift
@@ -157,7 +157,7 @@ def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None
         shift=shift,
         transform=TRANSFORMS["turned and stretched"],
     )
-    assert_shifted(obj, seen_alike(obj.to_world, SLANTED))
+    assert_shifted(obj, seen_alike(obj.resolved.transform, SLANTED))
 
 
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
@@ -753,7 +753,7 @@ PARALLAX = {
 
 def functions(obj: Object, model: str = "ggx") -> set[str]:
     """The names of all functions in what the GPU and the CPU compile."""
-    program = program_of(obj, Scene((obj,), shading_model=model))
+    program = program_of(obj.resolved, Scene((obj,), shading_model=model))
     wgsl = print_wgsl(program.module, program.edge)
     llvm = print_llvm(program.module, 8)
     names = set(re.findall(r"\bfn (\w+)\(", wgsl))
@@ -772,7 +772,7 @@ def test_without_heights_there_is_no_parallax_code(shape) -> None:
     material = replace(without(sample("tiles", 16), "height"), depth=None)
     obj = Object(material, shape=shape)
     assert not functions(obj) & PARALLAX
-    text = print_wgsl(program_of(obj).module, "wrap")
+    text = print_wgsl(program_of(obj.resolved).module, "wrap")
     assert "texture_2d<f32>" not in text
     assert "ReliefParameters" not in text
 
@@ -803,7 +803,7 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
     lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
     for material, there in ((whole, True), (lacking, False)):
-        module = program_of(Object(material)).module
+        module = program_of(Object(material).resolved).module
         # what both engines print: it is given the map, and the rest that reading takes, or nothing
         (reading,) = (each for each in module.functions if each.name == READS[what])
         assert ("map" in reading.parameters) == bool(reading.parameters) == there
@@ -831,13 +831,15 @@ def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() 
 
 def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:
     material = sample("tiles", 16)
-    one = program_of(Object(material, technique="steep", settings={"steps": 5}, scale=0.01))
+    one = program_of(
+        Object(material, technique="steep", settings={"steps": 5}, scale=0.01).resolved
+    )
     other = program_of(
         Object(material, technique="steep", settings={"steps": 50}, scale=0.3, reference_height=0.2,
-               tiling=(2, -3), transform=rotated("y", 3.0))
+               tiling=(2, -3), transform=rotated("y", 3.0)).resolved
     )  # fmt: skip
     assert one.key == other.key
-    assert program_of(Object(material, technique="relief")).key != one.key
+    assert program_of(Object(material, technique="relief").resolved).key != one.key
 
 
 def test_with_scale_0_a_picture_is_flat_and_reads_nothing() -> None:

@@ -161,7 +161,10 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
     for technique in ("flat", "relief"):
         obj = Object(sample("bricks", (24, 32)), technique=technique, scale=0.2)
         scene = Scene((obj,), camera=Orbit(20, 30, 2.0))
-        program, values = program_of(obj), values_of(obj, scene, (32, 18), choose_device("cpu"))
+        program, values = (
+            program_of(obj.resolved),
+            values_of(obj.resolved, scene, (32, 18), choose_device("cpu")),
+        )
         spots.clear()
         for place in [(16, 9), (12, 8), (19, 11)]:
             pixel_in_python(program, values, *place)

@@ -269,8 +269,8 @@ def test_shadows_fall_away_from_the_light(device):
 
 def test_a_program_without_shadows_has_none_in_it():
     obj = Object(sample("bricks", 16))
-    without = print_wgsl(program_of(obj).module, "wrap")
-    within = print_wgsl(program_of(obj, Scene((obj,), shadows="soft")).module, "wrap")
+    without = print_wgsl(program_of(obj.resolved).module, "wrap")
+    within = print_wgsl(program_of(obj.resolved, Scene((obj,), shadows="soft")).module, "wrap")
     for word in ("self_shadow_visibility", "LightVisibility", "shadow_steps"):
         assert word not in without
         assert word in within

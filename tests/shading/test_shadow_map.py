@@ -296,7 +296,7 @@ def test_what_reaches_furthest_is_seen_too(side: int) -> None:
     small = Object(uniform_material(), shape="box", transform=placed(scale=0.1))
     scene = Scene((bar, small), lights=(directional(0.0, 90.0),), shadow_map_size=side)
     (view,) = light_views(scene)
-    for place in bar.bounding_points():
+    for place in bar.resolved.bounding_points():
         at = projected(view.camera, vector(place))
         assert min(at.x, at.y) >= 0.5
         assert max(at.x, at.y) < side - 0.5
@@ -485,7 +485,7 @@ def test_without_other_objects_or_shadows_there_is_no_code_for_them() -> None:
     obj, other = Object(sample("tiles", 16)), standing("box")
 
     def text(*objects: Object, **scene) -> str:
-        program = program_of(objects[0], Scene(objects, **scene))
+        program = program_of(objects[0].resolved, Scene(objects, **scene))
         return print_wgsl(program.module, program.edge)
 
     for without in (text(obj, shadows="hard"), text(obj, other)):

@@ -25,13 +25,13 @@ def test_every_value_of_every_menu_comes_from_a_scene(name: str, value: str) -> 
     options: dict[str, Any] = {"shadows": "hard", name: value}
     of_object = {k: options.pop(k) for k in list(options) if k in Object.__dataclass_fields__}
     obj, other = Object(sample("tiles", 16), **of_object), Object(sample("tiles", 16), "sphere")
-    assert getattr(variant_of(obj, Scene((obj, other), **options)), name) == value
+    assert getattr(variant_of(obj.resolved, Scene((obj, other), **options)), name) == value
 
 
 def test_what_is_not_asked_makes_no_program_of_its_own() -> None:
     def key(scene: dict[str, Any], **options: Any) -> str:
         obj = Object(sample("tiles", 16), **options)
-        return program_of(obj, Scene((obj,), **scene)).key
+        return program_of(obj.resolved, Scene((obj,), **scene)).key
 
     flat = key({}, technique="flat")
     assert key({"shadows": "soft"}, technique="flat", projection="limited", fade=(1, 2)) == flat

@@ -272,10 +272,10 @@ def test_sides_are_lit_as_walls_and_throw_shadows(camera: str, light: str, shado
 
 def test_the_normals_of_the_heights_do_not_bend_the_tops() -> None:
     """They are those of the bilinear surface; a normal map of the material's own is kept."""
-    assert "maps_normal" not in values_of(town(), Scene((town(),)), (8, 8), CpuEngine())
+    assert "maps_normal" not in values_of(town().resolved, Scene((town(),)), (8, 8), CpuEngine())
     own = replace(town().material, normal=map_of(np.full((2, 2, 3), (0.6, 0.5, 0.9))))
     obj = replace(town(), material=own)
-    assert "maps_normal" in values_of(obj, Scene((obj,)), (8, 8), CpuEngine())
+    assert "maps_normal" in values_of(obj.resolved, Scene((obj,)), (8, 8), CpuEngine())
 
 
 def test_colours_are_whole_texels_near_by() -> None:
@@ -303,7 +303,7 @@ def test_it_costs_other_techniques_nothing() -> None:
     )  # fmt: skip
     for technique in TECHNIQUES.values():
         obj = town(technique=technique)
-        program = program_of(obj, Scene((obj,), shadows="hard"))
+        program = program_of(obj.resolved, Scene((obj,), shadows="hard"))
         text = print_wgsl(program.module, program.edge)
         found = [name for name in names if f"fn {name}" in text]
         assert bool(found) == technique.columns, f"{technique.name}: {found}"

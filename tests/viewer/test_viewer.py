@@ -322,7 +322,7 @@ def test_cameras_are_pythons(seen: Seen) -> None:
 
 def test_framing_is_pythons(seen: Seen, material: Material) -> None:
     for shape in SHAPES:
-        points = Object(material, shape=shape).bounding_points()
+        points = Object(material, shape=shape).resolved.bounding_points()
         camera = Orbit(24.0, 32.0)
         fields = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
         script = "async ([c, p, s, f]) => (await import('view/camera.js')).framing(c, p, s, f)"
@@ -519,7 +519,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     fresh.draw()
     fresh.open("camera")
     distance = page.get_by_label("distance", exact=True)
-    framed = CAMERA.framing(Object(material).bounding_points(), SIZE).distance
+    framed = CAMERA.framing(Object(material).resolved.bounding_points(), SIZE).distance
     assert float(distance.input_value()) == pytest.approx(framed, rel=1e-3)
     page.get_by_label("camera azimuth", exact=True).fill("-40")
     page.get_by_label("field of view").last.fill("50")
@@ -836,7 +836,7 @@ def test_an_invalid_link_is_clamped(
     state = fresh.page.evaluate("viewer.state")
     # the state is valid in Python
     scene = scene_from_state(state, Scene((Object(material),)))
-    assert scene.objects[0].relief_scale <= 10.0
+    assert scene.objects[0].resolved.scale <= 10.0
     assert -1.0 < scene.objects[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))
     line = fresh.page.evaluate("viewer.text('python')")

@@ -1,6 +1,6 @@
 """Bakes of a material's maps to files.
 
-`OPTIONS` lists the bakes; those that techniques declare are in `tables.TABLES`. `docs/bake.md`
+`FILE_BAKES` lists the bakes; those that techniques declare are in `tables.TABLES`. `docs/bake.md`
 describes the files.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, assert_never
 
 from basrelief.baking.tables import TABLES, table
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +44,7 @@ class BakeInput:
         if self.material.height is None:
             raise InputError(
                 f"{self.material.name}: has no height map to bake from; "
-                "make one from its normals with --height, or name one with --height-map FILE"
+                "bake `height` from its normals, or name one with --height FILE"
             )
         return self.material.height.linear()[:, :, 0]
 
@@ -133,7 +133,7 @@ def _height(baking: BakeInput) -> BakeResult:
     if normal is None:
         raise InputError(
             f"{baking.material.name}: has no normal map to make heights from; "
-            "name one with --normal-map FILE"
+            "name one with --normal FILE"
         )
     integrated = height_map(normal.linear() * 2.0 - 1.0, baking.edge, baking.engine)
     residual = f"its normals are {integrated.residual:.2g}° off the input (rms)"
@@ -141,26 +141,42 @@ def _height(baking: BakeInput) -> BakeResult:
     return BakeResult({"height": baking.codes(integrated.heights[:, :, None])}, note)
 
 
-OPTIONS: dict[str, BakeOption] = {
+FILE_BAKES: dict[str, BakeOption] = {
     "normal": BakeOption("Normals, from heights.", _normal),
     "height": BakeOption("Heights, from normals.", _height),
     "occlusion": BakeOption("Ambient occlusion, from heights.", _occlusion),
     "horizon": BakeOption("Horizon map: the elevation of the horizon in 8 directions.", _horizon),
     **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
 }
-"""Bakes of `basrelief bake`, by the name of the option."""
+"""Bakes of `basrelief bake`, by their names."""
+
+
+def checked_bakes(names: Sequence[str]) -> list[str]:
+    """Names of bakes, each once; hyphens are read as underscores.
+
+    Raises InputError for an unknown name, and for none.
+    """
+    checked = [name.lower().replace("-", "_").removesuffix("_map") for name in names]
+    for name in checked:
+        if name not in FILE_BAKES:
+            raise InputError(f"there is no bake {name!r}; {suggestion(name, FILE_BAKES)}")
+    if not checked:
+        raise InputError(
+            f"nothing to bake: name {', '.join(FILE_BAKES)}, for example basrelief bake FOLDER normal"
+        )
+    return list(dict.fromkeys(checked))
 
 
 def bake_to(
     folder: Path, names: Sequence[str], baking: BakeInput, *, overwrite: bool = False
 ) -> list[tuple[Path, str]]:
-    """Bake some of `OPTIONS` and write the files to a folder, all or none.
+    """Bake some of `FILE_BAKES` and write the files to a folder, all or none.
 
     Creates the folder if it is missing, and returns each file with its note. Raises InputError if a
     file exists and `overwrite` is False, and if something cannot be baked or written.
     """
     prefix = _file_prefix(baking.material)
-    results = [OPTIONS[name].make(baking) for name in names]
+    results = [FILE_BAKES[name].make(baking) for name in names]
     files = {
         folder / f"{prefix}_{suffix}.png": (pixels, result.note)
         for result in results

@@ -6,20 +6,19 @@ names the option in that line, as in "--angles".
 
 from __future__ import annotations
 
-import inspect
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from basrelief.errors import InputError, suggestion
 from basrelief.material import Map, Material, load
+from basrelief.measure.views import SET_BY_MEASURE
 from basrelief.scene import (
     OWN_TILINGS,
-    SURFACES,
     Layer,
     LookAt,
     Object,
@@ -28,20 +27,21 @@ from basrelief.scene import (
     Tiling,
     placed,
     rotated,
+    technique_named,
 )
-from basrelief.scene.checks import FAR, NEAR
+from basrelief.scene.checks import FAR, NEAR, check_setting
 from basrelief.scene.lights import LIGHTS
 from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
 from basrelief.scene.presets import EMPTY_PRESET, Preset, preset, scene_of
-from basrelief.shading.brdf import Shading
-from basrelief.shading.fog import Fog
+from basrelief.scene.resolve import (
+    default_technique,
+    default_tiles,
+    default_transform,
+    number_records,
+)
+from basrelief.settings import parameters_of, settings_of
 from basrelief.shading.lights import Light
-from basrelief.shading.self_shadow import Shadowing
-from basrelief.techniques.height import Smoothing
-
-_VECTORS = ("position", "target", "up", "color")
-"""Parameters of cameras and lights that are three numbers."""
-
+from basrelief.techniques import TECHNIQUES, Technique, flat
 
 # --- simple values -------------------------------------------------------------------------------
 
@@ -182,16 +182,16 @@ def _motion_from(text: str) -> Motion:
 
 def _arguments(parts: Sequence[str], what: str, kind: Callable[..., Any]) -> dict[str, Any]:
     """Keyword arguments of a function from NAME=VALUE parts."""
-    known = inspect.signature(kind).parameters
+    known = settings_of(kind) if isinstance(kind, type) else parameters_of(kind)
     parsed: dict[str, Any] = {}
     for part in parts:
         name, text = name_and_value(part, what)
         if name not in known:
             raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
-        parse = vector if name in _VECTORS else number
+        parse = vector if known[name].kind == "triple" else number
         parsed[name] = parse(text, f"{what}: {name}")
-    for name, parameter in known.items():
-        if parameter.default is parameter.empty and name not in parsed:
+    for name, declared in known.items():
+        if declared.required and name not in parsed:
             raise InputError(f"{what}: add a {name}, for example {name}=1/2/1")
     return parsed
 
@@ -214,19 +214,42 @@ def preset_from(text: str | None) -> Preset:
     return EMPTY_PRESET if text is None else preset(text)
 
 
-_RECORDS = {"smoothing": Smoothing, "shading": Shading, "shadowing": Shadowing, "fog": Fog}
-_READERS: dict[str, Callable[[Any], Any]] = {
-    "tiling": lambda text: pair(text, "--tiling"),
-    "shift": lambda text: pair(text, "--shift"),
-    "fade": lambda text: pair(text, "--fade"),
-    "camera": camera_from,
-    "lights": lambda texts: () if [*texts] == ["none"] else tuple(map(light_from, texts)),
-    "background": lambda text: color(text, "--background"),
-}
-"""Parsers by option; other options are used as they are."""
+_DECLARED = {**settings_of(Object), **settings_of(Scene)}
+
+
+def _parsed(name: str, text: Any) -> Any:
+    """The value of an option of `Object` or `Scene`; other options are used as they are."""
+    declared = _DECLARED.get(name)
+    match name, declared and declared.kind:
+        case "camera", _:
+            return camera_from(text)
+        case "lights", _:
+            return () if [*text] == ["none"] else tuple(map(light_from, text))
+        case _, "pair":
+            return pair(text, f"--{name}")
+        case _, "triple":
+            return color(text, f"--{name}")
+    return text
 
 
 def scene(
+    material: Material, *, stretch: str | None = None, add: Sequence[str] = (), **options: Any
+) -> Scene:
+    """The scene that a command line describes, over a preset: parameters as for `scene_options`.
+
+    `stretch` scales the shape, and each of `add` is a further object.
+    """
+    merged = scene_options(material, **options)
+    if stretch is not None:
+        shape = merged.get("shape", "plane")
+        merged["transform"] = placed(scale=vector(stretch, "--stretch")) @ default_transform(
+            shape, material
+        )
+    main_scene = scene_of(material, merged)
+    return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
+
+
+def scene_options(
     material: Material,
     *,
     preset: Preset = EMPTY_PRESET,
@@ -237,46 +260,59 @@ def scene(
     layer: str | None = None,
     layer_tiling: str | None = None,
     layer_shift: str | None = None,
-    stretch: str | None = None,
-    add: Sequence[str] = (),
     **options: Any,
-) -> Scene:
-    """The scene that a command line describes, over a preset.
+) -> dict[str, Any]:
+    """The options of `Object` and `Scene` that a command line gives, over a preset.
 
-    `options` are fields of `Object` and `Scene`. `measured` says that the command line gives the
+    `options` are their fields as text or numbers. `measured` says that the command line gives the
     material's depth, which then replaces the preset's scale.
     """
-    parsed = {
-        name: _READERS[name](text) if name in _READERS else text for name, text in options.items()
-    }
+    parsed = {name: _parsed(name, text) for name, text in options.items()}
     if measured:
         parsed["scale"] = None
     if layer is not None:
         parsed["layer"] = Layer(load(layer))
     merged = preset.options(material, parsed)
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
-    draft = Object(material, **_subset(merged, "technique", "surface"))
-    merged["technique"] = draft.selected_technique  # loaded here once: loading runs a user's file
-    settings_by_record = _by_record(dict(name_and_value(text, "--set") for text in settings), draft)
-    merged |= settings_by_record.pop("object")
-    for record, values in settings_by_record.items():
+    # loaded here once: loading runs a user's file
+    technique = technique_named(merged.get("technique") or default_technique(material))
+    merged["technique"] = technique
+    values_by_record = _by_record(
+        dict(name_and_value(text, "--set") for text in settings),
+        technique,
+        merged.get("surface", "standard"),
+    )
+    for record, values in values_by_record.items():
         merged[record] = {**merged.get(record, {}), **values}
     merged["tilings"] = _tilings(material, merged, map_tiling, map_shift)
-    if stretch is not None:
-        default_transform = Object(material, **_subset(merged, "technique", "shape")).to_world
-        merged["transform"] = placed(scale=vector(stretch, "--stretch")) @ default_transform
-    main_scene = scene_of(material, merged)
-    return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
+    return merged
 
 
-def settings_from(texts: Sequence[str]) -> dict[str, float]:
-    """Numbers by name, from texts such as "steps=16"."""
-    values = dict(name_and_value(text, "--set") for text in texts)
-    return {name: number(text, f"--set {name}") for name, text in values.items()}
+def measured_options(
+    material: Material, techniques: Sequence[str] | None, settings: Sequence[str], **options: Any
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The settings of techniques and the options of `Object` and `Scene` for a measurement.
 
-
-def _subset(options: Mapping[str, Any], *names: str) -> dict[str, Any]:
-    return {name: options[name] for name in names if name in options}
+    Parameters are those of `scene_options`. A setting that one of the techniques has is the
+    techniques'; what a measurement decides itself is left out of a preset.
+    """
+    surface = options.get("surface", "standard")
+    check_setting(_DECLARED["surface"], surface)
+    named = [technique_named(text.partition(",")[0]) for text in techniques or TECHNIQUES]
+    known = {name for technique in named for name in settings_of(technique.settings)}
+    records = number_records(flat, surface).values()
+    others = {name for record in records for name in settings_of(record)}
+    values = dict(name_and_value(text, "--set") for text in settings)
+    for name in values.keys() - known - others - _DECLARED.keys():
+        hint = suggestion(name, sorted(known | others))
+        raise InputError(f"--set {name}: there is no such setting here; {hint}")
+    of_techniques = {
+        name: value(text, f"--set {name}") for name, text in values.items() if name in known
+    }
+    rest = [f"{name}={text}" for name, text in values.items() if name not in known]
+    merged = scene_options(material, settings=rest, technique="flat", **options)
+    of_scene = {name: value for name, value in merged.items() if name not in SET_BY_MEASURE}
+    return of_techniques, {k: v for k, v in of_scene.items() if k != "settings"}
 
 
 def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:
@@ -300,7 +336,10 @@ def _tilings(
     own: dict[str, Tiling] = dict(options.get("tilings", {}))
     if not tilings and not shifts:
         return own
-    main = Object(material, **_subset(options, "technique", "shape", "tiling", "shift")).main_tiling
+    shape = options.get("shape", "plane")
+    check_setting(_DECLARED["shape"], shape)
+    tiles = options.get("tiling") or default_tiles(shape, material)
+    main = Tiling(tiles, options.get("shift", (0.0, 0.0)))
     for option, field, texts in (
         ("--map-tiling", "tiles", tilings),
         ("--map-shift", "shift", shifts),
@@ -314,37 +353,39 @@ def _tilings(
     return own
 
 
-def _by_record(settings: Mapping[str, str], obj: Object) -> dict[str, dict[str, Any]]:
+def _by_record(
+    settings: Mapping[str, str], technique: Technique[..., Any], surface: str
+) -> dict[str, dict[str, Any]]:
     """Settings by the field of `Object` or `Scene` whose record has them.
 
-    Where several records have a name, the technique's takes precedence. Settings of the object
-    itself are under "object".
+    Where several records have a name, the technique's takes precedence.
     """
-    records = {
-        "settings": obj.selected_technique.settings,
-        "surface_parameters": SURFACES[obj.surface],
-        **_RECORDS,
-    }
-    known = {owner: [f.name for f in fields(record)] for owner, record in records.items()}
-    known["object"] = ["bias"]
+    check_setting(_DECLARED["surface"], surface)
+    records = number_records(technique, surface)
+    known = {owner: [*settings_of(record)] for owner, record in records.items()}
     values: dict[str, dict[str, Any]] = {owner: {} for owner in known}
     for name, text in settings.items():
         owner = next((owner for owner, names in known.items() if name in names), None)
+        if owner is None and name in _DECLARED:
+            raise InputError(
+                f"--set {name}: it is an option of its own; write {_DECLARED[name].option}"
+            )
         if owner is None:
             hint = suggestion(name, [name for names in known.values() for name in names])
             raise InputError(f"--set {name}: there is no such setting here; {hint}")
-        parse = number if owner == "object" else value
-        values[owner][name] = parse(text, f"--set {name}")
+        values[owner][name] = value(text, f"--set {name}")
     return values
 
 
 # --- added objects -------------------------------------------------------------------------------
 
-_TEXTS = ("technique", "projection", "heights", "edge", "mapping", "alpha", "casts")
-_NUMBERS = ("scale", "reference_height", "bias")
-_PAIRS = ("tiling", "shift")
 _PARAMETERS = ("position", "size", "turn", "material", "color")
-"""Parameters of --add: those of `Object` by their parser, and those of `object_from` alone."""
+"""Parameters of --add besides those of `Object`."""
+_PARSERS: dict[str, Callable[[str, str], Any]] = {
+    "choice": lambda text, what: text, "text": lambda text, what: text,
+    "number": number, "pair": pair,
+}  # fmt: skip
+"""Parsers of the settings of `Object` that --add takes, by kind."""
 
 
 def object_from(text: str) -> Object:
@@ -357,21 +398,26 @@ def object_from(text: str) -> Object:
     shape, *parts = text.split(",")
     shape, what = shape.strip(), f"--add {shape.strip()}"
     values = dict(name_and_value(part, what) for part in parts)
+    parsers = {
+        name: _PARSERS[declared.kind]
+        for name, declared in settings_of(Object).items()
+        if declared.kind in _PARSERS and name != "shape"
+    }
     for name in values:
-        known = (*_PARAMETERS, *_TEXTS, *_NUMBERS, *_PAIRS)
+        known = (*_PARAMETERS, *parsers)
         if name not in known:
             raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
     material = load(values["material"]) if "material" in values else _white_material()
-    options: dict[str, Any] = {"shape": shape, **_subset(values, *_TEXTS)}
-    for parse, names in ((number, _NUMBERS), (pair, _PAIRS)):
-        texts = _subset(values, *names)
-        options |= {name: parse(text, f"{what}: {name}") for name, text in texts.items()}
+    options: dict[str, Any] = {"shape": shape}
+    for name, parse in parsers.items():
+        if name in values:
+            options[name] = parse(values[name], f"{what}: {name}")
     if "color" in values or "material" not in values:
         options["surface_parameters"] = {
             "base_color": value(values.get("color", _GREY), f"{what}: color")
         }
     obj = Object(material, **options)
-    return replace(obj, transform=_added_transform(values, what) @ obj.to_world)
+    return replace(obj, transform=_added_transform(values, what) @ obj.resolved.transform)
 
 
 _GREY = "0.5"

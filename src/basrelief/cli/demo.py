@@ -12,7 +12,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
-from basrelief.shading.kinds import ShapeKind
+from basrelief.settings.kinds import ShapeKind
 from basrelief.techniques import TECHNIQUES
 
 _SIZE = (640, 360)
@@ -38,7 +38,7 @@ def pictures(folder: Path, device: str) -> Iterator[Path]:
         materials = dict(zip(names, pool.map(sample, names), strict=True))
         scenes = dict(_scenes(materials))
         engine = device_choice.result()
-        programs = [program_of(scene.objects[0]) for scene in scenes.values()]
+        programs = [program_of(scene.resolved[0]) for scene in scenes.values()]
         list(pool.map(engine.compile, programs))
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from basrelief._version import __version__
+from basrelief.baking.files import FILE_BAKES, checked_bakes
 from basrelief.cli import options
 from basrelief.errors import BasreliefError, InputError, new_name
 
@@ -29,6 +30,8 @@ app = typer.Typer(
 )
 
 
+BAKE_FLAGS = {name.replace("_", "-") for name in FILE_BAKES}
+BAKE_EXAMPLE = "to bake maps write, for example, basrelief bake FOLDER normal occlusion"
 _INTERRUPTED = 130
 """Exit code after Ctrl-C; typer returns it instead of raising."""
 
@@ -74,6 +77,8 @@ def _usage_error(error: Exception) -> NoReturn:
 def _renamed_option(error: Any) -> str:
     """The hint to the new name of an unknown option; "" where the command has no such option."""
     option, context = getattr(error, "option_name", ""), getattr(error, "ctx", None)
+    if getattr(context, "info_name", "") == "bake" and option.strip("-") in BAKE_FLAGS:
+        return f"{option}: maps to bake are named without dashes; {BAKE_EXAMPLE}"
     known = [] if context is None else [name for p in context.command.params for name in p.opts]
     return new_name(option, known)
 
@@ -108,15 +113,12 @@ PathArgument = Annotated[
 ]
 _picture_option = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
-ScaleOption = Annotated[
-    float | None, typer.Option(help="Height range as a fraction of a tile's width.")
-]
-ReferenceHeightOption = Annotated[
-    float | None, typer.Option(help="Height that lies on the polygon (each technique's own).")
-]
-ProjectionOption = Annotated[
-    str | None, typer.Option(help="Projection: full, biased or limited (each technique's own).")
-]
+_SCENE_OPTIONS = (options.RELIEF, options.SURFACE, options.LIGHT, options.CAMERA)
+_NOT_MEASURED = (
+    "shape", "stretch", "tiling", "heights", "fade", "edge", "alpha", "casts", "shadows_on",
+    "shadow_map_size",
+)  # fmt: skip
+"""Options of a scene that a measurement decides itself, or has no use for."""
 DeviceOption = Annotated[str, _picture_option(help="Device: auto, cpu or gpu.")]
 
 
@@ -140,7 +142,7 @@ def _preset_and_maps(values: dict[str, Any]) -> tuple[Preset, dict[str, Any]]:
     """Remove the preset and the options of maps from `values`, and return them."""
     from basrelief.cli import arguments
 
-    maps = {name: values.pop(name) for name in options.names_of(options.Maps)}
+    maps = {name: values.pop(name) for name in options.MAPS_OPTIONS}
     arguments.check_lengths(maps["depth"], maps["tile"], values["scale"])
     return arguments.preset_from(values.pop("preset")), _without_none(maps)
 
@@ -156,7 +158,7 @@ def _scene(path: str, preset: Preset, maps: dict[str, Any], values: dict[str, An
 
 
 @app.command()
-@options.with_options(..., options.Maps)
+@options.with_options(..., options.MAPS_OPTIONS)
 def info(
     path: PathArgument,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -191,8 +193,7 @@ def techniques() -> None:
         doc = inspect.cleandoc(technique.__doc__ or "")
         paragraphs = doc.replace("References\n----------\n", "Reference: ").split("\n\n")
         _print_entry(technique.name, [*paragraphs, defaults], technique.settings)
-    bias = "Besides the settings of a technique, --set sets bias (0.42), for --projection"
-    _print_entry("with every technique", [f"{bias} biased, and the settings below."])
+    _print_entry("with every technique", ["Besides its own, --set sets the numbers below."])
     for name, record in (
         ("smooth heights (--heights smooth)", Smoothing),
         ("the standard surface", SurfaceParameters),
@@ -252,10 +253,7 @@ def _setting_row(field: Any) -> tuple[str, str, str]:
 
 
 @app.command()
-@options.with_options(
-    options.Relief, options.Surface, options.Light, options.Camera, ...,
-    options.Maps, options.Further,
-)  # fmt: skip
+@options.with_options(*_SCENE_OPTIONS, ..., options.MAPS_OPTIONS, options.FURTHER)
 def render(
     path: PathArgument,
     output: Annotated[
@@ -293,13 +291,11 @@ def render(
         preset, maps = _preset_and_maps(values)
         motions = arguments.motions_from(motion or [], frames, preset)
         scene = _scene(path, preset, maps, values)
-        material, selected_technique = (
-            scene.objects[0].material,
-            scene.objects[0].selected_technique.name,
-        )
+        obj = scene.resolved[0]
+        material, technique_name = obj.material, obj.technique.name
         suffix = "" if show == "color" else f"-{show}"
         # `load` recognises this name, and does not take the picture for a map
-        target = output or Path(f"{material.name}-{selected_technique}{suffix}-basrelief.png")
+        target = output or Path(f"{material.name}-{technique_name}{suffix}-basrelief.png")
         film.check_film(target, frames, fps, pixels, bits=bits, quality=quality)
         progress.task = f"drawing {material.name}"
         if show != "color":
@@ -344,9 +340,7 @@ def _draw_debug_picture(
     check_shown(kind)
     if frames != 1:
         raise InputError(f"--show {kind}: draws a single picture; omit --frames")
-    columns = [
-        obj.selected_technique.name for obj in scene.objects if obj.selected_technique.columns
-    ]
+    columns = [obj.technique.name for obj in scene.resolved if obj.technique.columns]
     if columns and kind != "reads":
         raise InputError(
             f"--show {kind} measures against the bilinear surface, but {columns[0]} draws columns; "
@@ -361,7 +355,9 @@ def _draw_debug_picture(
 
 
 @app.command()
-@options.with_options(..., options.Maps)
+@options.with_options(
+    ..., options.RELIEF, options.SURFACE, options.LIGHT, options.MAPS_OPTIONS, omit=_NOT_MEASURED
+)
 def compare(
     path: PathArgument,
     output: Annotated[
@@ -386,11 +382,8 @@ def compare(
     angles: Annotated[str, typer.Option(help="Degrees from the normal.")] = "0,45,60,75,85",
     size: Annotated[str, typer.Option(help="Width × height of each picture.")] = "480x270",
     samples: Annotated[int, typer.Option(help="Samples per pixel.")] = 4,
-    scale: ScaleOption = None,
-    reference_height: ReferenceHeightOption = None,
-    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
-    **maps: Any,
+    **values: Any,
 ) -> None:
     """Measure every technique on a material and recommend one, on a page with pictures."""
     with _Progress(f"reading {path}") as progress:
@@ -398,25 +391,25 @@ def compare(
         from basrelief.measure.compare import compare as compare_techniques
 
         degrees, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
-        arguments.check_lengths(maps["depth"], maps["tile"], scale)
-        fixed = arguments.settings_from(settings or [])
-        relief = _without_none(
-            {"scale": scale, "reference_height": reference_height, "projection": projection}
-        )
-        if "bias" in fixed:
-            relief["bias"] = fixed.pop("bias")
-        material = _load_material(path, **maps)
+        preset, maps = _preset_and_maps(values)
+        material = _load_material(path, **{**preset.maps, **maps})
+        fixed, of_scene = arguments.measured_options(
+            material, technique, settings or [], preset=preset, measured="depth" in maps,
+            **_without_none(values),
+        )  # fmt: skip
 
         result = compare_techniques(
             material, technique, angles=degrees, size=pixels, samples=samples, device=device,
-            settings=fixed, progress=progress.report, **relief,
+            settings=fixed, progress=progress.report, **of_scene,
         )  # fmt: skip
         page = result.save(output or Path(f"{material.name}-compare"))
     print(f"{result.summary()}\n{page}  ({result.device})")
 
 
 @app.command()
-@options.with_options(..., options.Maps)
+@options.with_options(
+    ..., options.RELIEF, options.SURFACE, options.LIGHT, options.MAPS_OPTIONS, omit=_NOT_MEASURED
+)
 def tune(
     path: PathArgument,
     missed: Annotated[
@@ -440,11 +433,8 @@ def tune(
         typer.Option("--set", help="Setting with a fixed value; repeatable.", metavar="NAME=VALUE"),
     ] = None,
     size: Annotated[str, typer.Option(help="Width × height of the measured pictures.")] = "320x180",
-    scale: ScaleOption = None,
-    reference_height: ReferenceHeightOption = None,
-    projection: ProjectionOption = None,
     device: DeviceOption = "auto",
-    **maps: Any,
+    **values: Any,
 ) -> None:
     """Find the cheapest technique and settings that keep an error under a bound."""
     with _Progress(f"reading {path}") as progress:
@@ -453,36 +443,35 @@ def tune(
 
         bound = None if missed is None else arguments.share(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
-        arguments.check_lengths(maps["depth"], maps["tile"], scale)
-        fixed = arguments.settings_from(settings or [])
-        relief = _without_none(
-            {"scale": scale, "reference_height": reference_height, "projection": projection}
-        )
-        if "bias" in fixed:
-            relief["bias"] = fixed.pop("bias")
-        material = _load_material(path, **maps)
+        preset, maps = _preset_and_maps(values)
+        material = _load_material(path, **{**preset.maps, **maps})
+        fixed, of_scene = arguments.measured_options(
+            material, technique, settings or [], preset=preset, measured="depth" in maps,
+            **_without_none(values),
+        )  # fmt: skip
 
         result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=fixed, progress=progress.report, source=path, **relief,
+            device=device, settings=fixed, progress=progress.report, source=path, **of_scene,
         )  # fmt: skip
         written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
 
 
 @app.command()
-@options.with_options(..., options.Bakes, options.Sources)
+@options.with_options(..., options.BAKE, options.MAPS_OPTIONS)
 def bake(
     path: PathArgument,
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help=f"Maps to bake: {', '.join(FILE_BAKES)}.",
+            metavar="MAP...",
+            autocompletion=lambda: list(FILE_BAKES),
+        ),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option(*_OUTPUT, help="Folder for the files (FOLDER/baked).")
-    ] = None,
-    edge: Annotated[str, typer.Option(help="Beyond the edge of the map: wrap or clamp.")] = "wrap",
-    scale: Annotated[
-        float | None,
-        typer.Option(
-            help="Height range as a fraction of a tile's width (the material's, or 0.05)."
-        ),
     ] = None,
     green: Annotated[str, typer.Option(help="Green of normals: up (gl) or down (dx).")] = "gl",
     bits: Annotated[
@@ -494,45 +483,35 @@ def bake(
     **values: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
-    from basrelief.baking.files import OPTIONS, BakeInput, bake_to
+    from basrelief.baking.files import BakeInput, bake_to
 
-    names = [name for name in OPTIONS if values.pop(name)]
-    if not names:
-        raise InputError(
-            f"nothing to bake: name {', '.join('--' + name.replace('_', '-') for name in OPTIONS)}"
-        )
-    for option, value, known in (
-        ("edge", edge, ("wrap", "clamp")), ("green", green, ("gl", "dx")), ("bits", bits, (8, 16)),
-    ):  # fmt: skip
+    for name, file in values.items():
+        if name in FILE_BAKES and str(file).startswith("-"):
+            raise InputError(f"--{name} names a file; {BAKE_EXAMPLE}")
+    names = checked_bakes(what or [])
+    for option, value, known in (("green", green, ("gl", "dx")), ("bits", bits, (8, 16))):
         if value not in known:
             raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
     with _Progress(f"reading {path}") as progress:
-        from basrelief.cli import arguments
         from basrelief.engine import choose_device
-        from basrelief.scene.objects import DEFAULT_SCALE
+        from basrelief.rendering.programs import map_edge
 
-        arguments.check_lengths(values["depth"], values["tile"], scale)
-        maps = {name.removesuffix("_map"): value for name, value in values.items()}
-        material = _load_material(path, **maps)
-        progress.task = f"baking {material.name}"
-        height_scale = next(
-            number for number in (scale, material.scale, DEFAULT_SCALE) if number is not None
-        )
-        engine = choose_device(device)
-        baking = BakeInput(material, engine, edge, height_scale, bits, green, directions)  # type: ignore[arg-type]
+        preset, maps = _preset_and_maps(values)
+        (obj,) = _scene(path, preset, maps, values).resolved
+        progress.task = f"baking {obj.material.name}"
+        baking = BakeInput(
+            obj.material, choose_device(device), map_edge(obj), obj.scale, bits, green, directions  # type: ignore[arg-type]
+        )  # fmt: skip
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         files = bake_to(folder, names, baking, overwrite=overwrite)
     for file, note in files:
         print(f"{file}  ({note})" if note else file)
     if set(names) & {"normal", "occlusion", "horizon"}:
-        print(f"scale {height_scale:g}: height range as a fraction of the map's width")
+        print(f"scale {obj.scale:g}: height range as a fraction of the map's width")
 
 
 @app.command()
-@options.with_options(
-    options.Relief, options.Surface, options.Light, options.Camera, ...,
-    options.Maps, options.Further,
-)  # fmt: skip
+@options.with_options(*_SCENE_OPTIONS, ..., options.MAPS_OPTIONS, options.FURTHER)
 def explain(
     path: PathArgument,
     pixel: Annotated[
@@ -582,9 +561,7 @@ def demo(
 
 
 @app.command()
-@options.with_options(
-    options.Relief, options.Surface, options.Light, options.Camera, ..., options.Maps,
-)  # fmt: skip
+@options.with_options(*_SCENE_OPTIONS, ..., options.MAPS_OPTIONS)
 def view(
     path: PathArgument,
     output: Annotated[

@@ -7,7 +7,7 @@ from dataclasses import fields
 from typing import Any
 
 from basrelief.lang import Vec3
-from basrelief.scene import Object, Scene
+from basrelief.scene import Object, ResolvedObject, Scene
 from basrelief.shading.brdf import Shading
 
 
@@ -16,14 +16,15 @@ def settings_of(scene: Scene) -> str:
     return " · ".join([*_of_object(scene.objects[0]), *_of_scene(scene)])
 
 
-def _of_object(obj: Object) -> Iterator[str]:
-    yield f"{obj.selected_technique.name}, {obj.material.name} on a {obj.shape}"
+def _of_object(given: Object) -> Iterator[str]:
+    obj = given.resolved
+    yield f"{obj.technique.name}, {obj.material.name} on a {obj.shape}"
     if obj.has_relief:
-        yield f"scale {obj.relief_scale:.3g}"
+        yield f"scale {obj.scale:.3g}"
         yield from _numbers(obj.settings)
         yield from _of_ray(obj)
-    if obj.tiling is not None:
-        yield "{:g} × {:g} tiles".format(*obj.tiling)
+    if given.tiling is not None:
+        yield "{:g} × {:g} tiles".format(*given.tiling)
     if obj.mapping != "planar" and obj.has_relief:
         yield f"{obj.mapping} colour"
     if obj.alpha != "blend":
@@ -31,13 +32,13 @@ def _of_object(obj: Object) -> Iterator[str]:
     yield from _changed(obj.surface_parameters, type(obj.surface_parameters)())
 
 
-def _of_ray(obj: Object) -> Iterator[str]:
+def _of_ray(obj: ResolvedObject) -> Iterator[str]:
     """Projection of the view ray, reference height, and filter of the heights."""
-    if obj.relief_projection != "full":
-        with_bias = f" {obj.bias:g}" if obj.relief_projection == "biased" else ""
-        yield f"projection {obj.relief_projection}{with_bias}"
-    if obj.relief_reference_height != obj.selected_technique.reference_height:
-        yield f"reference height {obj.relief_reference_height:g}"
+    if obj.projection != "full":
+        with_bias = f" {obj.bias:g}" if obj.projection == "biased" else ""
+        yield f"projection {obj.projection}{with_bias}"
+    if obj.reference_height != obj.technique.reference_height:
+        yield f"reference height {obj.reference_height:g}"
     if obj.heights != "sharp":
         yield f"{obj.heights} heights"
         yield from _numbers(obj.smoothing)

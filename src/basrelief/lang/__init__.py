@@ -45,8 +45,9 @@ from basrelief.lang.intrinsics import (
 )
 from basrelief.lang.resources import Buffer, HeightField, Map, Texture, resources
 from basrelief.lang.shader import Shader, bound, shader, slot, watched
-from basrelief.lang.types import ShaderError, TypeSlot, setting, static, static_fields, struct
+from basrelief.lang.types import ShaderError, TypeSlot, static, static_fields, struct
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+from basrelief.settings import setting
 
 __all__ = [
     "Buffer", "HeightField", "IVec2", "Map", "Mat3", "Shader", "ShaderError", "Texture", "TypeSlot",

@@ -17,6 +17,7 @@ import numpy as np
 
 from basrelief.errors import BasreliefError
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
+from basrelief.settings import setting
 
 VECTORS: dict[type, tuple[type, int]] = {
     t: (t.component, t.size) for t in (Vec2, Vec3, Vec4, IVec2)
@@ -29,22 +30,6 @@ _T = TypeVar("_T")
 
 class ShaderError(BasreliefError):
     """Source outside the shader subset: file, line, offending text, what to write instead."""
-
-
-def setting(*, default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
-    """Field of a record that users set: default, description and range.
-
-    Parameters
-    ----------
-    default
-        The default value.
-    doc
-        One line for help texts.
-    low, high
-        The inclusive range; None leaves that side open. It is checked when a user's values are
-        read, not when a shader builds a record.
-    """
-    return dataclasses.field(default=default, metadata={"doc": doc, "low": low, "high": high})
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(setting,))

@@ -22,7 +22,8 @@ from pathlib import Path
 from basrelief.errors import InputError
 from basrelief.images import LOSSY, READABLE, picture_size, read_picture
 from basrelief.material.conventions import Green, Meaning, Name, Part, parse_name, parse_names
-from basrelief.material.material import MAPS, Note
+from basrelief.material.material import Note
+from basrelief.material.options import MAPS
 
 
 @dataclass(frozen=True)

@@ -16,19 +16,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.images import srgb_decode
-
-MAPS = {
-    "base_color": 3,
-    "normal": 3,
-    "height": 1,
-    "occlusion": 1,
-    "roughness": 1,
-    "metallic": 1,
-    "emission": 3,
-    "opacity": 1,
-    "layer_mask": 1,
-}
-"""The maps of a material, with their number of channels."""
+from basrelief.material.options import MAPS
 
 _MAX_CODES = {"uint8": 255, "uint16": 65535}
 
@@ -176,9 +164,10 @@ class Material:
 
     def __post_init__(self) -> None:
         for kind, map in self.maps():
-            if map.channels != MAPS[kind]:
+            wanted = MAPS[kind].channels
+            if map.channels != wanted:
                 raise InputError(
-                    f"{map.source}: the {kind} map has {map.channels} channels, not {MAPS[kind]}"
+                    f"{map.source}: the {kind} map has {map.channels} channels, not {wanted}"
                 )
         self._check_heights()
         self._check_proportions()

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.material.hole import hole
 from basrelief.material.material import Map, Material, Note
+from basrelief.material.opening import hole
 from basrelief.material.patterns import PATTERNS, Canvas, Relief
 from basrelief.material.patterns.canvas import to_unit
 

@@ -26,9 +26,9 @@ from basrelief.measure.report import write
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import truth
-from basrelief.measure.views import ANGLES, at_angle
+from basrelief.measure.views import ANGLES, SET_BY_MEASURE, at_angle
 from basrelief.rendering.render import check_picture, render
-from basrelief.scene import Object, Scene, technique_named
+from basrelief.scene import ResolvedObject, Scene, technique_named
 from basrelief.techniques import TECHNIQUES, Technique, exact
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
@@ -76,7 +76,7 @@ class Comparison(Results):
         Runs of which each time is the median.
     angles : tuple of float
         Angles between view and normal, in degrees.
-    objects : dict of str to Object
+    objects : dict of str to ResolvedObject
         Objects by the technique's name, the fastest first.
     results : tuple of Result
         Measurements by angle, then by technique, the fastest first.
@@ -219,14 +219,14 @@ def compare(
     return Comparison(
         material=material.name,
         texels=(height.width, height.height),
-        scale=first["exact"].objects[0].relief_scale,
+        scale=first["exact"].resolved[0].scale,
         device=f"{engine.name}: {engine.adapter}",
         size=size,
         samples=samples,
         timing=timing,
         runs=runs,
         angles=angles,
-        objects={name: first[name].objects[0] for name in sorted(cost, key=lambda n: cost[n])},
+        objects={name: first[name].resolved[0] for name in sorted(cost, key=lambda n: cost[n])},
         results=tuple(results),
     )
 
@@ -238,8 +238,7 @@ def check_measurable(material: Material, options: Mapping[str, Any]) -> None:
             f"{material.name} has no height map, which techniques need; add one, "
             "for example --height FILE"
         )
-    reserved = ("shape", "tiling", "transform", "camera", "technique", "alpha", "edge", "fade")
-    for name in (*reserved, "heights"):
+    for name in SET_BY_MEASURE:
         if name in options:
             raise InputError(f"{name}: a comparison sets it itself; omit it")
 
@@ -354,13 +353,13 @@ def _own_settings(text: str) -> tuple[str, dict[str, float]]:
 # --- as JSON -------------------------------------------------------------------------------------
 
 
-def _technique(name: str, obj: Object) -> dict[str, Any]:
+def _technique(name: str, obj: ResolvedObject) -> dict[str, Any]:
     return {
         "name": name,
-        "technique": obj.selected_technique.name,
+        "technique": obj.technique.name,
         "settings": settings_of(obj),
-        "reference_height": obj.relief_reference_height,
-        "projection": obj.relief_projection,
+        "reference_height": obj.reference_height,
+        "projection": obj.projection,
     }
 
 

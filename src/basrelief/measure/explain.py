@@ -23,7 +23,7 @@ from basrelief.measure.section import write_section
 from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
 from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
-from basrelief.scene import Object, Scene
+from basrelief.scene import ResolvedObject, Scene
 from basrelief.shading.camera import CameraRay, primary_ray
 from basrelief.shading.intersection import Intersection, footprint_at, intersect
 from basrelief.shading.relief import faded_relief, height_lod, object_height_range, relief_ray
@@ -124,7 +124,7 @@ def explain(
     scene.check_camera()
     intersections = [
         pair
-        for obj in scene.objects
+        for obj in scene.resolved
         if (pair := _intersection_with(obj, scene, pixel, size)) is not None
     ]
     if not intersections:
@@ -139,8 +139,8 @@ def explain(
 
 
 def _intersection_with(
-    obj: Object, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
-) -> tuple[Object, Intersection] | None:
+    obj: ResolvedObject, scene: Scene, pixel: tuple[int, int], size: tuple[int, int]
+) -> tuple[ResolvedObject, Intersection] | None:
     """The object, with the intersection of its shape and a pixel's ray; None for a miss."""
     ray = _camera_ray(scene, pixel, size)
     intersection = intersect(ray, obj.placement(), variant_of(obj, scene))
@@ -152,7 +152,7 @@ def _camera_ray(scene: Scene, pixel: tuple[int, int], size: tuple[int, int]) -> 
 
 
 def _explanation(
-    obj: Object,
+    obj: ResolvedObject,
     scene: Scene,
     intersection: Intersection,
     pixel: tuple[int, int],
@@ -160,7 +160,7 @@ def _explanation(
 ) -> Explanation:
     # the shaders run in Python, which rounds as the CPU does
     values = values_of(obj, scene, size, choose_device("cpu"))
-    field, technique = values["field"], obj.selected_technique
+    field, technique = values["field"], obj.technique
     variant = variant_of(obj, scene)
     faded = faded_relief(values["relief"], intersection.distance, variant)
     if faded.scale <= 0.0:

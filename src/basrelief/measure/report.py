@@ -214,10 +214,10 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
 def _settings(comparison: Results, name: str) -> str:
     obj = comparison.objects[name]
     parts = [f"{key} {value:g}" for key, value in settings_of(obj).items()]
-    if obj.relief_projection != "full":
-        parts.append(f"projection {obj.relief_projection}")
-    if obj.relief_reference_height != 1.0:
-        parts.append(f"reference height {obj.relief_reference_height:g}")
+    if obj.projection != "full":
+        parts.append(f"projection {obj.projection}")
+    if obj.reference_height != 1.0:
+        parts.append(f"reference height {obj.reference_height:g}")
     return " · ".join(parts)
 
 

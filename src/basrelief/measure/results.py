@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from basrelief.lang import Vec3
 from basrelief.measure.errors import Errors
 from basrelief.measure.timing import Timing
-from basrelief.scene import Object
+from basrelief.scene import ResolvedObject
 from basrelief.techniques import flat
 
 
@@ -60,7 +60,7 @@ class Results:
     timing: Timing
     runs: int
     angles: tuple[float, ...]
-    objects: Mapping[str, Object]
+    objects: Mapping[str, ResolvedObject]
     results: tuple[Result, ...]
 
     def at(self, angle: float) -> list[Result]:
@@ -72,9 +72,9 @@ class Results:
         return [result for result in self.results if result.technique == technique]
 
 
-def settings_of(obj: Object) -> dict[str, Any]:
+def settings_of(obj: ResolvedObject) -> dict[str, Any]:
     """Settings of an object's technique, as JSON has them."""
-    if obj.selected_technique is flat:
+    if obj.technique is flat:
         return {}
     record = obj.settings
     return {name: _json_value(getattr(record, name)) for name in type(record).__dataclass_fields__}

@@ -58,7 +58,7 @@ def seconds_of(
 
 def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
     """A function that draws a scene once and returns the seconds it took."""
-    obj, size = scene.objects[0], timing.size
+    obj, size = scene.resolved[0], timing.size
     program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
     match timing.by:
         case "timestamps":

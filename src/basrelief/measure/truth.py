@@ -18,7 +18,7 @@ from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
 from basrelief.rendering.programs import map_edge, values_of, view_ray_program_of
 from basrelief.rendering.render import check_picture
-from basrelief.scene import Object, Scene
+from basrelief.scene import Object, ResolvedObject, Scene
 
 __all__ = ["Truth", "truth"]
 
@@ -102,7 +102,7 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
     distance = rays["distance"] + (1.0 - height) * rays["length"].astype(float)
     there = meets & (distance > 0.0)
     if obj.edge == "clip":
-        tile_uv = (uv - obj.shift) / obj.tiles
+        tile_uv = (uv - obj.tiling.shift) / obj.tiling.tiles
         there &= ((tile_uv >= 0.0) & (tile_uv <= 1.0)).all(-1)
     return Truth(
         uv, height, np.where(there, distance, 0.0), there, travel, heights.shape[::-1],
@@ -110,11 +110,11 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
     )  # fmt: skip
 
 
-def measurable(scene: Scene) -> Object:
+def measurable(scene: Scene) -> ResolvedObject:
     """The object of a scene whose truth can be computed; raises InputError where there is none."""
     if len(scene.objects) != 1 or scene.objects[0].shape != "plane":
         raise InputError("errors are measured on one plane; give a scene with one object, a plane")
-    obj = scene.objects[0]
+    obj = scene.resolved[0]
     if obj.material.height is None:
         raise InputError(
             f"{obj.material.name} has no height map, so there is nothing to measure; add one"
@@ -122,7 +122,7 @@ def measurable(scene: Scene) -> Object:
     return obj
 
 
-def _heights(obj: Object) -> NDArray[np.float32]:
+def _heights(obj: ResolvedObject) -> NDArray[np.float32]:
     """Mip level 0 of the height field that programs read."""
     field = textures.height_field(obj.material, map_edge(obj))
     assert field is not None

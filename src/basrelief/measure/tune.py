@@ -280,7 +280,7 @@ def tune(
     best = passing[0]
     cheaper = [trial for trial in timed if not trial.passed and trial.seconds < best.seconds]
     scene = evaluator.scene(best.candidate, view_angles[0])
-    obj = scene.objects[0]
+    obj = scene.resolved[0]
     return TuneResult(
         chosen=best,
         nearest=min(cheaper, key=lambda trial: trial.error, default=None),
@@ -290,7 +290,7 @@ def tune(
         angles=view_angles,
         source=source or (material.name if isinstance(what, Material) else os.fspath(what)),
         material=material.name,
-        scale=obj.relief_scale,
+        scale=obj.scale,
         settings=settings_of(obj),
         options=options,
         device=f"{engine.name}: {engine.adapter}",

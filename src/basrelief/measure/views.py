@@ -15,6 +15,10 @@ from basrelief.scene.presets import scene_of
 ANGLES = (0.0, 45.0, 60.0, 75.0, 85.0)
 """Default angles between view and normal, in degrees: head-on to grazing."""
 MAX_ANGLE = 89.0
+SET_BY_MEASURE = (
+    "shape", "tiling", "transform", "camera", "technique", "alpha", "edge", "fade", "heights",
+)  # fmt: skip
+"""Options of `Object` and `Scene` that a measurement decides itself."""
 VIEW_HEIGHT = 0.5
 """Height of the view, in tiles."""
 AZIMUTH = 30.0
@@ -46,6 +50,7 @@ def at_angle(
     lying = LYING @ placed(scale=(tiles, tiles / material.proportion, tiles))
     fixed = {"shape": "plane", "tiling": (tiles, tiles), "alpha": "opaque", "camera": camera}
     scene = scene_of(material, {**options, **fixed, "transform": lying})
-    obj = scene.objects[0]
-    lowered = placed((0.0, (obj.relief_reference_height - 1.0) * obj.relief_scale, 0.0))
-    return replace(scene, objects=(replace(obj, transform=lowered @ lying),))
+    (obj,) = scene.objects
+    height = (obj.resolved.reference_height - 1.0) * obj.resolved.scale
+    lowered = placed((0.0, height, 0.0)) @ lying
+    return replace(scene, objects=(replace(obj, transform=lowered),))

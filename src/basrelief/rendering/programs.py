@@ -14,8 +14,8 @@ from basrelief.lang.resources import Edge, Filter, members_of
 from basrelief.material import Material
 from basrelief.rendering import textures
 from basrelief.rendering.textures import TextureSource
-from basrelief.scene import Object, Scene
-from basrelief.scene.objects import DEFAULT_SCALE
+from basrelief.scene import ResolvedObject, Scene
+from basrelief.scene.resolve import default_scale
 from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import Light
 from basrelief.shading.pixel import pixel
@@ -31,18 +31,21 @@ SURFACES: Mapping[str, Shader[..., Any]] = {
     "landscape": landscape_surface,
 }
 
+_DEFAULT_SCENE = Scene(())
+"""The scene of an object that is drawn by itself."""
 
-def surface_maps(obj: Object) -> Iterator[tuple[str, TextureSource, Material, float]]:
+
+def surface_maps(obj: ResolvedObject) -> Iterator[tuple[str, TextureSource, Material, float]]:
     """The possible surface maps of an object: name, source, material, and scale of the relief."""
     for name, source in textures.MATERIAL_TEXTURES.items():
-        yield name, source, obj.material, obj.relief_scale
+        yield name, source, obj.material, obj.scale
     if obj.layer is not None:
         layer = obj.layer.material
         for name, source in textures.LAYER_TEXTURES.items():
-            yield name, source, layer, layer.scale or DEFAULT_SCALE
+            yield name, source, layer, default_scale(layer)
 
 
-def available_maps(obj: Object) -> dict[str, bool]:
+def available_maps(obj: ResolvedObject) -> dict[str, bool]:
     """Whether an object has each surface map; found without baking."""
     has = dict.fromkeys(members_of(SurfaceMaps), False)
     has |= {
@@ -55,17 +58,17 @@ def available_maps(obj: Object) -> dict[str, bool]:
     return has
 
 
-def program_of(obj: Object, scene: Scene | None = None) -> Program:
+def program_of(obj: ResolvedObject, scene: Scene | None = None) -> Program:
     """The program that draws an object of a scene, specialised to its variant."""
-    return _program(obj, variant_of(obj, scene or Scene((obj,))))
+    return _program(obj, variant_of(obj, scene or _DEFAULT_SCENE))
 
 
-def _program(obj: Object, variant: Variant) -> Program:
+def _program(obj: ResolvedObject, variant: Variant) -> Program:
     bindings: Bindings = {displace: effective_technique(obj), surface_at: SURFACES[obj.surface]}
     return Program(pixel, bindings, map_edge(obj), height_filter(obj), variant)
 
 
-def variant_of(obj: Object, scene: Scene) -> Variant:
+def variant_of(obj: ResolvedObject, scene: Scene) -> Variant:
     """The shader variant of an object's program."""
     # fields that the object or the scene has under the same name
     shared = {
@@ -77,7 +80,7 @@ def variant_of(obj: Object, scene: Scene) -> Variant:
     derived: dict[str, Any] = {
         "displaced": obj.has_relief,
         "columns": effective_technique(obj).columns,
-        "projection": obj.relief_projection,
+        "projection": obj.projection,
         "fades": obj.fade is not None,
         "own_tilings": bool(obj.tilings),
         "layer": obj.layer is not None,
@@ -92,10 +95,10 @@ def variant_of(obj: Object, scene: Scene) -> Variant:
     return Variant(**shared | derived)
 
 
-def depth_program_of(obj: Object) -> Program:
+def depth_program_of(obj: ResolvedObject) -> Program:
     """The program that draws an object into a shadow map."""
     opaque = obj.casts == "opaque"
-    variant = variant_of(obj, Scene((obj,)))
+    variant = variant_of(obj, _DEFAULT_SCENE)
     variant = replace(
         variant,
         depth_only=True,
@@ -112,36 +115,36 @@ def depth_program_of(obj: Object) -> Program:
     return _program(obj, variant)
 
 
-def view_ray_program_of(obj: Object) -> Program:
+def view_ray_program_of(obj: ResolvedObject) -> Program:
     """The program that computes the view ray of each pixel, with any technique."""
     variant = Variant(shape=obj.shape, fades=obj.fade is not None)
     return Program(view_ray, edge=map_edge(obj), variant=variant)
 
 
-def effective_technique(obj: Object) -> Technique[..., Any]:
+def effective_technique(obj: ResolvedObject) -> Technique[..., Any]:
     """The technique in effect: `flat` for an object without relief."""
-    return obj.selected_technique if obj.has_relief else flat
+    return obj.technique if obj.has_relief else flat
 
 
-def height_filter(obj: Object) -> Filter:
+def height_filter(obj: ResolvedObject) -> Filter:
     """The filter of an object's height field."""
     return "columns" if effective_technique(obj).columns else obj.heights
 
 
-def map_edge(obj: Object) -> Edge:
+def map_edge(obj: ResolvedObject) -> Edge:
     """The edge policy of an object's maps; with `clip` they repeat if they have several tiles."""
     layer = [] if obj.layer is None else [obj.layer.tiling]
     match obj.edge:
         case "wrap" | "clamp":
             return obj.edge
         case "clip":
-            tilings = (obj.main_tiling, *obj.tilings.values(), *layer)
+            tilings = (obj.tiling, *obj.tilings.values(), *layer)
             return "wrap" if any(tiling.repeats for tiling in tilings) else "clamp"
         case _:
             assert_never(obj.edge)
 
 
-def resources_of(obj: Object, engine: Engine) -> dict[str, Any]:
+def resources_of(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
     """Height field, baked table and surface textures of an object, without missing ones.
 
     The given engine bakes tables and normals from the heights.
@@ -152,7 +155,7 @@ def resources_of(obj: Object, engine: Engine) -> dict[str, Any]:
         if obj.has_relief
         else None,
         "baked": textures.bake_texture(
-            material, edge, obj.selected_technique.bake, engine, all_levels=obj.heights == "mip"
+            material, edge, obj.technique.bake, engine, all_levels=obj.heights == "mip"
         ),
     }
     for name, source, material_of_map, scale in surface_maps(obj):
@@ -161,7 +164,7 @@ def resources_of(obj: Object, engine: Engine) -> dict[str, Any]:
     return {name: value for name, value in resources.items() if value is not None}
 
 
-def object_values(obj: Object, engine: Engine) -> dict[str, Any]:
+def object_values(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
     """The values of an object's programs that do not depend on the scene."""
     return {
         **resources_of(obj, engine),
@@ -174,7 +177,9 @@ def object_values(obj: Object, engine: Engine) -> dict[str, Any]:
     }
 
 
-def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) -> dict[str, Any]:
+def values_of(
+    obj: ResolvedObject, scene: Scene, size: tuple[int, int], engine: Engine
+) -> dict[str, Any]:
     """The values of an object's program, except sample position and shadow maps."""
     return {
         **object_values(obj, engine),
@@ -186,7 +191,7 @@ def values_of(obj: Object, scene: Scene, size: tuple[int, int], engine: Engine) 
     }
 
 
-def _surface_parameters(obj: Object) -> Any:
+def _surface_parameters(obj: ResolvedObject) -> Any:
     """The surface parameters, with emission multiplied by the scale of the emission map."""
     glow = textures.emission_scale(obj.material)
     if glow == 1.0 or obj.surface != "standard":

@@ -159,15 +159,13 @@ class _Drawing:
     ) -> None:
         self.scene, self.size, self.engine, self.progress = scene, size, engine, progress
         self.positions = sample_positions(samples)
-        order = scene.back_to_front(size)
+        ordered = replace(scene, objects=tuple(scene.back_to_front(size)))
         shadow_maps = (
-            shadow_map_values(replace(scene, objects=tuple(order)), engine)
-            if scene.casts
-            else [{}] * len(order)
+            shadow_map_values(ordered, engine) if scene.casts else [{}] * len(scene.objects)
         )
         self.objects = [
             (program_of(obj, scene), {**values_of(obj, scene, size, engine), **shadow_map})
-            for obj, shadow_map in zip(order, shadow_maps, strict=True)
+            for obj, shadow_map in zip(ordered.resolved, shadow_maps, strict=True)
         ]
         width, height = size
         self.band = max(1, min(height, _BAND // width))

@@ -14,7 +14,7 @@ from basrelief.engine import Engine
 from basrelief.lang import Buffer, IVec2, Vec2
 from basrelief.lang.resources import HeightField
 from basrelief.rendering.programs import depth_program_of, map_edge, object_values
-from basrelief.scene import Object, Scene
+from basrelief.scene import ResolvedObject, Scene
 from basrelief.scene.cameras import look_at
 from basrelief.scene.lights import light_parameters
 from basrelief.shading.camera import Camera
@@ -52,11 +52,11 @@ def light_views(scene: Scene) -> list[LightView]:
 
 def _bounding_sphere(scene: Scene) -> tuple[NDArray[np.float64], float]:
     """Centre and radius of a sphere around all objects, raised reliefs included."""
-    points = np.concatenate([obj.bounding_points() for obj in scene.objects])
+    points = np.concatenate([obj.bounding_points() for obj in scene.resolved])
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     radius = float(np.linalg.norm(points - center, axis=1).max())
     raised = max(
-        obj.raised * float(np.linalg.norm(obj.to_world[:3, :3], 2)) for obj in scene.objects
+        obj.raised * float(np.linalg.norm(obj.transform[:3, :3], 2)) for obj in scene.resolved
     )
     return center, (radius + raised) * 1.02
 
@@ -118,7 +118,7 @@ def _camera_towards(
 def shadow_map_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
     """For each object of a scene, the shadow maps of the other objects, as program values."""
     views, side = light_views(scene), scene.shadow_map_size
-    distances_of = [_distances(obj, views, side, engine) for obj in scene.objects]
+    distances_of = [_distances(obj, views, side, engine) for obj in scene.resolved]
     # side by side in an atlas about as wide as it is high, within any GPU's limits
     columns = max(math.isqrt(max(len(views) - 1, 0)) + 1, 1)
     rows = -(-len(views) // columns) or 1
@@ -140,13 +140,13 @@ def shadow_map_values(scene: Scene, engine: Engine) -> list[dict[str, Any]]:
                 part = atlas[y : y + side, x : x + side]
                 np.minimum(part, light_view, out=part)
         # a program has one edge policy for all maps; shadow maps are read only inside theirs
-        distances = HeightField([atlas], map_edge(scene.objects[own_index]))
+        distances = HeightField([atlas], map_edge(scene.resolved[own_index]))
         values_of_objects.append({"distances": distances, "views": Buffer(records, ShadowMapView)})
     return values_of_objects
 
 
 def _distances(
-    obj: Object, views: list[LightView], side: int, engine: Engine
+    obj: ResolvedObject, views: list[LightView], side: int, engine: Engine
 ) -> list[NDArray[np.float32]] | None:
     """Distances from each light's views to an object; None if it casts no shadow."""
     if obj.casts == "none" or not views:

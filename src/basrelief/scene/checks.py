@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, fields
+from collections.abc import Iterable, Sequence
+from numbers import Real
 from typing import Any
 
-import numpy as np
-
-from basrelief.errors import InputError, suggestion
-from basrelief.lang.types import VECTORS, fields_of, is_record
+from basrelief.errors import InputError
+from basrelief.settings import Setting, settings_of
 
 NEAR, FAR = 1e-6, 1e6
 """Range of sizes, coordinates and tilings whose squares, cubes and quotients fit in float32."""
 
 FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
 """Message for a fog mode passed as `fog`, its former name."""
-
-NUMBERS: tuple[Any, ...] = (int, float, np.integer, np.floating)
-_LARGEST_32_BIT: dict[Any, float] = {int: 2**31 - 1, float: float(np.finfo(np.float32).max)}
 
 
 def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
@@ -38,50 +33,38 @@ def check_range(what: str, value: float, low: float | None, high: float | None) 
         raise InputError(f"{what} is {value:g}: give a number {ends}")
 
 
-def settings_record(record: Any, options: Any, owner: str) -> Any:
-    """A checked record of settings, from such a record or from a mapping of fields to change."""
-    if isinstance(options, Mapping):
-        return checked_record(record, options, owner)
-    if not isinstance(options, record):
-        raise InputError(f"{owner} takes settings of type {record.__name__}")
-    return checked_record(record, {f.name: getattr(options, f.name) for f in fields(record)}, owner)
+def check_setting(declared: Setting, value: Any) -> None:
+    """Raise InputError unless a value has the kind and the range of a setting.
 
-
-def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
-    """A record of settings with some fields changed.
-
-    Raises InputError for unknown or missing fields and for values out of range.
+    Records of numbers and other objects are checked where they are resolved.
     """
-    assert is_record(record)
-    known = {f.name: f for f in fields(record)}
-    for name in values:
-        if name not in known:
-            raise InputError(
-                f"{owner} has no setting {name!r}; {suggestion(name, known, 'it has')}"
-            )
-    for name, field in known.items():
-        if field.default is MISSING and name not in values:
-            raise InputError(f"{owner} needs a value for {name}")
-    types = fields_of(record)
-    return record(**{n: _checked(n, v, types[n], known[n].metadata) for n, v in values.items()})
+    if value is None and declared.optional:
+        return
+    name = declared.name
+    match declared.kind:
+        case "choice":
+            check_choice(name, value, declared.choices)
+        case "number" | "integer":
+            whole = declared.kind == "integer"
+            if not is_number(value) or (whole and value != int(value)):
+                raise InputError(f"{name} is {value!r}: give a {'whole ' * whole}number")
+            check_range(name, value, declared.low, declared.high)
+        case "pair" | "triple":
+            count = {"pair": 2, "triple": 3}[declared.kind]
+            if not isinstance(value, Iterable) or len(numbers := list(value)) != count:
+                words = {2: "two numbers", 3: "three numbers"}[count]
+                raise InputError(f"{name} is {value!r}: give {words}")
+            for number in numbers:
+                if not is_number(number):
+                    raise InputError(f"{name} is {value!r}: give numbers")
 
 
-def _checked(name: str, value: Any, type_: Any, metadata: Mapping[str, Any]) -> Any:
-    """A number, or the components of a vector, within the setting's range and 32 bits."""
-    component: Any
-    component, size = (type_, 1) if type_ in (int, float) else VECTORS.get(type_, (None, 0))
-    if component is None:
-        return value
-    is_sequence = size > 1 and not isinstance(value, str | Mapping) and np.iterable(value)
-    numbers = [*value] if is_sequence else [value]
-    for number in numbers:
-        if isinstance(number, bool) or not isinstance(number, NUMBERS):
-            raise InputError(f"{name} is a number, not {value!r}")
-        if abs(float(number)) > _LARGEST_32_BIT[component]:
-            raise InputError(f"{name} does not fit in 32 bits; give a smaller number")
-        check_range(name, float(number), metadata.get("low"), metadata.get("high"))
-        if component is int and int(number) != number:
-            raise InputError(f"{name} is a whole number, not {number:g}")
-    if len(numbers) not in (1, size):
-        raise InputError(f"{name} is one number, or {size} of them, not {value!r}")
-    return type_(*numbers)
+def check_settings(record: Any) -> None:
+    """Raise InputError unless all settings of a record have their kinds and ranges."""
+    for name, declared in settings_of(record.__class__).items():
+        check_setting(declared, getattr(record, name))
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a number, of Python or NumPy, and not a truth value."""
+    return isinstance(value, Real) and not isinstance(value, bool)

@@ -2,25 +2,44 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Annotated, Any
 
 import numpy as np
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.scene.checks import FAR, check_range
-from basrelief.shading.kinds import either
+from basrelief.settings import Setting, parameters_of
+from basrelief.settings.kinds import either
 from basrelief.shading.lights import DIRECTIONAL, POINT, SPOT, Light
 
-_Color = Sequence[float]
+_Angle = Annotated[float, {"control": {"low": -180.0, "high": 180.0, "step": 1.0}}]
+_Elevation = Annotated[float, {"control": {"low": -90.0, "high": 90.0, "step": 1.0}}]
+_Point = Annotated[
+    Sequence[float],
+    {
+        "kind": "triple", "low": -FAR, "high": FAR,
+        "control": {"low": -4.0, "high": 4.0, "step": 0.05},
+    },
+]  # fmt: skip
+_Color = Annotated[Sequence[float], {"kind": "triple", "low": 0.0, "high": FAR}]
+_Intensity = Annotated[float, {"low": 0.0, "high": FAR, "control": {"high": 10.0, "step": 0.1}}]
+_Falloff = Annotated[float, {"low": 0.0, "high": 8.0, "control": {"step": 0.1}}]
+_Cone = Annotated[
+    float,
+    {"low": 0.01, "high": 179.99, "control": {"low": 1.0, "high": 179.0, "step": 1.0}},
+]
+_Softness = Annotated[float, {"low": 0.0, "high": 1.0, "control": {"step": 0.01}}]
 _WHITE = (1.0, 1.0, 1.0)
 
 
 def directional(
-    azimuth: float = -40.0, elevation: float = 40.0, color: _Color = _WHITE, intensity: float = 1.0
+    azimuth: _Angle = -40.0,
+    elevation: _Elevation = 40.0,
+    color: _Color = _WHITE,
+    intensity: _Intensity = 1.0,
 ) -> Light:
     """A directional light, infinitely far away.
 
@@ -52,7 +71,10 @@ def directional(
 
 
 def point(
-    position: Sequence[float], color: _Color = _WHITE, intensity: float = 1.0, falloff: float = 2.0
+    position: _Point,
+    color: _Color = _WHITE,
+    intensity: _Intensity = 1.0,
+    falloff: _Falloff = 2.0,
 ) -> Light:
     """A point light.
 
@@ -81,13 +103,13 @@ def point(
 
 
 def spot(
-    position: Sequence[float],
-    target: Sequence[float] = (0.0, 0.0, 0.0),
+    position: _Point,
+    target: _Point = (0.0, 0.0, 0.0),
     color: _Color = _WHITE,
-    intensity: float = 1.0,
-    falloff: float = 2.0,
-    angle: float = 40.0,
-    softness: float = 0.25,
+    intensity: _Intensity = 1.0,
+    falloff: _Falloff = 2.0,
+    angle: _Cone = 40.0,
+    softness: _Softness = 0.25,
 ) -> Light:
     """A spot light.
 
@@ -152,14 +174,26 @@ def light_kind(light: Light) -> str:
     return kinds[int(light.kind)]
 
 
-def light_parameters(kind: str | Light) -> tuple[str, ...]:
-    """Names of the constructor's parameters for a kind of light, or for the kind of a light.
+def checked_lights(lights: Any) -> tuple[Light, ...]:
+    """The lights of an iterable; raises InputError for other values."""
+    if not isinstance(lights, Iterable):
+        raise InputError("lights are a tuple, as (directional(),)")
+    checked = tuple(lights)
+    for light in checked:
+        if not isinstance(light, Light):
+            raise InputError(f"a light is {light!r}: give one made by {LIGHT_CONSTRUCTORS}")
+        light_kind(light)
+    return checked
+
+
+def light_parameters(kind: str | Light) -> Mapping[str, Setting]:
+    """Parameters of the constructor for a kind of light, or for the kind of a light, by name.
 
     Kinds with a `position` are placed, those with an `azimuth` or a `target` directed, those with
     an `angle` have a cone.
     """
     name = kind if isinstance(kind, str) else light_kind(kind)
-    return tuple(inspect.signature(LIGHTS[name]).parameters)
+    return parameters_of(LIGHTS[name])
 
 
 def _light(

@@ -18,8 +18,9 @@ from basrelief.errors import InputError
 from basrelief.lang import Vec3
 from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
-from basrelief.scene.checks import check_range
+from basrelief.scene.checks import check_settings
 from basrelief.scene.lights import light_parameters
+from basrelief.settings import setting
 from basrelief.shading.lights import Light
 
 __all__ = [
@@ -84,10 +85,10 @@ class Orbiting:
         For turns out of range.
     """
 
-    turns: float = 1.0
+    turns: float = setting(default=1.0, low=-_LIMIT, high=_LIMIT)
 
     def __post_init__(self) -> None:
-        check_range("turns", self.turns, -_LIMIT, _LIMIT)
+        check_settings(self)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with the camera of a moment."""
@@ -96,7 +97,9 @@ class Orbiting:
             return scene.with_camera(_rotated_camera(camera, degrees))
         if camera.distance is None and scene.objects:
             # framed for each frame separately, the camera would move to and fro
-            camera = camera.framing_all_azimuths(scene.objects[0].bounding_points(), now.size)
+            camera = camera.framing_all_azimuths(
+                scene.objects[0].resolved.bounding_points(), now.size
+            )
         return scene.with_camera(replace(camera, azimuth=camera.azimuth + degrees))
 
 
@@ -118,10 +121,10 @@ class Lighting:
         For turns out of range, and when it is applied to a scene without lights.
     """
 
-    turns: float = 1.0
+    turns: float = setting(default=1.0, low=-_LIMIT, high=_LIMIT)
 
     def __post_init__(self) -> None:
-        check_range("turns", self.turns, -_LIMIT, _LIMIT)
+        check_settings(self)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with the first light of a moment."""
@@ -154,12 +157,11 @@ class Scrolling:
     `_Time[0] * 5`.
     """
 
-    u: float = 0.25
-    v: float = 0.0
+    u: float = setting(default=0.25, low=-_LIMIT, high=_LIMIT)
+    v: float = setting(default=0.0, low=-_LIMIT, high=_LIMIT)
 
     def __post_init__(self) -> None:
-        check_range("u", self.u, -_LIMIT, _LIMIT)
-        check_range("v", self.v, -_LIMIT, _LIMIT)
+        check_settings(self)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with the map shifts of a moment."""
@@ -171,7 +173,7 @@ class Scrolling:
 class Opening:
     """A hole that opens and closes in the first object, whose height map holds the cracks.
 
-    The dust map is the sample `dust`; see `basrelief.material.hole`.
+    The dust map is the sample `dust`; see `basrelief.material.opening`.
 
     Parameters
     ----------
@@ -188,10 +190,10 @@ class Opening:
     E. Nordeus (Habrador), Advanced shaders in Unity, 3: Parallax mapping.
     """
 
-    times: float = 1.0
+    times: float = setting(default=1.0, low=0.0, high=_LIMIT)
 
     def __post_init__(self) -> None:
-        check_range("times", self.times, 0.0, _LIMIT)
+        check_settings(self)
 
     def __call__(self, scene: Scene, now: Moment) -> Scene:
         """The scene with the hole of a moment."""

@@ -1,37 +1,40 @@
-"""Scenes: objects, a camera, lights, shading, shadows and fog."""
+"""Scenes: objects, a camera, lights, shading, shadows and fog.
+
+The command line's help imports this module, so it imports little.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
-
-import numpy as np
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR, FOG_IS_NUMBERS, check_choice, check_range, settings_record
-from basrelief.scene.lights import LIGHT_CONSTRUCTORS, directional, light_kind
+from basrelief.scene.checks import FAR, FOG_IS_NUMBERS, check_settings
 from basrelief.scene.objects import Object
-from basrelief.scene.shapes import SHAPES
 from basrelief.scene.views import LookAt, Orbit
-from basrelief.shading.brdf import Shading
-from basrelief.shading.camera import Camera
-from basrelief.shading.fog import Fog
-from basrelief.shading.kinds import (
+from basrelief.settings import setting
+from basrelief.settings.kinds import (
     FogKind,
     OcclusionKind,
     ShadingModel,
     ShadowsKind,
     ShadowsOnKind,
-    menus_of,
 )
-from basrelief.shading.lights import Light
-from basrelief.shading.self_shadow import Shadowing
+
+if TYPE_CHECKING:
+    from basrelief.scene.resolve import ResolvedObject
+    from basrelief.shading.camera import Camera
+    from basrelief.shading.lights import Light
 
 BACKGROUND = (0.05, 0.055, 0.065)
 """Default background, a dark grey; linear RGB."""
 
 
-def _default_lights() -> tuple[Light, ...]:
+def default_lights() -> tuple[Light, ...]:
+    """The lights of a scene that names none: a warm key light, and a weaker cold one."""
+    from basrelief.scene.lights import directional
+
     return (
         directional(-50.0, 35.0, (1.0, 0.96, 0.9), 2.2),
         directional(80.0, 20.0, (0.8, 0.9, 1.0), 0.8),
@@ -81,70 +84,75 @@ class Scene:
     """
 
     objects: tuple[Object, ...]
-    camera: Orbit | LookAt = field(default_factory=Orbit)
-    lights: tuple[Light, ...] = field(default_factory=_default_lights)
-    shading: Any = field(default_factory=dict)
-    shading_model: ShadingModel = "ggx"
-    shadows: ShadowsKind = "none"
-    shadows_on: ShadowsOnKind = "relief"
-    shadow_map_size: int = 1024
-    shadowing: Any = field(default_factory=dict)
-    occlusion_kind: OcclusionKind = "ambient"
-    fog_mode: FogKind = "none"
-    fog: Any = field(default_factory=dict)
-    background: tuple[float, float, float] | None = BACKGROUND
+    camera: Orbit | LookAt = setting(factory=Orbit, group="Camera")
+    lights: tuple[Light, ...] = setting(factory=default_lights, group="Light")
+    shading: Any = setting(factory=dict, kind="numbers", group="Light")
+    shading_model: ShadingModel = setting(default="ggx", group="Light")
+    shadows: ShadowsKind = setting(default="none", group="Light")
+    shadows_on: ShadowsOnKind = setting(default="relief", group="Light")
+    shadow_map_size: int = setting(default=1024, low=16, high=8192, group="Light")
+    shadowing: Any = setting(factory=dict, kind="numbers", group="Light")
+    occlusion_kind: OcclusionKind = setting(default="ambient", group="Light")
+    fog_mode: FogKind = setting(default="none", group="Light")
+    fog: Any = setting(factory=dict, kind="numbers", group="Light")
+    background: tuple[float, float, float] | None = setting(
+        default=BACKGROUND, low=0.0, high=FAR, spelling="R,G,B", group="Light"
+    )
 
     def __post_init__(self) -> None:
-        objects = tuple(self.objects) if np.iterable(self.objects) else (self.objects,)
+        several = isinstance(self.objects, Iterable)
+        objects = tuple(self.objects) if several else (self.objects,)
         if not all(isinstance(obj, Object) for obj in objects):
             raise InputError("objects are a tuple of Object, as (Object(material),)")
-        for name, values in menus_of(Scene).items():
-            check_choice(name, getattr(self, name), values)
-        self._check_lights()
-        check_range("shadow_map_size", self.shadow_map_size, 16, 8192)
+        object.__setattr__(self, "objects", objects)
         if isinstance(self.fog, str):
             raise InputError(FOG_IS_NUMBERS.format(self.fog))
-        for name, record, owner in (
-            ("shading", Shading, "the shading"),
-            ("shadowing", Shadowing, "the shadows"),
-            ("fog", Fog, "the fog"),
-        ):
+        check_settings(self)
+        self._check_background()
+        self._resolve_records()
+
+    def _check_background(self) -> None:
+        if self.background is not None and not all(0.0 <= c <= FAR for c in self.background):
+            raise InputError(
+                f"background {self.background}: give three finite numbers from 0, or None"
+            )
+
+    def _resolve_records(self) -> None:
+        from basrelief.scene.lights import checked_lights
+        from basrelief.scene.records import SCENE_RECORDS, settings_record
+
+        object.__setattr__(self, "lights", checked_lights(self.lights))
+        for name, (record, owner) in SCENE_RECORDS.items():
             object.__setattr__(self, name, settings_record(record, getattr(self, name), owner))
-        background = (0.0,) * 3 if self.background is None else self.background
-        if len(background) != 3 or not all(0.0 <= c <= FAR for c in background):
-            raise InputError(f"background {background}: give three finite numbers from 0, or None")
         if self.fog_mode == "linear" and self.fog.fog_start > self.fog.fog_end:
             raise InputError(
                 f"fog from {self.fog.fog_start:g} to {self.fog.fog_end:g}: "
                 "give a fog_end no nearer than fog_start"
             )
-        object.__setattr__(self, "objects", objects)
-
-    def _check_lights(self) -> None:
-        if not np.iterable(self.lights):
-            raise InputError("lights are a tuple, as (directional(),)")
-        object.__setattr__(self, "lights", tuple(self.lights))
-        for light in self.lights:
-            if not isinstance(light, Light):
-                raise InputError(f"a light is {light!r}: give one made by {LIGHT_CONSTRUCTORS}")
-            light_kind(light)
 
     @property
     def casts(self) -> bool:
         """Whether objects cast shadows on one another."""
         return self.shadows != "none" and len(self.objects) > 1
 
+    @property
+    def resolved(self) -> tuple[ResolvedObject, ...]:
+        """The objects with every option decided."""
+        return tuple(obj.resolved for obj in self.objects)
+
     def shader_camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height), framing the first object."""
         camera = self.camera
         if isinstance(camera, Orbit) and camera.distance is None and self.objects:
-            camera = camera.framing(self.objects[0].bounding_points(), size)
+            camera = camera.framing(self.objects[0].resolved.bounding_points(), size)
         return camera.camera(size)
 
     def back_to_front(self, size: tuple[int, int]) -> list[Object]:
         """The objects by falling distance of their centres, in the order of compositing."""
+        import numpy as np
+
         eye = np.array([*self.shader_camera(size).position], np.float64)
-        distances = [float(np.linalg.norm(obj.to_world[:3, 3] - eye)) for obj in self.objects]
+        distances = [float(np.linalg.norm(obj.transform[:3, 3] - eye)) for obj in self.resolved]
         order = sorted(range(len(distances)), key=lambda index: -distances[index])
         return [self.objects[index] for index in order]
 
@@ -154,9 +162,13 @@ class Scene:
 
     def check_camera(self) -> None:
         """Raise InputError if the camera is inside an object, or behind the only plane."""
+        import numpy as np
+
+        from basrelief.scene.shapes import SHAPES
+
         eye = np.array([*self.shader_camera((1, 1)).position, 1.0], np.float64)
-        for obj in self.objects:
-            x, y, z, _ = np.linalg.inv(obj.to_world) @ eye
+        for obj in self.resolved:
+            x, y, z, _ = np.linalg.inv(obj.transform) @ eye
             advice = "move it away, for example --camera distance=3"
             facts = SHAPES[obj.shape]
             # inside a flat shape means inside its raised relief

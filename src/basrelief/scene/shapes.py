@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.shading.kinds import ShapeKind
+from basrelief.settings.kinds import ShapeKind
 
 
 @dataclass(frozen=True)

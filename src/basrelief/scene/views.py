@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from basrelief.errors import InputError
-from basrelief.scene.cameras import look_at, orbit
 from basrelief.scene.checks import FAR
-from basrelief.shading.camera import Camera
+from basrelief.settings import setting
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from basrelief.shading.camera import Camera
 
 FRAME_FILL = 0.92
 """Fraction of the picture's width or height that a framed object fills."""
+_AZIMUTH = {"low": -180.0, "high": 180.0, "step": 1.0}
+_ELEVATION = {"low": -89.0, "high": 89.0, "step": 1.0}
+_DISTANCE = {"low": 0.1, "high": 20.0, "step": 0.01}
+_FIELD_OF_VIEW = {"low": 1.0, "high": 120.0, "step": 1.0}
+_VIEW_HEIGHT = {"low": 0.05, "high": 10.0, "step": 0.01}
 
 
 @dataclass(frozen=True)
@@ -44,15 +52,19 @@ class Orbit:
         When the camera is used, for values out of range.
     """
 
-    azimuth: float = 30.0
-    elevation: float = 35.0
-    distance: float | None = None
-    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    field_of_view: float = 30.0
-    orthographic_height: float | None = None
+    azimuth: float = setting(default=30.0, low=-FAR, high=FAR, control=_AZIMUTH)
+    elevation: float = setting(default=35.0, low=-FAR, high=FAR, control=_ELEVATION)
+    distance: float | None = setting(default=None, low=1e-3, high=1e3, control=_DISTANCE)
+    target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
+    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    orthographic_height: float | None = setting(
+        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+    )
 
     def camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height)."""
+        from basrelief.scene.cameras import orbit
+
         lens = _projection_parameters(self.field_of_view, self.orthographic_height)
         distance = 2.0 if self.distance is None else self.distance
         _check_coordinates(self.azimuth, self.elevation, distance, *self.target)
@@ -60,6 +72,8 @@ class Orbit:
 
     def framing(self, points: NDArray[np.float64], size: tuple[int, int]) -> Orbit:
         """The same camera at the smallest distance that shows all points, (n, 3)."""
+        import numpy as np
+
         unit_distance = replace(self, distance=1.0).camera(size)
         right, down, forward = (
             np.array([*v], np.float64)
@@ -82,6 +96,8 @@ class Orbit:
 
         This is the maximum of `framing` over all azimuths, in closed form.
         """
+        import numpy as np
+
         offsets = points - np.array(self.target, np.float64)
         radial, height = np.hypot(offsets[:, 0], offsets[:, 2]), offsets[:, 1]
         s, c = math.sin(math.radians(self.elevation)), math.cos(math.radians(self.elevation))
@@ -124,14 +140,18 @@ class LookAt:
         When the camera is used, for values that define no camera.
     """
 
-    position: tuple[float, float, float]
-    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    field_of_view: float = 30.0
-    orthographic_height: float | None = None
+    position: tuple[float, float, float] = setting(low=-FAR, high=FAR)
+    target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
+    up: tuple[float, float, float] = setting(default=(0.0, 1.0, 0.0))
+    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    orthographic_height: float | None = setting(
+        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+    )
 
     def camera(self, size: tuple[int, int]) -> Camera:
         """The shaders' camera for a picture of (width, height)."""
+        from basrelief.scene.cameras import look_at
+
         lens = _projection_parameters(self.field_of_view, self.orthographic_height)
         _check_coordinates(*self.position, *self.target)
         return look_at(self.position, self.target, self.up_direction, size=size, **lens)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from basrelief.lang import static
-from basrelief.shading.kinds import (
+from basrelief.settings.kinds import (
     AlphaKind,
     EdgeKind,
     FogKind,
     MappingKind,
     OcclusionKind,
+    Projection,
     ShadingModel,
     ShadowsKind,
     ShadowsOnKind,
     ShapeKind,
     SurfaceKind,
 )
-from basrelief.techniques.technique import Projection
 
 
 @static

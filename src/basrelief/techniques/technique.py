@@ -13,15 +13,15 @@ any takes `Nothing`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from basrelief.lang import HeightField, Shader, Texture, TypeSlot, slot, struct
+from basrelief.settings.kinds import Projection
 from basrelief.techniques.bake import Bake
 from basrelief.techniques.ray import Hit, Ray
 
 P = ParamSpec("P")
 R = TypeVar("R")
-Projection = Literal["full", "biased", "limited"]
 
 
 class Settings(TypeSlot):

@@ -1,12 +1,11 @@
-"""Layouts and settings of records for a page: offsets, meanings and ranges of fields.
+"""Layouts of records for a page, and values of the shader subset as JSON.
 
-They are derived from the records, so that a page has no copies.
+Layouts are derived from the records, so that a page has no copies.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, fields
 from typing import Any
 
 import numpy as np
@@ -36,22 +35,6 @@ def _is_laid_out(record: type) -> bool:
     return all(
         _is_laid_out(t) if is_record(t) else t is not bool for t in fields_of(record).values()
     )
-
-
-def settings_of(record: type) -> list[dict[str, Any]]:
-    """Settings of a record: name, meaning, range, default, and whether it is a whole number."""
-    return [
-        {
-            "name": field.name,
-            "doc": field.metadata["doc"],
-            "low": field.metadata["low"],
-            "high": field.metadata["high"],
-            "default": json_value(field.default),
-            "whole": fields_of(record)[field.name] is int,
-        }
-        for field in fields(record)
-        if "doc" in field.metadata and field.default is not MISSING
-    ]
 
 
 def json_value(value: Any) -> Any:

@@ -25,7 +25,10 @@ from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
-from basrelief.scene.checks import check_choice, check_range, settings_record
+from basrelief.scene.checks import check_choice, check_range, check_setting
+from basrelief.scene.records import settings_record
+from basrelief.scene.resolve import default_tiles
+from basrelief.settings import settings_of as declarations
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.lights import Light
@@ -101,10 +104,8 @@ def _show(viewer: Viewer, name: str, value: Any) -> Any:
 
 
 def _number(viewer: Viewer, name: str, value: Any) -> float:
-    if value is None:
-        raise InputError(f"{name} is None: give a number")
-    obj = Object(viewer._material, **{name: value})
-    return float(getattr(obj, name))
+    check_setting(replace(declarations(Object)[name], optional=False), value)
+    return float(value)
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:
@@ -124,7 +125,8 @@ def _whole(name: str, value: Any, low: int, high: int | None) -> int:
 
 
 def _pair(viewer: Viewer, name: str, value: Any) -> Any:
-    return getattr(Object(viewer._material, **{name: _two_numbers(name, value)}), name)
+    pair = _two_numbers(name, value)
+    return getattr(Object(viewer._material, **{name: pair}), name)
 
 
 def _two_numbers(name: str, value: Any) -> Any:
@@ -436,7 +438,7 @@ class Viewer(anywidget.AnyWidget):
 
     def _follow_shape(self, change: Any) -> None:
         if "shape" not in self._received:
-            self.tiling = Object(self._material, shape=self.shape, technique="flat").tiles
+            self.tiling = default_tiles(self.shape, self._material)
             self.camera = replace(self.camera, distance=None, target=(0.0, 0.0, 0.0))
 
     def _follow_settings(self, change: Any) -> None:

@@ -23,7 +23,7 @@ from basrelief.pages import check_overwritable, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
-from basrelief.scene import Object, Scene
+from basrelief.scene import Object, ResolvedObject, Scene
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
@@ -129,7 +129,7 @@ def page_of(
     while True:
         progress("packing the maps", 0.9)
         scaled_obj = _with_scaled_maps(obj, max_side)
-        maps = _maps(scaled_obj, engine)
+        maps = _maps(scaled_obj.resolved, engine)
         if _bytes(maps, stills) <= LARGEST or max_side <= _SMALLEST:
             break
         max_side = max_side // 2
@@ -190,7 +190,7 @@ def _stored_as(original: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
     return Map(np.rint(codes * 255.0).astype(np.uint8), original.srgb, original.source)
 
 
-def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
+def _maps(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
     """Mip level 0 of each map that programs read, packed."""
     material = obj.material
     packed_maps: dict[str, Any] = {}

@@ -13,20 +13,20 @@ from basrelief.lang import Shader
 from basrelief.lang.library import Library, library_of
 from basrelief.lang.resources import buffer_record, members_of
 from basrelief.rendering.programs import SURFACES
-from basrelief.scene import Object
-from basrelief.shading.kinds import menus_of
+from basrelief.scene import Object, Scene
+from basrelief.settings import settings_of
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
-from basrelief.shading.variant import Variant
 from basrelief.techniques import TECHNIQUES, Technique, displace
 from basrelief.viewer.bakes import PROGRAMS
 
 MENUS: dict[str, tuple[str, ...]] = {
-    name: values
-    for name, values in (menus_of(Object) | menus_of(Variant)).items()
+    name: declared.choices
+    for record in (Object, Scene)
+    for name, declared in settings_of(record).items()
     # shadows between objects need several objects; a page has one
-    if name not in ("casts", "shadows_on")
+    if declared.choices and name not in ("casts", "shadows_on")
 }
 """Values of the menus of a page, by the fields of `Object` and `Scene`."""
 AnyShader = Shader[..., Any]

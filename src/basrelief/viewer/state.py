@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +18,21 @@ from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
-from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
-from basrelief.scene.objects import OWN_TILINGS
 from basrelief.scene.presets import PRESETS, preset
-from basrelief.scene.scene import BACKGROUND
+from basrelief.scene.records import SCENE_RECORDS
+from basrelief.scene.resolve import default_scale, default_tiles, default_transform
+from basrelief.scene.scene import default_lights
+from basrelief.scene.tilings import OWN_TILINGS
 from basrelief.scene.views import FRAME_FILL
-from basrelief.shading.brdf import Shading
-from basrelief.shading.fog import Fog
-from basrelief.shading.kinds import ShapeKind
+from basrelief.settings import settings_of
+from basrelief.settings.kinds import ShapeKind
 from basrelief.shading.lights import Light
-from basrelief.shading.self_shadow import Shadowing
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
-from basrelief.viewer.layouts import json_value, settings_of
+from basrelief.viewer.controls import controls, limits, numbers_of
+from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import names
 from basrelief.viewer.printed import MENUS
 
@@ -40,37 +40,6 @@ SAMPLES = 16
 """Samples per pixel of a picture at rest."""
 SHOWS = ("color", "reads", "missed", "depth")
 """Pictures that a page can show."""
-LIMITS: dict[str, Any] = {
-    "numbers": {
-        "scale": (0.0, 10.0),
-        "reference_height": (0.0, 1.0),
-        "bias": (0.0, 100.0),
-        "divider": (0.0, 1.0),
-        "shift": (-FAR, FAR),
-        "fade": (0.0, FAR / 2.0),
-        "background": (0.0, FAR),
-    },
-    "lights": {
-        "position": (-FAR, FAR),
-        "color": (0.0, FAR),
-        "intensity": (0.0, FAR),
-        "falloff": (0.0, 8.0),
-        "angle": (0.01, 179.99),
-        "softness": (0.0, 1.0),
-    },
-    "camera": {
-        "azimuth": (-FAR, FAR),
-        "distance": (1e-3, 1e3),
-        "target": (-FAR, FAR),
-        "field_of_view": (0.1, 170.0),
-        "orthographic_height": (1e-3, 1e3),
-    },
-    "least": NEAR,
-    "most": FAR,
-}
-"""Ranges of numbers outside the records of settings, as `Object` and `Scene` check them.
-
-`least` and `most` are the smallest and largest absolute value of a tiling."""
 
 
 @dataclass(frozen=True)
@@ -122,12 +91,11 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         "techniques": {name: _technique(technique) for name, technique in techniques.items()},
         "shapes": {shape: _shape(obj, shape) for shape in SHAPES},
         "settings": {
-            "surface_parameters": {name: settings_of(record) for name, record in SURFACES.items()},
-            "shading": settings_of(Shading),
-            "shadowing": settings_of(Shadowing),
-            "smoothing": settings_of(Smoothing),
-            "fog": settings_of(Fog),
+            "surface_parameters": {name: numbers_of(record) for name, record in SURFACES.items()},
+            "smoothing": numbers_of(Smoothing),
+            **{name: numbers_of(record) for name, (record, _) in SCENE_RECORDS.items()},
         },
+        "controls": controls(),
         "constants": _constants(obj),
         "filled": FRAME_FILL,
         "samples": sample_positions(SAMPLES),
@@ -140,8 +108,8 @@ def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> 
         },
         "presets": _presets(material, obj, techniques),
         "shows": SHOWS,
-        "lightKinds": {kind: light_parameters(kind) for kind in LIGHTS},
-        "limits": LIMITS,
+        "lightKinds": {kind: [*light_parameters(kind)] for kind in LIGHTS},
+        "limits": limits(),
         "names": names(),
         "slots": _slots(),
     }
@@ -161,7 +129,7 @@ def _slots() -> dict[str, Any]:
 
 def techniques_of(obj: Object) -> dict[str, Technique[..., Any]]:
     """The library's techniques by name, and the object's own technique, if a user wrote it."""
-    own = obj.selected_technique
+    own = obj.resolved.technique
     if own in TECHNIQUES.values():
         return dict(TECHNIQUES)
     name = own.name
@@ -181,7 +149,7 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
         "bake": technique.bake and technique.bake.name,
         "columns": technique.columns,
         "heights": technique.takes_heights,
-        "settings": settings_of(technique.settings),
+        "settings": numbers_of(technique.settings),
     }
 
 
@@ -199,13 +167,18 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
     """Placement, tiling and extent of a shape."""
     # a transform was chosen for the object's own shape; other shapes keep their default
     transform = obj.transform if shape == obj.shape else None
-    placed_object = Object(obj.material, shape=shape, technique="flat", transform=transform)
+    placed_object = replace(
+        obj.resolved,
+        shape=shape,
+        tiling=Tiling(default_tiles(shape, obj.material)),
+        transform=default_transform(shape, obj.material) if transform is None else transform,
+    )
     placement = json_value(placed_object.placement())
     geometry = SHAPES[shape]
     return {
         "origin": placement["origin"],
         "to_object": placement["to_object"],
-        "tiling": list(map(float, placed_object.tiles)),
+        "tiling": list(map(float, placed_object.tiling.tiles)),
         "flat": geometry.flat,
         "radius": round(float(np.linalg.norm(geometry.bounding_points, axis=1).max()), 2),
         "outline": [
@@ -227,23 +200,23 @@ def _constants(obj: Object) -> dict[str, Any]:
 
 
 def state_of(
-    scene: Scene, obj: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
+    scene: Scene, shown: Object, techniques: Mapping[str, Technique[..., Any]] | None = None
 ) -> dict[str, Any]:
     """The state of a page that shows a scene: all that its controls can change."""
-    techniques = techniques or techniques_of(obj)
-    name = next(key for key, technique in techniques.items() if technique is obj.selected_technique)
-    main = obj.main_tiling
+    techniques, obj = techniques or techniques_of(shown), shown.resolved
+    name = next(key for key, technique in techniques.items() if technique is obj.technique)
+    main = obj.tiling
     state = {
         "technique": name,
         **{menu: getattr(obj if hasattr(obj, menu) else scene, menu) for menu in MENUS},
-        "projection": obj.relief_projection,
-        "scale": obj.relief_scale,
-        "reference_height": obj.relief_reference_height,
+        "projection": obj.projection,
+        "scale": obj.scale,
+        "reference_height": obj.reference_height,
         "bias": float(obj.bias),
         "fades": obj.fade is not None,
         "fade": list(map(float, obj.fade or (2.0, 4.0))),
-        "tiling": list(map(float, obj.tiles)),
-        "shift": list(map(float, obj.shift)),
+        "tiling": list(map(float, main.tiles)),
+        "shift": list(map(float, main.shift)),
         "apart": bool(obj.tilings),
         "tilings": {map: tiling_to_dict(obj.tilings.get(map, main)) for map in OWN_TILINGS},
         "layer": obj.layer is not None,
@@ -270,19 +243,20 @@ def tiling_to_dict(tiling: Tiling) -> dict[str, Any]:
 
 def _defaults_of(material: Material) -> dict[str, Any]:
     """The library's defaults, which copied Python and commands omit."""
-    scene = Scene((Object(material, technique="flat"),), background=BACKGROUND)
-    state = state_of(scene, scene.objects[0])
-    options = (*MENUS, "scale", "bias")
+    declared = {**settings_of(Object), **settings_of(Scene)}
     return {
-        "options": {name: state[name] for name in options},
-        "background": state["background"],
-        "lights": state["lights"],
-        "camera": state["camera"],
+        "options": {
+            **{name: declared[name].default for name in (*MENUS, "bias")},
+            "scale": default_scale(material),
+        },
+        "background": [*declared["background"].default],
+        "lights": [light_to_dict(light) for light in default_lights()],
+        "camera": camera_to_dict(Orbit()),
     }
 
 
 def _defaults(technique: Any) -> dict[str, Any]:
-    return {setting["name"]: setting["default"] for setting in settings_of(technique.settings)}
+    return {setting["name"]: setting["default"] for setting in numbers_of(technique.settings)}
 
 
 def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
-from basrelief.shading.kinds import ShapeKind
+from basrelief.settings.kinds import ShapeKind
 
 CAMERA = Orbit(azimuth=30.0, elevation=15.0, field_of_view=30.0)
 

@@ -31,7 +31,9 @@ def panels(texels: int) -> Iterator[Panel]:
             cobbles, technique=technique, scale=0.1, projection="biased", reference_height=1.0
         )
         glass_grid = Object(glass(grid), tiling=TEN, alpha="blend")
-        above = replace(glass_grid, transform=placed((0.0, 1e-3, 0.0)) @ glass_grid.to_world)
+        above = replace(
+            glass_grid, transform=placed((0.0, 1e-3, 0.0)) @ glass_grid.resolved.transform
+        )
         yield Panel(
             f"{technique}, details not displaced",
             Scene((stones, above), camera=CAMERA),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from basrelief import Object, Orbit, Scene
 from basrelief.gallery.page import Page, Panel, sample
-from basrelief.material.hole import hole
+from basrelief.material.opening import hole
 
 CAMERA = Orbit(azimuth=20.0, elevation=42.0, distance=1.15, field_of_view=40.0)
 

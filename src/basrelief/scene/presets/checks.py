@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -13,41 +11,45 @@ import numpy as np
 from basrelief.errors import InputError, suggestion
 from basrelief.lang import Vec3
 from basrelief.material import MAPS
-from basrelief.scene import LookAt, Object, Orbit, Scene
-from basrelief.scene.checks import FOG_IS_NUMBERS
-from basrelief.scene.lights import LIGHTS
-from basrelief.shading.kinds import menus_of
+from basrelief.material.options import ReadOptions
+from basrelief.scene import LookAt, Object, Orbit, Scene, Tiling
+from basrelief.scene.checks import FOG_IS_NUMBERS, is_number
+from basrelief.scene.lights import LIGHTS, light_parameters
+from basrelief.settings import Setting, settings_of
 
-TEXT, BOOLEAN, NUMBER, INTEGER = "a text", "true or false", "a number", "a whole number"
-PAIR, TRIPLE = "two numbers, as [1, 2]", "three numbers, as [1, 2, 3]"
-NUMBERS, TABLE = "numbers by their names", "a table"
+WANTED: dict[str, str] = {
+    "text": "a text",
+    "choice": "a text",
+    "flag": "true or false",
+    "number": "a number",
+    "integer": "a whole number",
+    "pair": "two numbers, as [1, 2]",
+    "triple": "three numbers, as [1, 2, 3]",
+    "numbers": "numbers by their names",
+    "table": "a table",
+    "tables": "tables, each [[scene.lights]]",
+}
+"""Kinds of values and their names in messages; the kinds are those of `Setting`, and tables."""
+Kinds = Mapping[str, str]
 
-MAPS_KEYS: dict[str, str] = {
-    "normal_convention": TEXT,
-    "normal_packing": TEXT,
-    "height_polarity": TEXT,
-    "height_channel": TEXT,
-    "stretch_height": BOOLEAN,
-    **dict.fromkeys(MAPS, TEXT),
+MAPS_KEYS: Kinds = {
+    **{name: declared.kind for name, declared in settings_of(ReadOptions).items()},
+    **dict.fromkeys(MAPS, "text"),
 }
-OBJECT_KEYS: dict[str, str] = {
-    **dict.fromkeys(("technique", *menus_of(Object), "lengths"), TEXT),
-    **dict.fromkeys(("scale", "reference_height", "bias"), NUMBER),
-    **dict.fromkeys(("fade", "tiling", "shift"), PAIR),
-    **dict.fromkeys(("settings", "smoothing", "surface_parameters"), NUMBERS),
-    **dict.fromkeys(("tilings", "layer"), TABLE),
+OBJECT_KEYS: Kinds = {
+    **{name: declared.kind for name, declared in settings_of(Object).items()},
+    "lengths": "text",
+    "tilings": "table",
+    "layer": "table",
 }
-TILING_KEYS = {"tiles": PAIR, "shift": PAIR}
-LAYER_KEYS = {"material": TEXT, **TILING_KEYS}
-SCENE_KEYS: dict[str, str] = {
-    **dict.fromkeys(menus_of(Scene), TEXT),
-    **dict.fromkeys(("shading", "shadowing", "fog"), NUMBERS),
-    "shadow_map_size": INTEGER,
-    "background": TRIPLE,
-    "camera": TABLE,
-    "lights": "tables, each [[scene.lights]]",
+TILING_KEYS: Kinds = {name: declared.kind for name, declared in settings_of(Tiling).items()}
+LAYER_KEYS: Kinds = {"material": "text", **TILING_KEYS}
+SCENE_KEYS: Kinds = {
+    **{name: declared.kind for name, declared in settings_of(Scene).items()},
+    "camera": "table",
+    "lights": "tables",
 }
-MOTION_KEYS = {"scroll": PAIR}
+MOTION_KEYS: Kinds = {"scroll": "pair"}
 
 
 def freeze(value: Any, key: str) -> Any:
@@ -63,7 +65,7 @@ def freeze(value: Any, key: str) -> Any:
     raise InputError(f"{key.lstrip('.')} is {value!r}: give a text, numbers or a table")
 
 
-def check_table(table: Any, known: Mapping[str, str], what: str) -> None:
+def check_table(table: Any, known: Kinds, what: str) -> None:
     """Raise InputError for a table with unknown keys, or values of another type."""
     if not isinstance(table, Mapping):
         raise InputError(f"{what} is {table!r}: make it a table, [{what}]")
@@ -76,30 +78,31 @@ def check_table(table: Any, known: Mapping[str, str], what: str) -> None:
 
 
 def _check_kind(value: Any, kind: str, key: str) -> None:
-    fits = {
-        TEXT: isinstance(value, str),
-        BOOLEAN: isinstance(value, bool),
-        NUMBER: _is_number(value),
-        INTEGER: _is_number(value) and isinstance(value, int),
-        PAIR: _is_sequence(value, 2),
-        TRIPLE: _is_sequence(value, 3),
-        TABLE: isinstance(value, Mapping),
-        NUMBERS: isinstance(value, Mapping),
-    }
-    if not fits.get(kind, isinstance(value, tuple)):
-        raise InputError(f"{key} is {_shown(value)}: give {kind}")
-    if kind is NUMBERS:
+    match kind:
+        case "text" | "choice":
+            fits = isinstance(value, str)
+        case "flag":
+            fits = isinstance(value, bool)
+        case "number":
+            fits = is_number(value)
+        case "integer":
+            fits = is_number(value) and isinstance(value, int)
+        case "pair" | "triple":
+            fits = _is_sequence(value, {"pair": 2, "triple": 3}[kind])
+        case "table" | "numbers":
+            fits = isinstance(value, Mapping)
+        case _:
+            fits = isinstance(value, tuple)
+    if not fits:
+        raise InputError(f"{key} is {_shown(value)}: give {WANTED[kind]}")
+    if kind == "numbers":
         for name, item in value.items():
-            if not _is_number(item) and not _is_sequence(item, 3):
+            if not is_number(item) and not _is_sequence(item, 3):
                 raise InputError(f"{key}.{name} is {_shown(item)}: give a number, or three")
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
 def _is_sequence(value: Any, count: int) -> bool:
-    return isinstance(value, tuple) and len(value) == count and all(map(_is_number, value))
+    return isinstance(value, tuple) and len(value) == count and all(map(is_number, value))
 
 
 def _shown(value: Any) -> str:
@@ -111,9 +114,9 @@ def _shown(value: Any) -> str:
 
 def camera_of(table: Mapping[str, Any]) -> Orbit | LookAt:
     """A camera from its table: a `LookAt` if there is a `position`, else an `Orbit`."""
-    kind = LookAt if "position" in table else Orbit
-    check_table(table, _kinds(f.name for f in fields(kind)), "scene.camera")
-    camera = kind(**table)
+    record = LookAt if "position" in table else Orbit
+    _check_settings(table, settings_of(record), "scene.camera")
+    camera = record(**table)
     camera.camera((8, 8))
     return camera
 
@@ -122,16 +125,14 @@ def light_of(table: Any) -> Any:
     """A light from its table, which names its `kind`."""
     if not isinstance(table, Mapping) or table.get("kind") not in LIGHTS:
         raise InputError(f"scene.lights: give each a kind: {', '.join(LIGHTS)}")
-    constructor = LIGHTS[table["kind"]]
-    known = inspect.signature(constructor).parameters
+    kind = table["kind"]
     numbers = {key: value for key, value in table.items() if key != "kind"}
-    check_table(numbers, _kinds(known), f"scene.lights ({table['kind']})")
-    for name, item in known.items():
-        if item.default is item.empty and name not in numbers:
-            raise InputError(f"scene.lights ({table['kind']}): give it a {name}")
-    return constructor(**numbers)
+    _check_settings(numbers, light_parameters(kind), f"scene.lights ({kind})")
+    return LIGHTS[kind](**numbers)
 
 
-def _kinds(names: Iterable[str]) -> dict[str, str]:
-    vectors = ("position", "target", "up", "color")
-    return {name: TRIPLE if name in vectors else NUMBER for name in names}
+def _check_settings(table: Any, known: Mapping[str, Setting], what: str) -> None:
+    check_table(table, {name: declared.kind for name, declared in known.items()}, what)
+    for name, declared in known.items():
+        if declared.required and name not in table:
+            raise InputError(f"{what}: give it a {name}")

@@ -14,14 +14,20 @@ import numpy as np
 from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
 from basrelief.material import MAPS, Map, Material, load
-from basrelief.material.load import ReadOptions
+from basrelief.material.options import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
 from basrelief.scene.checks import check_choice
 from basrelief.scene.presets import checks
-from basrelief.techniques import flat, relief
+from basrelief.scene.resolve import default_technique, default_tiles
+from basrelief.settings import settings_of
 
 _TABLES = ("maps", "object", "scene", "motion")
-_RECORDS = ("settings", "smoothing", "surface_parameters", "shading", "shadowing", "fog")
+_RECORDS = tuple(
+    name
+    for record in (Object, Scene)
+    for name, declared in settings_of(record).items()
+    if declared.kind == "numbers"
+)
 """Options that are records of numbers, which merge field by field."""
 _LENGTHS = ("max_offset", "step_length")
 """Settings that are lengths in widths of a tile."""
@@ -209,7 +215,7 @@ class Preset:
     ) -> dict[str, Any]:
         technique = overrides.get("technique", defaults.get("technique"))
         if technique is None:
-            technique = flat if material.height is None else relief
+            technique = default_technique(material)
         technique = technique_named(technique)
         surface = overrides.get("surface", defaults.get("surface", "standard"))
         # settings that an overriding technique or surface does not have are dropped
@@ -240,12 +246,9 @@ class Preset:
         self, defaults: dict[str, Any], material: Material, overrides: Mapping[str, Any]
     ) -> None:
         """Convert lengths from widths of the shape to widths of a tile of the heights."""
-        placement = {
-            k: {**defaults, **overrides}[k]
-            for k in ("shape", "tiling")
-            if k in {**defaults, **overrides}
-        }
-        tiles = abs(float(Object(material, **placement).tiles[0]))
+        options = {**defaults, **overrides}
+        tiling = options.get("tiling") or default_tiles(options.get("shape", "plane"), material)
+        tiles = abs(float(tiling[0]))
         if "scale" in defaults:
             defaults["scale"] = defaults["scale"] * tiles
         settings = dict(defaults.get("settings", {}))
@@ -273,12 +276,12 @@ def _tiling(table: Any, key: str) -> Tiling:
 
 def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
     """A scene of one material from options of `Object` and `Scene`."""
-    scene_options = {k: value for k, value in options.items() if k in Scene.__dataclass_fields__}
+    of_object, of_scene = settings_of(Object), settings_of(Scene)
+    scene_options = {k: value for k, value in options.items() if k in of_scene}
     object_options = {k: value for k, value in options.items() if k not in scene_options}
-    names = set(Object.__dataclass_fields__) - {"material"}
     for name in object_options:
-        if name not in names:
-            known = sorted(names | set(Scene.__dataclass_fields__) - {"objects"})
+        if name not in of_object:
+            known = sorted({*of_object, *of_scene})
             # drawing functions take a device, and pass on unknown options
             hint = new_name(name, ("device",)) or suggestion(name, known)
             raise InputError(f"no option {name!r}; {hint}")

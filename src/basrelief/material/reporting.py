@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from basrelief.material.material import MAPS, Map, Material
+from basrelief.material.material import Map, Material
+from basrelief.material.options import MAPS
 
 
 def describe(material: Material) -> dict[str, Any]:

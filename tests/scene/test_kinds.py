@@ -26,9 +26,9 @@ from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
 from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.presets import Preset, preset
-from basrelief.shading import kinds
+from basrelief.settings import kinds, settings_of
 from basrelief.shading.lights import Light
-from basrelief.techniques.technique import Projection
+from basrelief.settings.kinds import Projection
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import as_light_dict, light_of
 from basrelief.viewer.state import light_to_dict
@@ -87,7 +87,7 @@ def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
     for each in get_args(OPTIONS[name]):
         made = scene(**{**others, name: each})
         made = replace(made, objects=(*made.objects, ball))
-        keys[each] = program_of(made.objects[0], made).key
+        keys[each] = program_of(made.resolved[0], made).key
     same = [each for each in keys if keys[each] == keys[value]]
     # objects that cast nothing are drawn no otherwise themselves
     if name == "casts":
@@ -145,10 +145,8 @@ def test_the_numbers_of_a_light_say_what_it_is() -> None:
 def test_menus_are_the_fields_that_are_one_of_a_few_values() -> None:
     for owner, wanted in ((Object, OF_OBJECT), (Scene, OF_SCENE)):
         expected = {name: get_args(kind) for name, kind in wanted.items()}
-        if owner is Object:
-            # None is the technique's own
-            expected["projection"] = (*get_args(Projection), None)
-        assert kinds.menus_of(owner) == expected
+        declared = settings_of(owner)
+        assert {name: s.choices for name, s in declared.items() if s.choices} == expected
     assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on"}
     assert kinds.either(["a", "b", "c"]) == "a, b or c"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Literal, get_args
 
 import numpy as np
 
@@ -16,13 +15,17 @@ from basrelief.material.channels import NormalPacking
 from basrelief.material.conventions import Part, parse_name
 from basrelief.material.evidence import SlopeCorrelation, slope_correlation
 from basrelief.material.files import Choice, FileSet, search
-from basrelief.material.material import MAPS, Map, Material, Note
+from basrelief.material.material import Map, Material, Note
+from basrelief.material.options import (
+    MAPS,
+    HeightChannel,
+    HeightPolarity,
+    NormalConvention,
+    Packing,
+    ReadOptions,
+)
 from basrelief.material.samples import sample
 
-NormalConvention = Literal["auto", "gl", "dx"]
-HeightPolarity = Literal["auto", "height", "depth"]
-HeightChannel = Literal["auto", "r", "g", "b", "a", "luminance", "a_or_r"]
-Packing = Literal["rgb", "ag", "rg", "ag_or_rgb"]
 PathLike = str | os.PathLike[str]
 
 SAMPLE = "sample:"
@@ -30,29 +33,6 @@ SAMPLE = "sample:"
 
 WELL_USED_RANGE = 0.9
 """Height maps that use a smaller part of their range get a note."""
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """Options of `load` for what file names leave open."""
-
-    normal_convention: NormalConvention = "auto"
-    height_polarity: HeightPolarity = "auto"
-    height_channel: HeightChannel = "auto"
-    normal_packing: Packing = "rgb"
-    stretch_height: bool = False
-
-    def __post_init__(self) -> None:
-        for name, known in (
-            ("normal_convention", get_args(NormalConvention)),
-            ("height_polarity", get_args(HeightPolarity)),
-            ("height_channel", get_args(HeightChannel)),
-            ("normal_packing", get_args(Packing)),
-        ):
-            if getattr(self, name) not in known:
-                raise InputError(
-                    f"{name} is one of {', '.join(known)}, not {getattr(self, name)!r}"
-                )
 
 
 def load(
@@ -122,7 +102,7 @@ def load(
         or leave a tie, options out of range, and maps that do not fit together.
     """
     options = ReadOptions(
-        normal_convention, height_polarity, height_channel, normal_packing, stretch_height
+        normal_convention, normal_packing, height_polarity, height_channel, stretch_height
     )
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,

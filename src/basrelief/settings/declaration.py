@@ -1,0 +1,188 @@
+"""Settings, each declared once: a field of a record, with its range and its meaning.
+
+A field has a type and a default, `setting` adds the range, and the docstring of the record says
+what it means. Checks, command line, presets, notebook, the controls of the viewer and the table in
+the documents are made from `settings_of`. The command line's help imports this module, so it
+imports little.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+import re
+import sys
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
+
+Kind = Literal[
+    "choice", "text", "flag", "integer", "number", "pair", "triple", "vector", "numbers", "other"
+]
+_KINDS: dict[str, Kind] = {
+    "str": "text",
+    "bool": "flag",
+    "int": "integer",
+    "float": "number",
+    "tuple[float, float]": "pair",
+    "tuple[float, float, float]": "triple",
+    "Vec3": "triple",
+}
+"""Kinds of settings by their annotation; a `Literal` is a choice."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """The declaration of a setting.
+
+    Attributes
+    ----------
+    name : str
+        Name of the field.
+    kind : str
+        Kind of its values; "numbers" is a record of numbers, set by a mapping.
+    default : object
+        Value where none is given; None where it is computed, and where a value is required.
+    doc : str
+        Meaning, a phrase without a full stop.
+    low, high : float or None
+        The inclusive range of its numbers; None leaves that side open.
+    choices : tuple of str
+        The values of a choice.
+    optional : bool
+        Whether None is allowed.
+    required : bool
+        Whether a value has to be given.
+    control : mapping
+        The viewer's slider where it differs from the range: `low`, `high`, `step`.
+    spelling : str
+        Example of its values on the command line, such as "U,V".
+    group : str
+        Section of the help and of the documents.
+    """
+
+    name: str
+    kind: Kind
+    default: Any
+    doc: str
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    optional: bool = False
+    required: bool = False
+    control: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    spelling: str = ""
+    group: str = ""
+
+    @property
+    def option(self) -> str:
+        """The option of the command line."""
+        return f"--{self.name.replace('_', '-')}"
+
+
+def setting(
+    *,
+    default: Any = dataclasses.MISSING,
+    factory: Any = dataclasses.MISSING,
+    doc: str = "",
+    low: float | None = None,
+    high: float | None = None,
+    kind: Kind | None = None,
+    control: Mapping[str, float] | None = None,
+    spelling: str = "",
+    group: str = "",
+) -> Any:
+    """Field of a record that users set: default, range and description.
+
+    Parameters
+    ----------
+    default, factory
+        The default value, or a function that returns it.
+    doc
+        One line for help texts; by default the first sentence about the field in the docstring of
+        the record.
+    low, high
+        The inclusive range; None leaves that side open. It is checked when a user's values are
+        read, not when a shader builds a record.
+    kind, control, spelling, group
+        As for `Setting`; the kind is that of the annotation by default.
+    """
+    metadata = {
+        "doc": doc, "low": low, "high": high, "kind": kind, "control": control or {},
+        "spelling": spelling, "group": group,
+    }  # fmt: skip
+    if factory is not dataclasses.MISSING:
+        return dataclasses.field(default_factory=factory, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+@functools.cache
+def settings_of(record: Any) -> Mapping[str, Setting]:
+    """The settings of a record by name: its fields that `setting` declares, in order."""
+    meanings = _meanings(record)
+    return {
+        field.name: _setting(record, field, meanings.get(field.name, ""))
+        for field in dataclasses.fields(record)
+        if "doc" in field.metadata
+    }
+
+
+def _setting(record: Any, field: dataclasses.Field[Any], meaning: str) -> Setting:
+    annotation = field.type if isinstance(field.type, str) else field.type.__name__
+    plain = annotation.removesuffix(" | None")
+    literal = vars(sys.modules[record.__module__]).get(plain)
+    choices = get_args(literal) if get_origin(literal) is Literal else ()
+    given = {name: value for name, value in field.metadata.items() if value is not None}
+    # other factories compute a default from what would have to be imported here
+    default = {} if field.default_factory is dict else field.default
+    required = default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    if default is dataclasses.MISSING:
+        default = None
+    return Setting(
+        **{
+            "kind": "choice" if choices else _kind_of(plain, "other"),
+            **given,
+            "name": field.name,
+            "default": default,
+            "doc": field.metadata["doc"] or meaning,
+            "choices": choices,
+            "optional": plain != annotation,
+            "required": required,
+        }
+    )
+
+
+@functools.cache
+def parameters_of(function: Any) -> Mapping[str, Setting]:
+    """The parameters of a function as settings by name.
+
+    A parameter declares its range by an `Annotated` type: fields of `Setting` in a mapping.
+    """
+    meanings = _meanings(function)
+    result = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        annotation = vars(sys.modules[function.__module__]).get(parameter.annotation)
+        declared: dict[str, Any] = getattr(annotation, "__metadata__", ({},))[0]
+        kind = declared.get("kind") or _kind_of(str(parameter.annotation), "number")
+        required = parameter.default is parameter.empty
+        default = None if required else parameter.default
+        result[name] = Setting(
+            **{**declared, "name": name, "kind": kind, "default": default, "required": required,
+               "doc": meanings.get(name, "")}
+        )  # fmt: skip
+    return result
+
+
+def _kind_of(annotation: str, otherwise: Kind) -> Kind:
+    return _KINDS.get(annotation, otherwise)
+
+
+def _meanings(record: Any) -> dict[str, str]:
+    """The first sentence about each field in the docstring of a record, without its full stop."""
+    doc = inspect.cleandoc(record.__doc__ or "")
+    entries = re.findall(r"^(\w[\w, ]*) : .*\n((?:(?:    .*)?\n?)+)", doc, re.MULTILINE)
+    return {
+        name: re.split(r"\.(?:\s|$)", " ".join(text.split()))[0]
+        for names, text in entries
+        for name in names.split(", ")
+    }
