@@ -118,9 +118,9 @@ def test_without_a_file_the_page_is_opened(
     monkeypatch.setattr(
         "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--device", "cpu"]
     )
-    with pytest.raises(SystemExit) as ended:
+    with pytest.raises(SystemExit) as exit_info:
         main.main()
-    assert not ended.value.code
+    assert not exit_info.value.code
     output = capsys.readouterr()
     page = Path(output.out.strip())
     assert page.is_file()

@@ -235,7 +235,7 @@ def test_png_is_encoded_and_rounded_to_the_nearest(tmp_path: Path) -> None:
     assert (stored[1, :, 0] == codes[1:]).all()
 
 
-def test_sixteen_bits_are_encoded_alike(tmp_path: Path) -> None:
+def test_16_bits_are_encoded_the_same_way(tmp_path: Path) -> None:
     light = ramp()
     stored = read_picture(write_picture(tmp_path / "a.png", light, bits=16)).pixels
     assert stored.dtype == np.uint16

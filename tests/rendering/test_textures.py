@@ -110,12 +110,12 @@ def test_heights_are_never_decoded_from_srgb() -> None:
 
 
 def test_missing_maps_have_no_texture() -> None:
-    nothing = Material("nothing")
-    assert textures.height_field(nothing, "wrap") is None
-    assert textures.base_color(nothing, "wrap") is None
-    assert textures.normal(nothing, "wrap", 0.1, CPU) is None
-    assert textures.response(nothing, "wrap") is None
-    assert textures.emission(nothing, "wrap") is None
+    empty = Material("nothing")
+    assert textures.height_field(empty, "wrap") is None
+    assert textures.base_color(empty, "wrap") is None
+    assert textures.normal(empty, "wrap", 0.1, CPU) is None
+    assert textures.response(empty, "wrap") is None
+    assert textures.emission(empty, "wrap") is None
 
 
 # --- colours --------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ def test_shadow_casters_are_baked_there_too(engine: RecordingEngine) -> None:
     assert set(engine.entries) >= {normals, *BAKES["cone_map"].programs}
 
 
-def test_the_truth_is_worked_out_there(engine: RecordingEngine) -> None:
+def test_the_truth_is_computed_there(engine: RecordingEngine) -> None:
     truth(Object(bumps(5), technique="exact"), (8, 6), device=engine)
     assert engine.entries
 

@@ -202,7 +202,8 @@ def test_a_light_of_an_unknown_kind_is_refused(number: int) -> None:
 
 def test_a_value_that_is_not_a_light_is_refused() -> None:
     line = refusal(lambda: Scene((Object(BRICKS),), lights=("directional",)))
-    assert line == "a light is 'directional': give one made by directional, point or spot"
+    assert line.startswith("a light is 'directional'")
+    assert "directional, point or spot" in line
     line = refusal(lambda: Scene((Object(BRICKS),), lights=directional()))
     assert line == "lights are a tuple, as (directional(),)"
 
@@ -263,7 +264,8 @@ def test_bakes_refuse_an_unknown_edge(name: str) -> None:
     array = np.full((2, 3, 3), 0.5) if name == "height_map" else np.zeros((2, 3), np.float32)
     more = {"scale": 0.1} if name in scaled else {}
     line = refusal(lambda: getattr(baking, name)(array, "clip", **more))
-    assert line == "the edge of a bake must be wrap or clamp, not clip"
+    assert "edge" in line
+    assert "wrap or clamp, not clip" in line
 
 
 def test_an_unknown_channel_is_refused() -> None:
@@ -276,4 +278,5 @@ def test_an_unknown_debug_picture_is_refused() -> None:
     empty = np.zeros((1, 1))
     frame = Frame(np.zeros((1, 1, 4)), empty, np.zeros((1, 1, 2)), empty > 0, empty, "cpu")  # type: ignore[arg-type]
     line = refusal(lambda: debug_picture("height", frame))
-    assert line == f"there is no debug picture 'height'; use color, {', '.join(SHOWN)}"
+    assert line.startswith("there is no debug picture 'height'")
+    assert f"color, {', '.join(SHOWN)}" in line

@@ -105,8 +105,8 @@ def test_the_mask_weights_the_layer(share: float) -> None:
     wanted = base * (1.0 - share + share * 0.1 / GREY)
     np.testing.assert_allclose(rendered(obj).color[4, 4, :3], wanted, atol=2e-4)
     own, over = unit([0.1, 0.2, 1.0]), unit([*lean[:2] * share, lean[2]])
-    bent = unit([*own[:2] + over[:2], own[2] * over[2]])
-    np.testing.assert_allclose(normal_of(obj, wanted), bent, atol=5e-4)
+    blended = unit([*own[:2] + over[:2], own[2] * over[2]])
+    np.testing.assert_allclose(normal_of(obj, wanted), blended, atol=5e-4)
 
 
 def test_middle_grey_changes_nothing() -> None:
@@ -157,8 +157,8 @@ def test_normals_of_layers_add_their_slope(tiles, turn) -> None:
         material, height=1.0, tiling=(1.0, 1.0), layer=Layer(leaning(0.15, 0.1), Tiling(tiles))
     )
     over = unit(unit(fine) * [*turn, 1.0])
-    bent = unit([*own[:2] + over[:2], own[2] * over[2]])
-    np.testing.assert_allclose(normal_of(obj), bent, atol=5e-4)
+    blended = unit([*own[:2] + over[:2], own[2] * over[2]])
+    np.testing.assert_allclose(normal_of(obj), blended, atol=5e-4)
 
 
 @pytest.mark.parametrize("z", [0.0, -0.5])

@@ -396,8 +396,8 @@ def assert_displaced(
     assert away.max() < 2e-3
     assert np.quantile(away, 0.95) < 5e-5
     np.testing.assert_allclose(frame.distance[ours], wanted.distance[ours], rtol=1e-3)
-    facing = np.maximum(wanted.normal @ towards, 0.0)
-    shade = bilinear(COLORS, wanted.uv) * facing[..., None]
+    cosine = np.maximum(wanted.normal @ towards, 0.0)
+    shade = bilinear(COLORS, wanted.uv) * cosine[..., None]
     # coarse mip levels blend in the ramp's cliff
     size = np.array([form.columns, form.rows])
     texels = (wanted.footprint * size).max(axis=-1)

@@ -370,8 +370,8 @@ def test_lambert_on_a_normal_map_is_its_cosine() -> None:
     frame = drawn(
         obj, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
     )
-    facing = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
-    wanted = 0.75 * 2.0 * np.maximum(facing, 0.0)
+    cosine = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
+    wanted = 0.75 * 2.0 * np.maximum(cosine, 0.0)
     wanted = np.concatenate([wanted, wanted[: columns - rows]])
     np.testing.assert_allclose(frame.color[:, :, 0], wanted, atol=2e-3)
 
@@ -583,12 +583,12 @@ def test_lights_add_up_and_ambient_counts_once(model) -> None:
         chosen = {} if shading is None else {"shading": shading}
         return drawn(obj, camera, lights=lights, shading_model=model, **chosen).color[:, :, :3]
 
-    nothing = color(())
-    assert nothing.max() > 0.1
-    alone = sum(color((light,)) - nothing for light in more)
-    np.testing.assert_allclose(color(more), nothing + alone, atol=2e-5)
+    unlit_color = color(())
+    assert unlit_color.max() > 0.1
+    alone = sum(color((light,)) - unlit_color for light in more)
+    np.testing.assert_allclose(color(more), unlit_color + alone, atol=2e-5)
     unlit = Shading(ambient=(0.0, 0.0, 0.0))
-    assert color((), unlit).max() < nothing.max()
+    assert color((), unlit).max() < unlit_color.max()
 
 
 # --- curved shapes --------------------------------------------------------------------------------
@@ -661,9 +661,9 @@ def test_on_round_shapes_the_ray_is_traced_in_the_tangent_plane(
     frame = drawn(obj, camera)
     distance, points, directions = round_hits(shape, camera)
     normal, along_u, along_v, uv = on_round(shape, points)
-    facing = -(directions * normal).sum(-1)
+    cosine = -(directions * normal).sum(-1)
     # not at the outline, where rounding of the point changes the ray strongly
-    ours = np.isfinite(distance) & (facing > 0.2) & (np.abs(points[..., 1]) < 0.49)
+    ours = np.isfinite(distance) & (cosine > 0.2) & (np.abs(points[..., 1]) < 0.49)
     assert ours.mean() > 0.1
     assert frame.hit[ours].all()
     tiles = np.array(tiling)
@@ -672,12 +672,12 @@ def test_on_round_shapes_the_ray_is_traced_in_the_tangent_plane(
     view_x = -(directions * along_u).sum(-1) / width
     view_y = (directions * along_v).sum(-1) / height
     deep = scale * np.pi / abs(tiles[0])
-    travel = -deep * np.stack([view_x / width, -view_y / height], -1) / facing[..., None]
+    travel = -deep * np.stack([view_x / width, -view_y / height], -1) / cosine[..., None]
     wanted = uv * tiles + travel * (reference_height - HEIGHT)
     away = np.abs(frame.uv - wanted)
     # the seam, where u jumps by its whole range, is at the back
     assert away[ours].max() < 1e-3
-    deeper = distance + (reference_height - HEIGHT) * deep / facing
+    deeper = distance + (reference_height - HEIGHT) * deep / cosine
     # clamped to the shape and to the shell of a raised relief around it
     shell = (1 - reference_height) * deep
     t_exit = round_exits(shape, camera)

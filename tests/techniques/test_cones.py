@@ -312,13 +312,13 @@ def overshoot_of_rays(
     heights = np.asarray(maps()[name], np.float32)
     baked = baked_of(engine, technique.bake, name, edge)
     program = Program(traced, {displace: technique}, edge)
-    given = {
+    inputs = {
         "fan": Fan(reach, 0),
         "field": HeightField([heights], edge),
         "baked": Texture([baked], edge),
         "settings": values,
     }
-    planes = engine.run(program, given, (96, 64))
+    planes = engine.run(program, inputs, (96, 64))
     rays = np.stack([planes[part] for part in ("uv.x", "uv.y", "travel.x", "travel.y")], -1)
     texels = np.linalg.norm(rays[:, :, 2:].astype(float) * heights.shape[::-1], axis=-1).ravel()
     wanted = first_hits(name, edge, rays.tobytes())

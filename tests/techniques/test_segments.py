@@ -117,16 +117,16 @@ def planes_of(
 ) -> dict[str, np.ndarray]:  # fmt: skip
     """The fields of traced rays by name, as flat arrays, floats in float64."""
     heights = np.asarray(heights, np.float32)
-    given = {
+    arguments = {
         "rays": rays,
         "field": HeightField([heights], edge, "columns" if technique is texel else "sharp"),
         "settings": settings,
     }
     if technique.bake is not None:
         make = {exact: baking.bounds, cone: baking.cone_map, relaxed_cone: baking.relaxed_cone_map}
-        given["baked"] = Texture([make[technique](heights, edge)], edge)
-    program = Program(traced, {displace: technique}, edge, given["field"].filter)
-    made = {name: plane.ravel() for name, plane in engine.run(program, given, size).items()}
+        arguments["baked"] = Texture([make[technique](heights, edge)], edge)
+    program = Program(traced, {displace: technique}, edge, arguments["field"].filter)
+    made = {name: plane.ravel() for name, plane in engine.run(program, arguments, size).items()}
     return {name: plane if name == "found" else plane.astype(float) for name, plane in made.items()}
 
 
@@ -287,10 +287,10 @@ CUTS = (0.0, 0.25, 0.625, 1.0)
 
 def trace_parts(technique: Any, settings: Any, heights: np.ndarray, ray: Ray) -> tuple[Hit, float]:
     """The hit of a ray that is traced as consecutive segments, and its t on the whole ray."""
-    given: list[Any] = [HeightField([heights], "clamp")]
+    arguments: list[Any] = [HeightField([heights], "clamp")]
     if technique.bake is not None:
         make = {exact: baking.bounds, cone: baking.cone_map, relaxed_cone: baking.relaxed_cone_map}
-        given.append(Texture([make[technique](heights, "clamp")], "clamp"))
+        arguments.append(Texture([make[technique](heights, "clamp")], "clamp"))
     start = 0.0
     for start, end in itertools.pairwise(CUTS):
         length = end - start
@@ -298,7 +298,7 @@ def trace_parts(technique: Any, settings: Any, heights: np.ndarray, ray: Ray) ->
             at(ray, start), ray.travel * length, 1.0 - start, length, ray.cosine, share=length,
             scale=0.2,
         )  # fmt: skip
-        hit = technique(*given, part, settings)
+        hit = technique(*arguments, part, settings)
         if hit.found or float(hit.t) < 1.0:
             break
     return hit, start + length * float(hit.t)

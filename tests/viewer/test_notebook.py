@@ -272,7 +272,7 @@ def test_changes_are_observed(viewer: Viewer) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "line"),
     [
-        ("technique", "releif", r"technique is one of flat, offset, .*, not 'releif'"),
+        ("technique", "warp", r"technique is one of flat, offset, .*, not 'warp'"),
         ("shape", "cube", r"shape is one of plane, box, sphere, cylinder, not 'cube'"),
         ("scale", -1.0, r"scale is -1: give a number from 0 to 10"),
         ("reference_height", "half", r"reference_height is 'half': give a number"),

@@ -729,10 +729,10 @@ def test_copied_settings_draw_the_same_picture(
     _changed(fresh)
     shown = fresh.frame()
     line = fresh.page.evaluate("viewer.text('python')")
-    options: dict[str, Any] = {}
-    monkeypatch.setattr(basrelief, "render", lambda what, **options: options.update(options))
+    copied: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
     exec(line, {"basrelief": basrelief})
-    drawn = render(material, size=SIZE, samples=1, device="cpu", **options)
+    drawn = render(material, size=SIZE, samples=1, device="cpu", **copied)
     assert_agree(drawn, shown, TEXELS)
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     assert words[:3] == ["basrelief", "render", "sample:bricks"]
@@ -848,11 +848,11 @@ def test_an_invalid_link_is_clamped(
     assert -1.0 < scene.objects[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))
     line = fresh.page.evaluate("viewer.text('python')")
-    options: dict[str, Any] = {}
-    monkeypatch.setattr(basrelief, "render", lambda what, **options: options.update(options))
+    copied: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
     monkeypatch.setattr("os.system", lambda line: pytest.fail(line))
     exec(line, {"basrelief": basrelief})
-    assert len(options["lights"]) == len(state["lights"]) if "lights" in options else True
+    assert len(copied["lights"]) == len(state["lights"]) if "lights" in copied else True
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     assert "$(id)" not in " ".join(words)
     _scene_of_command(material, words[3:])

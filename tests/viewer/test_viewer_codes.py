@@ -80,8 +80,8 @@ def decoded(seen: OpenPage, content: bytes, *, whole: bool = False) -> np.ndarra
       if (!png.isRead(header)) return null;
       return [header.height, header.width, await png.decoded(bytes, header)];
     }"""
-    given = [np.frombuffer(content, np.uint8), whole]
-    height, width, texels = evaluate(seen.page, script, given)
+    argument = [np.frombuffer(content, np.uint8), whole]
+    height, width, texels = evaluate(seen.page, script, argument)
     assert texels.dtype == np.uint16
     return texels.reshape(height, width, 4)
 
@@ -272,8 +272,8 @@ REPLACED = """async ([texels, height, width, slot, choices]) => {
 
 def replaced(seen: OpenPage, pixels: np.ndarray, slot: str, **choices: str) -> np.ndarray:
     """The map that the page makes of a dropped picture of (h, w, 4) 16-bit codes."""
-    given = [pixels, *pixels.shape[:2], slot, choices]
-    height, width, count, texels = evaluate(seen.page, REPLACED, given)
+    argument = [pixels, *pixels.shape[:2], slot, choices]
+    height, width, count, texels = evaluate(seen.page, REPLACED, argument)
     return texels.reshape(height, width, count)
 
 
@@ -523,8 +523,8 @@ THUMBNAIL = """async ([texels, height, width, count, channels, light]) => {
 def thumbnail(
     seen: OpenPage, texels: np.ndarray, channels: list[int], light: bool = False
 ) -> np.ndarray:
-    given = [texels.astype(np.uint16), *texels.shape, channels, light]
-    height, width, data = evaluate(seen.page, THUMBNAIL, given)
+    argument = [texels.astype(np.uint16), *texels.shape, channels, light]
+    height, width, data = evaluate(seen.page, THUMBNAIL, argument)
     return data.reshape(height, width, 4)
 
 
