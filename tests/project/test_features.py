@@ -68,8 +68,8 @@ def test_pages_show_their_rows(row: Row) -> None:
 
 def test_missing_tests_are_found() -> None:
     """The checks above can fail."""
-    assert has_test("tests/project/test_features.py::test_missing_tests_are_noticed")
+    assert has_test("tests/project/test_features.py::test_missing_tests_are_found")
     assert not has_test("tests/project/test_features.py::test_of_something_else")
     assert not has_test("tests/project/test_features.py::has_test")
-    assert not has_test("tests/test_nowhere.py::test_missing_tests_are_noticed")
+    assert not has_test("tests/test_nowhere.py::test_missing_tests_are_found")
     assert not has_test("")
