@@ -409,7 +409,7 @@ def test_samples_by_name(here: Path) -> None:
     assert np.abs(read_picture("a.png").pixels - wanted).max() < 0.51
 
 
-def test_without_heights_it_is_drawn_flat_with_a_note(tmp_path: Path, here: Path) -> None:
+def test_a_material_without_heights_is_drawn_flat_with_a_note(tmp_path: Path, here: Path) -> None:
     folder = tmp_path / "paper"
     folder.mkdir()
     pixels = np.random.default_rng(5).integers(0, 255, (4, 4, 3), np.uint8)
@@ -818,7 +818,7 @@ def test_a_closed_pipe(unbuffered: str) -> None:
 # --- the package ----------------------------------------------------------------------------------
 
 
-def test_render_stays_the_function() -> None:
+def test_basrelief_render_is_the_function() -> None:
     code = (
         "import basrelief.rendering.render, basrelief, types\n"
         "assert isinstance(basrelief.render, types.FunctionType)\n"

@@ -33,7 +33,7 @@ def page_data(page: Path) -> dict[str, Any]:
 
 
 @pytest.mark.usefixtures("without_stills")
-def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
+def test_the_page_starts_with_the_options(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
         "view", "sample:bricks", "-o", page, "--texels", "64", "--technique", "steep", "--set",

@@ -257,7 +257,7 @@ def test_out_of_range_light_is_clipped_and_nan_is_black(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("suffix", "bits", "near"), [(".exr", 32, 0), (".exr", 16, 1e-3), (".tif", 32, 0)]
 )
-def test_float_formats_stay_linear(tmp_path: Path, suffix: str, bits: int, near: float) -> None:
+def test_float_formats_are_linear(tmp_path: Path, suffix: str, bits: int, near: float) -> None:
     light = ramp() * 3
     stored = read_picture(write_picture(tmp_path / f"a{suffix}", light, bits=bits)).pixels
     assert np.abs(stored - light).max() <= near * 3

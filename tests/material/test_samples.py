@@ -181,7 +181,7 @@ def test_invalid_arguments_are_refused() -> None:
 # --- special samples
 
 
-def test_a_detail_grid_keeps_the_brightness_of_what_lies_below() -> None:
+def test_a_detail_grid_preserves_brightness() -> None:
     """Colour and normals only: middle grey on average, dark lines, a marked corner."""
     for size in (64, 128, (96, 48)):
         grid = sample("grid", size)
@@ -322,7 +322,7 @@ def heights_only(values: list[list[float]], name: str) -> Material:
 # --- canvas, noise and cells
 
 
-def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
+def test_a_window_wraps_and_contains_each_texel_once() -> None:
     canvas = Canvas(20, 30, 0)
     for x, y, reach in ((0.01, 0.6, 0.1), (0.98, 0.02, 0.2), (0.5, 0.3, 0.9)):
         window = canvas.around(x, y, reach)

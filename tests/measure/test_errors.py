@@ -286,7 +286,7 @@ def test_flip_from_none_to_the_largest() -> None:
     assert flip(black, bare) == 0.0
 
 
-def test_without_flip_the_message_says_what_to_install(monkeypatch) -> None:
+def test_without_flip_the_error_names_what_to_install(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
     assert not has_flip()
     with pytest.raises(InputError, match=r"pip install 'basrelief\[measure\]'"):

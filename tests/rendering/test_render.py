@@ -624,7 +624,7 @@ def test_a_technique_from_a_file_draws_the_same(tmp_path) -> None:
         Object(BRICKS, technique=f"{file}:other")
 
 
-def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
+def test_rotating_object_and_camera_together_changes_nothing() -> None:
     """Rendering does not depend on the direction in the world, lights included."""
 
     def at_angle(angle: float):
@@ -642,7 +642,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
     assert math.isfinite(one.color.max())
 
 
-def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
+def test_a_clipped_cylinder_has_no_slit_at_its_seam() -> None:
     """Round shapes have no border along u: coordinates beyond 1 continue at 0."""
     ground = Material("hills", height=map_of(np.random.default_rng(4).random((32, 32))))
     for shape in ("cylinder", "sphere"):

@@ -128,7 +128,7 @@ def test_a_look_at_camera_rotates_around_its_target() -> None:
     assert is_close(camera.up, (0.0, 1.0, 0.0))
 
 
-def test_look_at_and_orbit_rotate_alike() -> None:
+def test_look_at_and_orbit_rotate_equally() -> None:
     """Both shader cameras are equal at any fraction of a turn."""
     start = Orbit(0.0, 40.0, 2.0, (0.1, 0.2, 0.3))
     stood = LookAt(tuple(map(float, start.camera(SIZE).position)), start.target)

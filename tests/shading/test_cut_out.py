@@ -48,7 +48,7 @@ def opacity_seen() -> np.ndarray:
 
 @pytest.mark.parametrize("cutoff", [0.3, 0.5, 0.7])
 @pytest.mark.parametrize("other", ["an object", "the background"])
-def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
+def test_a_hole_shows_the_object_or_background_behind(cutoff: float, other: str) -> None:
     """C16: solid or empty by the opacity at the hit; a hole shows exactly the colour behind."""
     objects = [holed(alpha="mask", surface_parameters={"cutoff": cutoff})]
     if other == "an object":

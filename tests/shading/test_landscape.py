@@ -91,7 +91,7 @@ def test_steps_are_of_one_length_along_the_ray(ray, step: float, steps: int) -> 
     assert float(hit.height) * float(ray.scale) == pytest.approx(places[-1, 2], abs=1e-5)
 
 
-def test_by_default_there_are_three_hundred_steps_of_a_hundredth() -> None:
+def test_the_default_is_300_steps_of_a_hundredth() -> None:
     """L1: the article's numbers."""
     assert (FixedLength().steps, FixedLength().step_length) == (300, pytest.approx(0.01))
 

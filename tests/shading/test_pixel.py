@@ -250,7 +250,7 @@ WALLS = {
 
 
 @pytest.mark.parametrize("hill", WALLS)
-def test_a_hill_hides_what_lies_behind_it(hill) -> None:
+def test_a_hill_hides_the_ground_behind(hill) -> None:
     """A hill on the right hides the ground to the left of it from a viewer on the right."""
     form, axis, sign, hiding = WALLS[hill]
     columns, rows = 90, 60

@@ -702,7 +702,7 @@ def test_projections(view) -> None:
 
 
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.01, 1)), st.floats(0.1, 10))
-def test_the_true_projection_needs_no_unit_vector_and_a_bias_does(view, times: float) -> None:
+def test_only_a_biased_projection_needs_a_unit_vector(view, times: float) -> None:
     """W1."""
     once, more = Vec3(*view), Vec3(*(c * times for c in view))
     np.testing.assert_allclose(
