@@ -1,7 +1,7 @@
-"""What all tests share: the GPU adapter, the rock material, and the rule that CI skips nothing.
+"""Fixtures of all tests: the GPU adapter, the rock material, and the rule that CI skips nothing.
 
 On CI (the variable `CI` is set) a skip that `allowed_skips.txt` does not list is a failure, so a
-missing driver or file cannot pass for success.
+missing driver or file does not count as success.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from hypothesis import settings
 
 TESTS = Path(__file__).parent
 
-# How long an example takes says more about the machine's other work than about the code.
+# The duration of an example depends more on other work of the machine than on the code.
 settings.register_profile("unhurried", deadline=None)
 settings.load_profile("unhurried")
 
@@ -35,7 +35,7 @@ def allowed_skips() -> frozenset[str]:
 
 
 def _fail_unexpected_skip(report: Any) -> None:
-    """Turn the report of a skip into that of a failure where skips are not welcome."""
+    """Turn the report of an unexpected skip on CI into that of a failure."""
     if not os.environ.get("CI") or not report.skipped or hasattr(report, "wasxfail"):
         return
     if report.nodeid.split("[")[0] in allowed_skips():
@@ -43,7 +43,7 @@ def _fail_unexpected_skip(report: Any) -> None:
     reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
     report.outcome = "failed"
     report.longrepr = (
-        f"skipped on CI ({reason}); mend what is missing, or list it in tests/allowed_skips.txt"
+        f"skipped on CI ({reason}); install what is missing, or list it in tests/allowed_skips.txt"
     )
 
 
@@ -84,7 +84,7 @@ def pytest_report_header() -> str:
 
 @pytest.fixture(scope="session")
 def gpu_adapter() -> Any:
-    """A WebGPU adapter; on CI the software one, on which expected values were made."""
+    """A WebGPU adapter; on CI the software one, with which expected values were computed."""
     adapter = find_adapter()
     if isinstance(adapter, str):
         pytest.skip(adapter)
@@ -96,7 +96,7 @@ def gpu_adapter() -> Any:
 
 @pytest.fixture(autouse=True)
 def _gpu_where_marked(request: pytest.FixtureRequest) -> None:
-    """Tests marked `gpu` run only where there is an adapter."""
+    """Run tests marked `gpu` only if there is an adapter."""
     if request.node.get_closest_marker("gpu"):
         request.getfixturevalue("gpu_adapter")
 
@@ -120,11 +120,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def _small_samples() -> Iterator[None]:
-    """Samples that tests load by name, as `sample:stone`, have 128 texels a side.
+    """Give samples that tests load by name, as `sample:stone`, 128 texels a side.
 
-    They are loaded very often, and one of 512 takes up to a second.
+    They are loaded very often, and 512 texels take up to a second.
     """
-    # the package's own `load` is the function; a suite that imports none of it has no samples
+    # `basrelief.load` is the function, so the module is found in `sys.modules`, if imported
     module = sys.modules.get("basrelief.material.loading")
     if module is None:
         yield

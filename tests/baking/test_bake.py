@@ -129,8 +129,8 @@ def test_the_horizon_of_a_wall() -> None:
     np.testing.assert_allclose(towards, np.sin(angle) * MOST, atol=2)
     assert (made[:, :wall, 4] == 0).all()
     np.testing.assert_allclose(made[5, wall + away, 4], np.sin(angle) * MOST, atol=2)
-    slanted = np.sin(np.arctan(0.75 * scale * columns / (away * math.sqrt(2))))
-    np.testing.assert_allclose(made[31, wall - away[:9], 1], slanted[:9] * MOST, atol=2)
+    diagonal = np.sin(np.arctan(0.75 * scale * columns / (away * math.sqrt(2))))
+    np.testing.assert_allclose(made[31, wall - away[:9], 1], diagonal[:9] * MOST, atol=2)
     lying = baking.horizon_map(heights.T, "clamp", scale)
     up = np.arctan(0.75 * scale * rows / away)
     np.testing.assert_allclose(lying[wall + away, 5, 2], np.sin(up) * MOST, atol=2)
@@ -205,7 +205,7 @@ def test_heights_from_normals_give_these_normals(shape, edge, seed) -> None:
 
 
 @pytest.mark.parametrize("edge", EDGES)
-def test_heights_come_back_from_their_normals(edge: str) -> None:
+def test_heights_are_recovered_from_their_normals(edge: str) -> None:
     gravel = sample("gravel", (96, 128))
     heights = gravel.height.linear()[:, :, 0]
     integrated = baking.height_map(baking.normal_map(heights, edge, gravel.scale), edge)
@@ -243,7 +243,7 @@ def test_the_normals_of_a_scan_give_its_heights(rock058: Path) -> None:
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("edge", EDGES)
-def test_engines_bake_alike(edge: str) -> None:
+def test_engines_bake_equal_tables(edge: str) -> None:
     heights = sample("gravel", (40, 72)).height.linear()[:, :, 0]
     gpu = choose_device("gpu")
     difference = baking.normal_map(heights, edge, 0.1) - baking.normal_map(heights, edge, 0.1, gpu)

@@ -17,9 +17,9 @@ from basrelief.techniques.exact_records import (
     FAR_3,
     FAR_4,
     FAR_BLOCK,
-    MAX_ROOM,
+    MAX_HEADROOM,
     MAX_SLOPE,
-    MIN_ROOM,
+    MIN_HEADROOM,
     PLANE,
     WINDOW,
 )
@@ -68,13 +68,13 @@ def assert_near_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None
     near, _ = split_records(baking.bounds(heights, edge, device), heights.shape)
     for back, records in near.items():
         block = tuple(np.random.default_rng(seed).integers(0, records.shape[:2]))
-        room, *codes, window = records[block].astype(np.float32) / np.float32(65535)
+        headroom, *codes, window = records[block].astype(np.float32) / np.float32(65535)
         highest = ahead(heights, edge, block, BLOCK, WINDOW, back).max()
         assert 1.0 - window - 4 / 65535 <= highest <= 1.0 - window
         below = ahead(heights, edge, block, BLOCK, PLANE, back).astype(float)
         slope_u, slope_v = ((float(code) * 2 - 1) * MAX_SLOPE for code in codes)
         away = np.arange(PLANE + 1)
-        corner = 1.0 - (MIN_ROOM + float(room) * (MAX_ROOM - MIN_ROOM))
+        corner = 1.0 - (MIN_HEADROOM + float(headroom) * (MAX_HEADROOM - MIN_HEADROOM))
         plane = corner + slope_u * away[None, :] + slope_v * away[:, None]
         assert (below <= plane).all()
         # and the plane is tight
@@ -90,8 +90,8 @@ def assert_far_is_safe(rows, columns, edge, levels, seed, device="cpu") -> None:
         for blocks, code in zip((FAR, FAR_2, FAR_3, FAR_4), records[block], strict=True):
             cells = blocks * FAR_BLOCK
             highest = ahead(heights, edge, block, FAR_BLOCK, cells, back).max()
-            room = code / np.float32(65535)
-            assert 1.0 - room - 4 / 65535 <= highest <= 1.0 - room
+            headroom = code / np.float32(65535)
+            assert 1.0 - headroom - 4 / 65535 <= highest <= 1.0 - headroom
 
 
 @settings(max_examples=40)
@@ -154,7 +154,7 @@ def test_a_plane_is_its_own_bound() -> None:
         np.testing.assert_allclose((inner[..., 2] / 65535 * 2 - 1) * MAX_SLOPE, 0.0, atol=1e-5)
 
 
-def test_an_empty_map_has_full_room() -> None:
+def test_a_map_of_height_0_has_the_largest_headroom() -> None:
     table = baking.bounds(np.zeros((5, 7), np.float32), "wrap")
     near, far = split_records(table, (5, 7))
     for records in near.values():
@@ -165,7 +165,7 @@ def test_an_empty_map_has_full_room() -> None:
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
-def test_engines_bake_alike(edge) -> None:
+def test_engines_bake_equal_tables(edge) -> None:
     """Up to one code, as engines may round to neighbouring codes, both of them safe."""
     heights = heights_of(37, 53, 65535, 1)
     cpu, gpu = (baking.bounds(heights, edge, choose_device(name)) for name in ("cpu", "gpu"))

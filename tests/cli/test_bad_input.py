@@ -1,4 +1,4 @@
-"""Bad input: one line, exit code 2, no file overwritten or left. And unusual input that works."""
+"""Bad input: a one-line message, exit code 2, no file overwritten or left; unusual valid input."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ DRAW = ("--size", "12x9", "--samples", "1", "--device", "cpu")
 
 @pytest.fixture(scope="module")
 def bumps(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a height map alone."""
+    """A folder with only a height map."""
     return write_heights(tmp_path_factory.mktemp("maps") / "bumps")
 
 
@@ -41,7 +41,7 @@ def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def refused_to_draw(path: str | Path, *arguments: str | Path) -> str:
-    """The line of refusal; the old picture is untouched and alone."""
+    """The error message; asserts that the old picture is unchanged and the only file."""
     line = refused("render", path, *DRAW, "-o", "old.png", *arguments)
     assert os.listdir() == ["old.png"]
     assert Path("old.png").read_bytes() == b"the old picture"
@@ -66,7 +66,7 @@ def folder_of(tmp_path: Path, **maps: np.ndarray) -> Path:
 
 def test_a_folder_that_is_missing(out: Path) -> None:
     line = refused_to_draw("nowhere")
-    assert line == "nowhere: there is no such file or folder; check the name"
+    assert line.startswith("nowhere: there is no such file or folder")
     assert refused("info", "nowhere") == line
 
 
@@ -76,10 +76,10 @@ def test_a_folder_without_a_picture(tmp_path: Path, out: Path) -> None:
     (full / "notes.txt").write_text("nothing to see")
     for folder in (full, full / "of folders"):
         line = refused_to_draw(folder)
-        assert line == f"{folder}: no picture in this folder; name another"
+        assert line.startswith(f"{folder}: no picture in this folder")
 
 
-def test_names_that_say_nothing(tmp_path: Path, out: Path) -> None:
+def test_file_names_that_identify_no_map(tmp_path: Path, out: Path) -> None:
     for name in ("a", "b"):
         write_data(tmp_path / f"{name}.png", colors())
     line = refused_to_draw(tmp_path)
@@ -90,10 +90,8 @@ def test_names_that_say_nothing(tmp_path: Path, out: Path) -> None:
 def test_no_heights_for_a_technique(technique: str, tmp_path: Path, out: Path) -> None:
     folder = folder_of(tmp_path, base_color=colors())
     line = refused_to_draw(folder, "--technique", technique)
-    assert line == (
-        f"wall has no height map, which {technique} needs; "
-        "add one, or draw it with the technique flat"
-    )
+    assert line.startswith(f"wall has no height map, which {technique} needs")
+    assert "the technique flat" in line
     assert "wall-flat-basrelief.png" in done("render", folder, *DRAW)
 
 
@@ -103,7 +101,7 @@ def test_columns_are_not_measured_against_another_surface(bumps: Path, out: Path
     done("render", bumps, *DRAW, "--technique", "texel", "--show", "reads")
 
 
-def test_a_true_tie(tmp_path: Path, out: Path) -> None:
+def test_two_files_for_one_map(tmp_path: Path, out: Path) -> None:
     folder = tmp_path / "two"
     folder.mkdir()
     for name in ("one", "two"):
@@ -129,7 +127,9 @@ def test_a_file_that_is_cut_off(suffix: str, tmp_path: Path, out: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".png", ".exr", ".jpg"])
 @pytest.mark.parametrize("content", [b"", b"no picture at all\n" * 9], ids=["empty", "text"])
-def test_a_file_that_is_no_picture(content: bytes, suffix: str, tmp_path: Path, out: Path) -> None:
+def test_a_file_that_is_not_a_picture(
+    content: bytes, suffix: str, tmp_path: Path, out: Path
+) -> None:
     folder = tmp_path / "wall"
     folder.mkdir()
     path = folder / f"wall_Height{suffix}"
@@ -140,21 +140,19 @@ def test_a_file_that_is_no_picture(content: bytes, suffix: str, tmp_path: Path, 
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_heights_that_are_no_numbers(bad: float, tmp_path: Path, out: Path) -> None:
+def test_heights_that_are_not_finite(bad: float, tmp_path: Path, out: Path) -> None:
     heights = np.full((4, 4, 1), 0.5, np.float32)
     heights[1, 2] = bad
     folder = folder_of(tmp_path, height=heights)
     line = refused_to_draw(folder)
-    assert line == "wall_Height.exr: 1 of its texels are NaN or infinite; repair the picture"
+    assert line.startswith("wall_Height.exr: 1 of its texels are NaN or infinite")
 
 
 def test_proportions_that_disagree(tmp_path: Path, out: Path) -> None:
     folder = folder_of(tmp_path, base_color=colors(8, 8), height=np.full((4, 8, 1), 9, np.uint8))
     line = refused_to_draw(folder)
-    assert line == (
-        "wall_Height.png: the height map, 8×4, has other proportions than the base_color map, "
-        "8×8; scale or crop one of them"
-    )
+    assert line.startswith("wall_Height.png: the height map, 8×4, has other proportions")
+    assert "the base_color map, 8×8" in line
 
 
 def test_a_map_that_is_missing(bumps: Path, out: Path) -> None:
@@ -200,7 +198,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_settings_that_make_no_picture(what: str, bumps: Path, out: Path) -> None:
+def test_settings_that_cannot_be_drawn(what: str, bumps: Path, out: Path) -> None:
     text, message = WRONG[what]
     assert message in refused_to_draw(bumps, *text.split())
 
@@ -214,8 +212,8 @@ def test_an_unknown_sample(out: Path) -> None:
 
 
 @pytest.fixture
-def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fails if a picture is drawn before its place is found not to be writable."""
+def drawing_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make drawing fail: targets are checked before anything is drawn."""
 
     def drawn(*_: Any) -> None:
         raise AssertionError("it drew a picture that has no place")
@@ -234,15 +232,15 @@ def nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
         ("folder.png", "folder.png: is a folder; name a file"),
     ],
 )
-@pytest.mark.usefixtures("nothing_is_drawn")
-def test_impossible_places(target: str, message: str, bumps: Path, out: Path) -> None:
+@pytest.mark.usefixtures("drawing_fails")
+def test_targets_that_cannot_be_written(target: str, message: str, bumps: Path, out: Path) -> None:
     Path("folder.png").mkdir()
     assert message in refused("render", bumps, *DRAW, "-o", target)
     assert sorted(os.listdir()) == ["folder.png", "old.png"]
     assert os.listdir("folder.png") == []
 
 
-@pytest.mark.usefixtures("nothing_is_drawn")
+@pytest.mark.usefixtures("drawing_fails")
 def test_a_folder_that_cannot_be_written(
     bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -264,7 +262,7 @@ def test_a_disk_that_is_full(bumps: Path, out: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr("basrelief.images.write._write", full)
     line = refused_to_draw(bumps)
-    assert line == "old.png: cannot be written (No space left on device); choose another place"
+    assert line.startswith("old.png: cannot be written (No space left on device)")
 
 
 @pytest.fixture
@@ -277,7 +275,7 @@ def small_demo(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("small_demo")
 @pytest.mark.parametrize("place", ["old.png", "old.png/pictures"])
-def test_a_demo_without_a_place(place: str, out: Path) -> None:
+def test_a_demo_in_a_folder_that_cannot_be_made(place: str, out: Path) -> None:
     line = refused("demo", "--device", "cpu", "-o", place)
     assert line.startswith(f"{place}: cannot be made (")
     assert os.listdir() == ["old.png"]
@@ -306,7 +304,8 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("basrelief.engine.gpu._exclude_opengl", lambda: None)
     reason = str(error).split("\n")[0]
     line = refused_to_draw(bumps, "--device", "gpu")
-    assert line == (f"no usable GPU found ({reason}); use --device cpu, or install a Vulkan driver")
+    assert line.startswith(f"no usable GPU found ({reason})")
+    assert "--device cpu" in line
     assert refused("demo", "--device", "gpu") == line
 
 
@@ -314,10 +313,11 @@ def test_no_gpu(error: Exception, bumps: Path, out: Path, monkeypatch: pytest.Mo
 def test_no_wgpu(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wgpu", None)
     line = refused_to_draw(bumps, "--device", "gpu")
-    assert line == "the device gpu needs wgpu; pip install 'basrelief[gpu]'"
+    assert line.startswith("the device gpu needs wgpu")
+    assert "pip install 'basrelief[gpu]'" in line
 
 
-def test_in_a_process_of_its_own(bumps: Path, out: Path) -> None:
+def test_in_a_separate_process(bumps: Path, out: Path) -> None:
     """No traceback, and no message of other libraries."""
     for content in (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xe0\0\x10JFIF\0half"):
         path = out.parent / f"wall_Height.{'png' if b'PNG' in content else 'jpg'}"
@@ -339,7 +339,7 @@ def test_tests_do_not_fill_the_users_cache(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def drawn(folder: Path, *arguments: str | Path) -> np.ndarray:
-    """The picture as codes; it shows more than the background."""
+    """Codes of the picture; asserts that it shows more than the background."""
     done("render", folder, *DRAW, *arguments, "-o", "new.png")
     pixels = read_picture("new.png").pixels
     assert pixels.shape == (9, 12, 3)
@@ -359,7 +359,7 @@ def test_a_single_texel_beside_larger_maps(tmp_path: Path, out: Path) -> None:
 
 
 def test_maps_of_different_sizes(tmp_path: Path, out: Path) -> None:
-    """Twice as many texels of the same colour are the same picture; in sizes of no power of two."""
+    """A map of twice the size gives the same picture; sizes are not powers of two."""
     noise = np.random.default_rng(4).integers(0, 255, (6, 9, 1), np.uint8)
     grey = np.full((3, 5, 3), 90, np.uint8)
     folder = folder_of(tmp_path, height=noise, roughness=noise[:2, :3], base_color=grey[:2, :3])
@@ -378,7 +378,7 @@ def test_odd_sizes(height: int, width: int, tmp_path: Path, out: Path) -> None:
 
 @pytest.mark.parametrize("channels", [2, 3, 4])
 def test_heights_in_several_channels(channels: int, tmp_path: Path, out: Path) -> None:
-    """The same heights in each, and an alpha that is opaque, are those of one channel."""
+    """Equal channels and opaque alpha give the picture of a single channel."""
     noise = np.random.default_rng(4).integers(0, 255, (6, 8, 1), np.uint8)
     alone = drawn(folder_of(tmp_path, height=noise))
     several = np.repeat(noise, channels, axis=2)

@@ -19,7 +19,7 @@ NAMES = [name.replace("_", "-") for name in FILE_BAKES]
 
 @pytest.fixture
 def bumps(tmp_path: Path) -> Path:
-    """A folder with a height map alone."""
+    """A folder with only a height map."""
     return write_heights(tmp_path / "bumps", HEIGHTS)
 
 
@@ -93,7 +93,7 @@ def test_heights_from_a_folder_with_normals_alone(tmp_path: Path) -> None:
     assert np.corrcoef(baked.ravel(), heights.ravel())[0, 1] > 0.95
 
 
-def test_the_loader_leaves_records_alone(bumps: Path) -> None:
+def test_the_loader_ignores_tables(bumps: Path) -> None:
     done("bake", bumps, "horizon", "bounds", "-o", bumps)
     assert [kind for kind, _ in basrelief.load(bumps).maps()] == ["height"]
 
@@ -104,7 +104,7 @@ def test_samples_go_to_a_folder_here(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert names(tmp_path / "baked") == ["grid_height.png"]
 
 
-def test_nothing_is_written_over_unless_asked(bumps: Path) -> None:
+def test_files_are_overwritten_only_on_request(bumps: Path) -> None:
     done("bake", bumps, "normal")
     (file,) = (bumps / "baked").iterdir()
     before = file.read_bytes()
@@ -143,7 +143,7 @@ def test_refusals_leave_nothing(bumps: Path, arguments: tuple[str, ...], message
 
 
 def test_all_or_none(bumps: Path) -> None:
-    """The normals could be made; the heights cannot."""
+    """Normals could be baked, heights cannot, so nothing is written."""
     refused("bake", bumps, *NAMES)
     assert not (bumps / "baked").exists()
 

@@ -1,4 +1,4 @@
-"""The command line does what the library does: each option, each format, each command."""
+"""The command line against the library: each option, each format, each command."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def bumps(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a height map alone."""
+    """A folder with only a height map."""
     return write_heights(tmp_path_factory.mktemp("maps") / "bumps")
 
 
 @pytest.fixture(scope="module")
 def others(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Another file for each map, with a name that says nothing."""
+    """Another file for each map, with a name that does not identify it."""
     folder = tmp_path_factory.mktemp("others")
     noise = np.random.default_rng(8)
     for kind in FILE_NAMES:
@@ -409,7 +409,7 @@ def test_samples_by_name(here: Path) -> None:
     assert np.abs(read_picture("a.png").pixels - wanted).max() < 0.51
 
 
-def test_without_heights_it_is_drawn_flat_with_a_note(tmp_path: Path, here: Path) -> None:
+def test_a_material_without_heights_is_drawn_flat_with_a_note(tmp_path: Path, here: Path) -> None:
     folder = tmp_path / "paper"
     folder.mkdir()
     pixels = np.random.default_rng(5).integers(0, 255, (4, 4, 3), np.uint8)
@@ -429,12 +429,12 @@ def test_device_gpu(bumps: Path, here: Path) -> None:
     printed = done("render", bumps, *DRAW, "--device", "gpu", "-o", "gpu.png")
     assert printed == f"gpu.png  (gpu: {choose_device('gpu').adapter})\n"
     done("render", bumps, *DRAW, "-o", "cpu.png")
-    apart = read_picture("gpu.png").pixels.astype(int) - read_picture("cpu.png").pixels
-    assert (np.abs(apart) <= 2).mean() > 0.99
+    difference = read_picture("gpu.png").pixels.astype(int) - read_picture("cpu.png").pixels
+    assert (np.abs(difference) <= 2).mean() > 0.99
 
 
 @pytest.mark.parametrize("kind", ["CPU", "DiscreteGPU"])
-def test_device_auto_takes_a_real_gpu_alone(
+def test_device_auto_chooses_only_a_hardware_gpu(
     kind: str, bumps: Path, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Adapter:
@@ -466,14 +466,14 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
 
 
 def fresh_choice(name: str) -> Any:
-    """As `choose_device`, remembering nothing."""
+    """`choose_device` without its cache."""
     return choose_device.__wrapped__(name)
 
 
 # --- info, techniques, help -----------------------------------------------------------------------
 
 
-def test_info_tells_what_was_found_and_why(wall: Path) -> None:
+def test_info_reports_the_maps_and_how_they_were_recognised(wall: Path) -> None:
     printed = done("info", wall)
     assert printed == report(basrelief.load(wall)) + "\n"
     for name in FILE_NAMES.values():
@@ -482,9 +482,9 @@ def test_info_tells_what_was_found_and_why(wall: Path) -> None:
 
 
 def test_info_as_json(wall: Path) -> None:
-    told = json.loads(done("info", wall, "--json"))
-    assert told == as_json(basrelief.load(wall))
-    assert told["maps"]["height"]["bits"] == 16
+    printed = json.loads(done("info", wall, "--json"))
+    assert printed == as_json(basrelief.load(wall))
+    assert printed["maps"]["height"]["bits"] == 16
 
 
 def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
@@ -529,11 +529,11 @@ def test_help(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("columns", [80, 120])
-def test_help_is_whole_and_in_panels(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_help_is_complete_and_in_panels(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     text = done("render", "--help")
     assert max(map(len, text.splitlines())) <= columns
-    # rich cuts long text with an ellipsis; ours mean "and so on"
+    # rich cuts long text with an ellipsis; others are part of the text
     cut = [line for line in text.splitlines() if line.rstrip(" │").endswith("…")]
     assert all(line.strip(" │") == "…" or "exr …" in line for line in cut)
     panels = [line.split()[1] for line in text.splitlines() if line.startswith("╭─")]
@@ -568,7 +568,7 @@ def test_presets_lists_each_with_its_source() -> None:
     assert max(map(len, printed.splitlines())) <= 100
 
 
-def test_without_arguments_it_helps() -> None:
+def test_without_arguments_help_is_printed() -> None:
     outcome = run()
     assert "Usage: " in outcome.out + outcome.err
     assert "techniques" in outcome.out + outcome.err
@@ -628,7 +628,7 @@ def test_interrupted_while_writing(
 
 
 def test_ctrl_c_at_a_terminal(bumps: Path, here: Path) -> None:
-    """A large picture, stopped when its progress bar has come up."""
+    """A large picture, interrupted once its progress bar is shown."""
     Path("a.png").write_text("old")
     ours, its = pty.openpty()
     arguments = ("render", bumps, "--size", "4000x4000", "--samples", "200", "--device", "cpu")
@@ -674,7 +674,7 @@ def test_too_little_memory(bumps: Path, here: Path, monkeypatch: pytest.MonkeyPa
     assert os.listdir() == []
 
 
-def test_errors_of_our_own_keep_their_traceback(
+def test_internal_errors_keep_their_traceback(
     bumps: Path, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(*_: Any) -> None:
@@ -781,7 +781,7 @@ def test_the_bar_shows_before_a_share_is_known(
 # --- in a separate process -----------------------------------------------------------------------
 
 
-def test_apart(bumps: Path, here: Path) -> None:
+def test_in_a_separate_process(bumps: Path, here: Path) -> None:
     result = run_apart("render", bumps, *DRAW, "-o", "a.png")
     assert (result.returncode, result.stderr) == (0, "")
     assert result.stdout.startswith("a.png  (cpu: ")
@@ -818,7 +818,7 @@ def test_a_closed_pipe(unbuffered: str) -> None:
 # --- the package ----------------------------------------------------------------------------------
 
 
-def test_render_stays_the_function() -> None:
+def test_basrelief_render_is_the_function() -> None:
     code = (
         "import basrelief.rendering.render, basrelief, types\n"
         "assert isinstance(basrelief.render, types.FunctionType)\n"

@@ -60,7 +60,7 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert sorted(os.listdir("basrelief-demo")) == names
 
 
-def test_demo_knows_how_many_pictures_there_are() -> None:
+def test_demo_reports_the_number_of_pictures() -> None:
     samples = {name: basrelief.sample(name, 4) for name in basrelief.material.SAMPLES}
     scenes = dict(demo._scenes(samples))
     assert len(scenes) == demo.COUNT == len(TECHNIQUES) - 1 + 4

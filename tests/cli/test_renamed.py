@@ -19,7 +19,7 @@ OLD, NEW = "most_reads", "max_steps"
 
 @pytest.fixture
 def setting_renamed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if a setting had had another name."""
+    """Pretend that a setting was renamed."""
     monkeypatch.setitem(RENAMED, OLD, NEW)
 
 

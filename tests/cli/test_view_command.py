@@ -33,7 +33,7 @@ def page_data(page: Path) -> dict[str, Any]:
 
 
 @pytest.mark.usefixtures("without_stills")
-def test_the_page_starts_as_the_options_say(tmp_path: Path) -> None:
+def test_the_page_starts_with_the_options(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     done = run(
         "view", "sample:bricks", "-o", page, "--texels", "64", "--technique", "steep", "--set",
@@ -118,9 +118,9 @@ def test_without_a_file_the_page_is_opened(
     monkeypatch.setattr(
         "sys.argv", ["basrelief", "view", "sample:bricks", "--texels", "64", "--device", "cpu"]
     )
-    with pytest.raises(SystemExit) as ended:
+    with pytest.raises(SystemExit) as exit_info:
         main.main()
-    assert not ended.value.code
+    assert not exit_info.value.code
     output = capsys.readouterr()
     page = Path(output.out.strip())
     assert page.is_file()

@@ -62,7 +62,7 @@ def test_cpu_and_gpu_agree(technique: str, shape: str, name: str) -> None:
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("technique", TECHNIQUES)
-def test_they_agree_at_a_grazing_angle_with_other_options(technique: str) -> None:
+def test_engines_agree_at_a_grazing_angle_with_other_options(technique: str) -> None:
     obj = Object(
         material("cobbles"),
         technique=technique,
@@ -82,7 +82,7 @@ def test_they_agree_at_a_grazing_angle_with_other_options(technique: str) -> Non
     assert_agree(drawn(scene, cpu()), drawn(scene, gpu()))
 
 
-def test_the_ruler_can_fail() -> None:
+def test_the_comparison_can_fail() -> None:
     """With coordinates off by a tenth of a texel, and with a brighter picture."""
     frame = drawn(Scene((Object(material("bricks"), technique="flat"),)), cpu())
     assert_agree(frame, frame)

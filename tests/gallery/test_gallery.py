@@ -28,7 +28,7 @@ from helpers.repository import commands
 
 MAX_SHARE_APART = 0.005
 NOT_SHOWN = {"C20"}
-"""The viewer's panel, which is no picture."""
+"""The viewer's panel, which has no picture."""
 FEW = ["strength", "cube"]
 VOID = {"img", "meta", "br", "link", "input", "hr"}
 
@@ -46,17 +46,17 @@ def assert_like_golden(page: Page, drawn: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES.values(), ids=list(PAGES))
-def test_pages_look_as_they_did(page: Page) -> None:
+def test_pages_equal_their_golden_pictures(page: Page) -> None:
     assert_like_golden(page, strip(page, "cpu"))
 
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("page", PAGES.values(), ids=list(PAGES))
-def test_pages_look_the_same_on_the_gpu(page: Page) -> None:
+def test_pages_on_the_gpu_equal_the_golden_pictures(page: Page) -> None:
     assert_like_golden(page, strip(page, "gpu"))
 
 
-def test_a_picture_that_changed_is_noticed() -> None:
+def test_a_changed_picture_is_found() -> None:
     """A slightly brighter panel, a panel shifted by a pixel, a missing panel."""
     page, width = PAGES["strength"], SIZE[0]
     expected = golden(page.name)
@@ -83,7 +83,7 @@ def test_panels_of_a_page_differ() -> None:
                 assert alike == ((page.name, n, m) in same), f"{page.name}: {n + 1} and {m + 1}"
 
 
-def test_a_missing_golden_says_how_to_make_it() -> None:
+def test_a_missing_golden_names_the_command_that_draws_it() -> None:
     with pytest.raises(AssertionError, match=r"nowhere has no golden picture.*scripts/goldens"):
         golden("nowhere")
 
@@ -120,7 +120,7 @@ def test_every_row_of_the_sources_is_on_a_page() -> None:
     assert on_pages == rows - NOT_SHOWN
 
 
-def test_pages_are_whole() -> None:
+def test_pages_have_all_texts() -> None:
     for name, page in PAGES.items():
         assert page.name == name
         assert re.fullmatch(r"[a-z0-9-]+", name)
@@ -187,7 +187,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_pages_are_well_formed_and_need_nothing_else(folder: Path) -> None:
+def test_pages_are_well_formed_and_self_contained(folder: Path) -> None:
     for name in (*FEW, "index"):
         page = Reader(folder / f"{name}.html")
         assert page.pictures
@@ -212,7 +212,7 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     assert read_picture(folder / "cube-1.png").pixels.shape[:2] == (27, 48)
 
 
-def test_debug_pictures_say_what_their_colours_mean(tmp_path: Path) -> None:
+def test_pages_explain_the_colours_of_debug_pictures(tmp_path: Path) -> None:
     write(tmp_path, chosen(["errors"]), choose_device("cpu"), (32, 18), 1)
     text = (tmp_path / "errors.html").read_text(encoding="utf-8")
     meanings = (

@@ -23,7 +23,7 @@ def sources(monkeypatch: pytest.MonkeyPatch) -> Any:
         sys.modules.pop(name, None)
 
 
-def test_gamedev_takes_four_to_twenty_samples_at_640_by_480(sources) -> None:
+def test_gamedev_takes_four_to_twenty_reads_at_640_by_480(sources) -> None:
     """G12: every pixel is covered and has at most twenty reads."""
     scene_of, size = sources.CASES["gamedev, 4 to 20 samples"]
     assert size == (640, 480)

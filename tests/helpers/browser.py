@@ -121,13 +121,13 @@ WORDS = "async side => new Uint32Array(await viewer.drawing.frames.words(side))"
 NAMES = {np.dtype(kind): name for name, kind in TYPED.items() if name != "Uint8ClampedArray"}
 
 
-def evaluate(page: Any, script: str, given: Any = None) -> Any:
+def evaluate(page: Any, script: str, argument: Any = None) -> Any:
     """Result of a function in a page or a frame, with NumPy arrays as typed arrays.
 
     Arrays come back flat, also within lists. Playwright serialises numbers one by one, which would
     take longer for a picture than drawing it.
     """
-    return _read(page.evaluate(WITH_ARRAYS.replace("SCRIPT", script), _written(given)))
+    return _read(page.evaluate(WITH_ARRAYS.replace("SCRIPT", script), _written(argument)))
 
 
 def _written(x: Any) -> Any:

@@ -144,7 +144,7 @@ class Option:
     object: dict[str, Any] = field(default_factory=dict)
     scene: dict[str, Any] = field(default_factory=dict)
     render: dict[str, Any] = field(default_factory=dict)
-    further: Callable[[Object], tuple[Object, ...]] = lambda first: ()
+    more_objects: Callable[[Object], tuple[Object, ...]] = lambda first: ()
 
 
 def copy(first: Object) -> tuple[Object, ...]:
@@ -180,7 +180,7 @@ def casting(shadows: str, casts: str = "shape", **scene: Any) -> Option:
     return Option(
         object={"casts": casts},
         scene={"shadows": shadows, "shadow_map_size": 48, **scene},
-        further=copy,
+        more_objects=copy,
     )
 
 
@@ -281,12 +281,12 @@ OTHER_OPTIONS: dict[str, Option] = {
     "polished": Option(object={"surface_parameters": {"roughness": 0.02}}),
     "no-height": without("height"),
     "single-texels": Option(exact_maps.single_texels()),
-    "twice": Option(further=copy),
+    "twice": Option(more_objects=copy),
     "cast-soft": casting("soft"),
     "cast-polygon": casting("hard", shadows_on="polygon"),
     "cast-opaque": casting("hard", "opaque"),
     "cast-none": casting("soft", "none"),
-    "others": Option(further=floor_and_ball),
+    "others": Option(more_objects=floor_and_ball),
     "far-lamp": Option(scene={"lights": (FAR_LAMP,)}),
     "overhead": Option(scene={"camera": OVERHEAD}),
     "transparent": Option(scene={"background": None}),
@@ -422,9 +422,9 @@ def scene_of(case: str) -> Scene:
         arguments["smoothing"] = SMOOTHING
         arguments["surface_parameters"] = SURFACE_PARAMETERS[arguments.get("surface", "standard")]
     first = Object(material, shape, drawn_technique, **arguments)
-    further = [obj for option in options for obj in option.further(first)]
+    more_objects = [obj for option in options for obj in option.more_objects(first)]
     scene = merged(option.scene for option in options)
-    return Scene((first, *further), **{"camera": CAMERA, "lights": (SUN, LAMP), **scene})
+    return Scene((first, *more_objects), **{"camera": CAMERA, "lights": (SUN, LAMP), **scene})
 
 
 def merged(parts: Iterable[dict[str, Any]]) -> dict[str, Any]:

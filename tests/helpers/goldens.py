@@ -53,8 +53,8 @@ def golden(name: str) -> Strip:
 
 def fraction_different(one: Strip, other: Strip, steps: int = 2) -> float:
     """Fraction of pixels with a channel that differs by more than `steps` of 255."""
-    apart = np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=2)
-    return float((apart > steps).mean())
+    difference = np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=2)
+    return float((difference > steps).mean())
 
 
 def draw_all() -> None:

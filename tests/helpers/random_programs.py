@@ -160,9 +160,11 @@ class Writer:
             self.block(max(1, size))
         leaves = self.random.random() < 0.22
         if leaves:
-            ways = ["return"] + (["break", "continue"] * 2 if self.loops else [])
-            way = self.random.choice(ways)
-            self.emit(f"return {self.expression(self.result, 2)}" if way == "return" else way)
+            keywords = ["return"] + (["break", "continue"] * 2 if self.loops else [])
+            keyword = self.random.choice(keywords)
+            self.emit(
+                f"return {self.expression(self.result, 2)}" if keyword == "return" else keyword
+            )
         self.depth -= 1
         return leaves
 

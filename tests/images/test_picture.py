@@ -235,7 +235,7 @@ def test_png_is_encoded_and_rounded_to_the_nearest(tmp_path: Path) -> None:
     assert (stored[1, :, 0] == codes[1:]).all()
 
 
-def test_sixteen_bits_are_encoded_alike(tmp_path: Path) -> None:
+def test_16_bits_are_encoded_the_same_way(tmp_path: Path) -> None:
     light = ramp()
     stored = read_picture(write_picture(tmp_path / "a.png", light, bits=16)).pixels
     assert stored.dtype == np.uint16
@@ -257,7 +257,7 @@ def test_out_of_range_light_is_clipped_and_nan_is_black(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("suffix", "bits", "near"), [(".exr", 32, 0), (".exr", 16, 1e-3), (".tif", 32, 0)]
 )
-def test_float_formats_stay_linear(tmp_path: Path, suffix: str, bits: int, near: float) -> None:
+def test_float_formats_are_linear(tmp_path: Path, suffix: str, bits: int, near: float) -> None:
     light = ramp() * 3
     stored = read_picture(write_picture(tmp_path / f"a{suffix}", light, bits=bits)).pixels
     assert np.abs(stored - light).max() <= near * 3

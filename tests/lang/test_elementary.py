@@ -166,7 +166,7 @@ def test_pow_of_zero_and_below():
     assert elementary.pow(-1.0, 3.0) == 0.0
 
 
-def test_tan_is_sine_by_cosine(module):
+def test_tan_is_sine_divided_by_cosine(module):
     x, result = sweep(module, "tan", -1.5, 1.5)
     assert (np.abs(result - np.tan(x)) <= 4e-7 * (1 + np.tan(x) ** 2)).all()
 
@@ -179,14 +179,14 @@ def test_logarithms_of_zero_and_below_are_finite():
             assert result < -80
 
 
-def test_arcs_beyond_one_are_those_of_one():
+def test_inverse_sine_and_cosine_are_clamped_beyond_one():
     for function in (elementary.asin, elementary.acos):
         assert function(1.5) == function(1.0)
         assert function(-2.0) == function(-1.0)
         assert function(float("inf")) == function(1.0)
 
 
-def test_ends_of_exponentials():
+def test_exponentials_at_the_ends_of_their_domain():
     inf = float("inf")
     for function in (elementary.exp, elementary.exp2):
         assert function(inf) == inf
@@ -196,7 +196,7 @@ def test_ends_of_exponentials():
         assert np.isnan(function(float("nan")))
 
 
-def test_ends_and_samples_in_python(folder):
+def test_special_values_in_python(folder):
     """All functions at special values: plain Python and the CPU, to the last bit."""
     special = [0.0, -0.0, 1.0, -1.0, 88.5, 88.9, 127.75, 128.0, -126.5, -149.3, -150.0, 8192.0]
     names = [n for n in ELEMENTARY if n not in ("pow", "atan2")]

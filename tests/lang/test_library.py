@@ -184,7 +184,7 @@ def test_a_slot_without_options_is_refused() -> None:
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("case", ["exact", "texel", "landscape", "smooth"])
-def test_a_linked_program_computes_what_the_whole_one_does(case: str) -> None:
+def test_a_linked_program_computes_the_same_as_a_whole_one(case: str) -> None:
     material = basrelief.sample("bricks", 64)
     options: dict[str, Any] = {
         "exact": {"technique": "exact", "shape": "sphere"},

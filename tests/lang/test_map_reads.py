@@ -166,7 +166,7 @@ def test_the_border_equals_the_padding_of_numpy(edge):
         assert result == [np.float32(c) for c in around[y + 1, x + 1]]
 
 
-def test_the_ends_of_16_bits():
+def test_the_smallest_and_largest_16_bit_values():
     map = Texture([np.array([[[0, 65535, 1, 32768]]], np.uint16)])
     result = texel(map, IVec2(0, 0), 0)
     assert tuple(result) == (0.0, 65535.0, 1.0, 32768.0)

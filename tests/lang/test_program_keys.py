@@ -72,8 +72,8 @@ def test_comments_and_blank_lines_change_nothing(folder, key):
     assert key_of(write_module(folder, changed)) == key
 
 
-def test_references_to_its_parts_change_nothing(folder, key):
-    """A key does not depend on reference counts."""
+def test_reference_counts_change_nothing(folder, key):
+    """More references to an object of the program leave its key as it is."""
     module = write_module(folder, SOURCE)
     references = [list(f.function.__code__.co_consts) for f in (module.first, module.entry)]
     references.append(module.entry.function.__code__.co_code)
@@ -195,8 +195,8 @@ print(hashlib.sha256(text.encode()).hexdigest())
 # --- values of names ------------------------------------------------------------------------------
 
 
-def test_a_global_of_a_fields_name_is_no_part_of_a_program(folder):
-    """`x` is a component here, whatever else is called so where the shader stands."""
+def test_a_global_with_the_name_of_a_field_is_not_part_of_a_program(folder):
+    """In the program `x` is a component; the module may use the name for something else."""
     module = write_module(folder, SOURCE)
     before = key_of(module)
     for value in (1.0, 2.0):
@@ -204,7 +204,7 @@ def test_a_global_of_a_fields_name_is_no_part_of_a_program(folder):
         assert key_of(module) == before
 
 
-def test_a_number_that_changes_changes_key_and_value_everywhere(folder):
+def test_a_changed_number_changes_the_key_and_every_result(folder):
     text = (
         SOURCE.replace("SCALE = 2.0", "")
         + """
@@ -237,7 +237,7 @@ def enclosed():
     assert len(keys) == 2
 
 
-def test_what_a_shader_encloses_may_be_set_later(folder):
+def test_an_enclosed_variable_may_be_set_later(folder):
     text = (
         SOURCE
         + """
@@ -257,7 +257,7 @@ def enclosed():
     assert entry((0, 0)).x == 4.0
 
 
-def test_keys_are_those_of_their_programs_however_many_there_are(folder):
+def test_three_hundred_programs_have_as_many_keys(folder):
     module = write_module(folder, SOURCE)
     keys = {}
     for number in range(300):

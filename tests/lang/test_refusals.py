@@ -242,7 +242,7 @@ HEADS = {
 
 
 @pytest.mark.parametrize("head", HEADS)
-def test_refused_by_its_head(folder, head):
+def test_refused_by_the_signature(folder, head):
     advice, body = HEADS[head]
     records = """
 @struct

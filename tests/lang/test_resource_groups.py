@@ -112,7 +112,7 @@ def test_a_program_has_only_the_members_that_it_reads(module: Any) -> None:
     assert "fn inner(height: texture_2d<f32>) -> f32" in text
 
 
-def test_a_key_knows_the_members(module: Any, tmp_path: Path) -> None:
+def test_a_key_depends_on_the_members(module: Any, tmp_path: Path) -> None:
     other = tmp_path / "other"
     other.mkdir()
     swapped = SOURCE.replace("    low: HeightField\n", "").replace(

@@ -281,7 +281,7 @@ def test_a_shader_is_analysed_once_for_all_programs(folder: Path) -> None:
     assert module.entry.analysis is seen
 
 
-def test_it_is_analysed_again_if_a_name_in_it_changes(folder: Path) -> None:
+def test_a_shader_is_analysed_again_if_a_name_in_it_changes(folder: Path) -> None:
     module = write_module(
         folder,
         "STEP = 2.0\n@struct\nclass Out:\n    x: float\n"
@@ -410,7 +410,7 @@ REFUSED = {
     'y = "none"': ("'none'", "strings are for static conditions only, as in `variant.fog_mode == "),
     'if "none" == "none":\n        y = x': ("'none'", "strings are for static conditions only"),
     "variant = x": ("variant = x", "a parameter cannot be assigned to"),
-    # of maps the edge is static, of heights the filter too
+    # the edge of a map is static, and the filter of heights
     'if f.edge == "clip":\n        y = x': (
         "f.edge == 'clip'", "there is no edge 'clip'; use one of wrap, clamp",
     ),
@@ -469,7 +469,7 @@ HEADS = {
 
 
 @pytest.mark.parametrize("head", HEADS)
-def test_refused_by_its_head(folder: Path, head: str) -> None:
+def test_refused_by_the_signature(folder: Path, head: str) -> None:
     holding = "@struct\nclass Holding:\n    variant: Variant\n\n"
     module = write_module(folder, f"{HEAD}{holding}@shader\n{head}\n")
     with pytest.raises(ShaderError) as caught:
@@ -478,7 +478,7 @@ def test_refused_by_its_head(folder: Path, head: str) -> None:
     assert HEADS[head] in str(caught.value)
 
 
-def test_a_branch_that_is_not_taken_is_checked_in_what_it_calls(folder: Path) -> None:
+def test_the_functions_that_an_untaken_branch_calls_are_checked(folder: Path) -> None:
     module = write_module(
         folder,
         HEAD + "@shader\ndef odd(x: float, variant: Variant) -> float:\n"

@@ -388,7 +388,7 @@ def by_factor(x: float) -> float:
 
 
 def test_a_number_that_changes_is_read_again(monkeypatch):
-    """A notebook may change a constant: plain Python runs what would be compiled."""
+    """A notebook may change a constant; plain Python then reads the new value."""
     assert by_factor(1.5) == 3.0
     monkeypatch.setattr(sys.modules[__name__], "FACTOR", 3.0)
     assert by_factor(1.5) == 4.5

@@ -146,7 +146,7 @@ def test_names_identify_maps(name: str, case: type) -> None:
 
 
 @pytest.mark.parametrize("name", ["wood_2048_color", "wood_2K-PNG_color", "wood_512x256_color"])
-def test_sizes_and_formats_are_no_part_of_the_material(name: str) -> None:
+def test_sizes_and_formats_are_not_part_of_the_name(name: str) -> None:
     assert parse_name(name).prefix == ("wood",)
 
 
@@ -331,9 +331,9 @@ def test_heights_in_the_alpha_of_the_normals(tmp_path: Path) -> None:
     assert (material.height.pixels == eight(hills())).all()
     assert (material.normal.pixels == eight(normals_of(hills()))).all()
     assert has_note(material, "height from a_normal.png (A)", "varies")
-    turned = load(tmp_path, height_polarity="depth").height
-    assert turned is not None
-    assert (turned.pixels == 255 - eight(hills())).all()
+    inverted = load(tmp_path, height_polarity="depth").height
+    assert inverted is not None
+    assert (inverted.pixels == 255 - eight(hills())).all()
     write_picture_file(tmp_path, "a_height.png", flat(9))
     assert has_note(load(tmp_path), "ignored a_normal.png (A)")
 
@@ -391,7 +391,7 @@ def test_slopes_reveal_polarity_and_green(size: tuple[int, int]) -> None:
     assert not deep.green_is_down
 
 
-def test_unrelated_or_constant_maps_show_nothing() -> None:
+def test_unrelated_or_constant_maps_reveal_nothing() -> None:
     noise = np.random.default_rng(0).integers(0, 255, (HEIGHT, WIDTH, 1), np.uint8)
     found = slope_correlation(noise, eight(normals_of(hills())))
     assert found is not None
@@ -498,7 +498,7 @@ def test_a_flat_height_map_works(tmp_path: Path, value: int) -> None:
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("stretch", [False, True])
-def test_heights_that_are_no_numbers_are_refused(tmp_path: Path, bad: float, stretch: bool) -> None:
+def test_heights_that_are_not_finite_are_refused(tmp_path: Path, bad: float, stretch: bool) -> None:
     heights = hills().astype(np.float32)[:, :, None]
     heights[3, 4] = bad
     write_picture_file(tmp_path, "a_height.exr", heights)
@@ -725,7 +725,7 @@ def test_lengths_are_above_zero(metres: float, which: str) -> None:
         load("sample:tiles", **{which: metres})  # type: ignore[arg-type]
 
 
-def test_one_channel_makes_no_normal_map(tmp_path: Path) -> None:
+def test_one_channel_is_not_a_normal_map(tmp_path: Path) -> None:
     write_picture_file(tmp_path, "a_normal.png")
     with pytest.raises(InputError, match=r"1 channels make no normal map.*--height FILE"):
         load(tmp_path)
@@ -873,14 +873,14 @@ def test_any_folder_gives_a_material_or_one_clear_line(
 
 
 @pytest.mark.parametrize("technique", ["relief", "parallax_occlusion"])
-def test_rendered_pictures_are_no_maps(tmp_path: Path, technique: str) -> None:
+def test_rendered_pictures_are_not_loaded_as_maps(tmp_path: Path, technique: str) -> None:
     """`render` names its pictures so that `load` does not read one as heights."""
     write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
     write_picture_file(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
     assert load(tmp_path).height is None
 
 
-def test_options_that_a_sample_has_no_use_for_are_noted() -> None:
+def test_unused_options_of_a_sample_are_noted() -> None:
     material = load("sample:bricks", height_polarity="depth", stretch_height=True)
     (note,) = [n for n in material.notes if n.what.startswith("no use for")]
     assert "height_polarity, stretch_height" in note.what

@@ -20,7 +20,7 @@ from basrelief.material.samples import normals, occlusion
 
 SIZE = 128
 RELIEFS = [name for name in SAMPLES if name not in ("grid", "hole")]
-"""All but the detail map, which has no heights, and the hole, which has no normals."""
+"""All but the detail map, without heights, and the hole, without normals."""
 METALS = {"tiles", "circuit", "grating"}
 
 
@@ -72,7 +72,7 @@ def test_maps_are_not_empty(name: str, drawn: dict[str, Material]) -> None:
 
 @pytest.mark.parametrize("name", SAMPLES)
 @pytest.mark.parametrize("axis", [0, 1])
-def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> None:
+def test_samples_have_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> None:
     """Steps across the edge are no larger than those inside."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
@@ -82,7 +82,7 @@ def test_there_is_no_seam(name: str, axis: int, drawn: dict[str, Material]) -> N
 
 @pytest.mark.parametrize("name", ["cobbles", "gravel", "terrain"])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_nothing_is_cut_at_the_edge(name: str, axis: int, drawn: dict[str, Material]) -> None:
+def test_stones_continue_across_the_edge(name: str, axis: int, drawn: dict[str, Material]) -> None:
     """Few steps across the edge are among the largest 3 %, so stones continue there."""
     for kind, each in drawn[name].maps():
         values = each.linear().astype(np.float64)
@@ -90,7 +90,7 @@ def test_nothing_is_cut_at_the_edge(name: str, axis: int, drawn: dict[str, Mater
         assert (steps[0] > np.quantile(steps, 0.97)).mean() < 0.25, kind
 
 
-def test_a_brick_goes_on_beyond_the_edge() -> None:
+def test_a_brick_continues_across_the_edge() -> None:
     wall = Wall(Canvas(90, 90, seed=0))
     shifted = wall.row[:, 0] % 2 == 1
     assert shifted.any()
@@ -135,7 +135,7 @@ def test_a_strip_keeps_the_proportions(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in SAMPLES if name != "dust"])  # which is round
 @pytest.mark.parametrize("mirror", [np.fliplr, np.flipud, np.transpose])
-def test_no_mirror_leaves_it_the_same(name: str, mirror, drawn: dict[str, Material]) -> None:  # type: ignore[no-untyped-def]
+def test_samples_are_not_symmetrical(name: str, mirror, drawn: dict[str, Material]) -> None:  # type: ignore[no-untyped-def]
     assert drawn[name].base_color is not None
     color = drawn[name].base_color.pixels.mean(axis=2)  # type: ignore[union-attr]
     assert np.corrcoef(color.ravel(), mirror(color).ravel())[0, 1] < 0.9
@@ -181,7 +181,7 @@ def test_invalid_arguments_are_refused() -> None:
 # --- special samples
 
 
-def test_a_detail_grid_keeps_the_brightness_of_what_lies_below() -> None:
+def test_a_detail_grid_preserves_brightness() -> None:
     """Colour and normals only: middle grey on average, dark lines, a marked corner."""
     for size in (64, 128, (96, 48)):
         grid = sample("grid", size)
@@ -322,7 +322,7 @@ def heights_only(values: list[list[float]], name: str) -> Material:
 # --- canvas, noise and cells
 
 
-def test_a_window_goes_over_the_edge_and_shows_each_texel_once() -> None:
+def test_a_window_wraps_and_contains_each_texel_once() -> None:
     canvas = Canvas(20, 30, 0)
     for x, y, reach in ((0.01, 0.6, 0.1), (0.98, 0.02, 0.2), (0.5, 0.3, 0.9)):
         window = canvas.around(x, y, reach)
@@ -398,15 +398,17 @@ def test_cells_are_those_of_the_nearest_point(monkeypatch: pytest.MonkeyPatch) -
     seen = np.unique(np.round((at - offset).reshape(-1, 2), 3), axis=0)
     tiles = [(x * across, y * down) for x in (-1, 0, 1) for y in (-1, 0, 1)]
     points = np.unique(np.round(np.concatenate([seen + each for each in tiles]), 3), axis=0)
-    ways = at[:, :, None] - points
-    distances = np.linalg.norm(ways, axis=3)
+    offsets = at[:, :, None] - points
+    distances = np.linalg.norm(offsets, axis=3)
     assert np.linalg.norm(offset, axis=2) == pytest.approx(distances.min(axis=2), abs=2e-3)
 
-    nearest = np.take_along_axis(ways, distances.argmin(axis=2)[:, :, None, None], axis=2)
-    between = nearest - ways
-    apart = np.linalg.norm(between, axis=3)
-    to_border = ((ways**2).sum(3) - (nearest**2).sum(3)) / (2 * np.where(apart > 0.01, apart, 1))
-    border = np.where(apart > 0.01, to_border, np.inf).min(axis=2)
+    nearest = np.take_along_axis(offsets, distances.argmin(axis=2)[:, :, None, None], axis=2)
+    between = nearest - offsets
+    separation = np.linalg.norm(between, axis=3)
+    to_border = ((offsets**2).sum(3) - (nearest**2).sum(3)) / (
+        2 * np.where(separation > 0.01, separation, 1)
+    )
+    border = np.where(separation > 0.01, to_border, np.inf).min(axis=2)
     assert (cell.border <= border + 2e-3).all()
     assert (cell.border >= border - roundness * np.log(20) - 2e-3).all()
 

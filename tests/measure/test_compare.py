@@ -51,9 +51,9 @@ def comparison(waves) -> Comparison:
 # --- measurements -----------------------------------------------------------------------------
 
 
-def test_every_technique_takes_part(waves) -> None:
-    """B4: all of the library's that draw the bilinear surface; `exact` misses no hit. Techniques
-    of columns are refused."""
+def test_every_technique_is_compared(waves) -> None:
+    """B4: all techniques that draw the bilinear surface; `exact` misses no hit. Techniques of
+    columns are refused."""
     shares: list[float] = []
     whole = compare(
         waves, angles=[70], size=(16, 9), samples=1, device="cpu", runs=1,
@@ -72,7 +72,7 @@ def test_every_technique_takes_part(waves) -> None:
 
 
 def test_numbers_are_those_computed_directly(waves, comparison) -> None:
-    """B4: each result again, from the library's parts."""
+    """B4: each result, computed again from the library's parts."""
     assert {result.technique for result in comparison.results} == {
         "flat", "steep", "offset", "exact", "steep steps=40",
     }  # fmt: skip
@@ -145,7 +145,7 @@ RESULT = {
 }  # fmt: skip
 
 
-def test_the_json_has_its_keys_and_the_numbers(comparison, tmp_path) -> None:
+def test_the_json_has_all_keys_and_numbers(comparison, tmp_path) -> None:
     """B4: version 2 of compare.json."""
     comparison.save(tmp_path / "out")
     read = json.loads((tmp_path / "out" / "compare.json").read_text("utf-8"))
@@ -170,7 +170,7 @@ def test_the_json_has_its_keys_and_the_numbers(comparison, tmp_path) -> None:
     assert read["advice"]["technique"] in comparison.objects
 
 
-def test_the_page_stands_alone(comparison, tmp_path) -> None:
+def test_the_page_is_self_contained(comparison, tmp_path) -> None:
     """B4: it needs no network, every picture exists, and names are escaped."""
     page = comparison.save(tmp_path / "out")
     text = page.read_text("utf-8")
@@ -192,7 +192,7 @@ def test_the_page_stands_alone(comparison, tmp_path) -> None:
         comparison.save(tmp_path / "out")
 
 
-def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) -> None:
+def test_without_flip_the_other_numbers_are_reported(waves, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
     comparison = compare(
         waves, ["flat"], angles=[60], size=(16, 9), samples=1, device="cpu", runs=1
@@ -202,7 +202,7 @@ def test_without_flip_there_are_the_other_numbers(waves, tmp_path, monkeypatch) 
     assert advice(comparison).technique == "exact"
 
 
-def test_without_matplotlib_the_page_says_what_draws_the_plot(
+def test_without_matplotlib_the_page_names_what_to_install(
     comparison, tmp_path, monkeypatch
 ) -> None:
     assert "needs matplotlib" not in comparison.save(tmp_path / "with").read_text("utf-8")
@@ -216,12 +216,12 @@ def test_without_matplotlib_the_page_says_what_draws_the_plot(
 
 
 def test_error_pictures_are_dark_without_errors() -> None:
-    low, middle, high, beyond, nothing = error_picture(
+    low, middle, high, above, none = error_picture(
         np.array([[0.01, 3.0, 100.0, 1e4, np.nan]], np.float16)
     )[0]
     assert low.sum() < middle.sum() < high.sum()
-    np.testing.assert_array_equal(low, nothing)
-    np.testing.assert_array_equal(high, beyond)
+    np.testing.assert_array_equal(low, none)
+    np.testing.assert_array_equal(high, above)
 
 
 def test_the_pareto_front() -> None:
@@ -236,7 +236,7 @@ def test_the_pareto_front() -> None:
 
 
 def test_the_advice_is_the_cheapest_that_passes_everywhere(comparison) -> None:
-    """B5: by hand: fast techniques fail at 60 degrees, a slower one passes, the slowest too."""
+    """B5: results made by hand: fast techniques fail at 60 degrees, two slower ones pass."""
     errors_of = comparison.results[0].errors
     cost = {"flat": 1.0, "offset": 2.0, "steep": 3.0, "steep steps=40": 4.0, "exact": 5.0}
     passing = {
@@ -269,7 +269,7 @@ def test_the_advice_is_the_cheapest_that_passes_everywhere(comparison) -> None:
 # --- debug pictures ------------------------------------------------------------------------------
 
 
-def test_debug_pictures_show_what_they_say(waves) -> None:
+def test_debug_pictures_have_the_documented_colours(waves) -> None:
     """B9: missed hits have their colours, more reads are paler, overshoot has a sign."""
     size = (64, 48)
     scene = at_angle(waves, 65.0, size, {"technique": "steep", "scale": 0.3})

@@ -88,7 +88,7 @@ def test_the_rays_of_the_truth_are_those_of_the_camera(reference_height) -> None
     assert true.wraps
 
 
-def test_exact_is_where_the_truth_is() -> None:
+def test_exact_equals_the_truth() -> None:
     """B4, in uv and in depth, with tiles of other proportions, tilted, and cut at their edges."""
     camera = LookAt((0.3, -0.9, 0.6), field_of_view=40.0)
     for options in ({}, {"tiling": (2.0, 3.0), "shift": (0.2, 0.1)}, {"edge": "clip"}):
@@ -117,7 +117,7 @@ def test_the_relief_fills_the_same_space_at_any_reference_height() -> None:
 
 @pytest.mark.parametrize("angle", [0.0, 45.0, 85.0, 89.0])
 def test_the_plane_fills_the_picture_at_every_angle(angle) -> None:
-    """And every pixel is seen at that angle."""
+    """Every pixel is seen at that angle."""
     for size in ((64, 36), (30, 60)):
         scene = at_angle(level_ground(0.5), angle, size, {"scale": SCALE})
         true = truth(scene, size, device="cpu")
@@ -179,7 +179,7 @@ def test_steep_overshoots_to_its_next_layer(steps) -> None:
     assert result.reads == 1 + round((1 - layer) * steps)
 
 
-def test_one_read_is_right_on_level_ground_and_a_limited_one_short() -> None:
+def test_an_offset_is_exact_on_level_ground_and_a_limited_one_short() -> None:
     """B4: limiting moves by sin instead of tan of the angle; its depth is that of its height."""
     height, angle = 0.15, math.radians(60.0)
     frame, true = measured(level_ground(height), "offset", 60.0)
@@ -227,8 +227,8 @@ def by_hand(offsets, *, wraps: bool = True, hit=True) -> tuple[Frame, Truth]:
     return frame, true
 
 
-def test_what_counts_as_missed() -> None:
-    """B4: more than a texel off, either way or sideways, or not drawn; late is passed."""
+def test_hits_that_count_as_missed() -> None:
+    """B4: off by more than a texel in any direction, or not drawn; a late hit has passed."""
     frame, true = by_hand(
         [(0, 0), (0.9, 0), (1.1, 0), (-1.1, 0), (0.8, 0.8), (0, 0)], hit=[True] * 5 + [False]
     )
@@ -242,7 +242,7 @@ def test_what_counts_as_missed() -> None:
     assert result.reads == 3.0
 
 
-def test_where_the_map_repeats_the_uv_error_is_the_shortest() -> None:
+def test_the_uv_error_on_a_repeated_map_is_the_shortest() -> None:
     """A whole tile further is the same point; the overshoot is not wrapped."""
     offsets = [(16, 0), (15, 0), (-13, 8)]
     frame, true = by_hand(offsets)
@@ -286,7 +286,7 @@ def test_flip_from_none_to_the_largest() -> None:
     assert flip(black, bare) == 0.0
 
 
-def test_without_flip_the_message_says_what_to_install(monkeypatch) -> None:
+def test_without_flip_the_error_names_what_to_install(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
     assert not has_flip()
     with pytest.raises(InputError, match=r"pip install 'basrelief\[measure\]'"):
@@ -337,8 +337,8 @@ def test_a_gpu_times_itself() -> None:
 # --- colours -------------------------------------------------------------------------------------
 
 
-def test_colour_maps_are_even_to_the_eye() -> None:
-    """Equal steps in OKLab within the gamut of a screen, from dark to light."""
+def test_colour_maps_are_perceptually_uniform() -> None:
+    """Equal steps in OKLab within the sRGB gamut, from dark to light."""
     np.testing.assert_allclose(colors.lab_to_linear([1.0, 0.0, 0.0]), 1.0, atol=1e-4)
     for path in (colors._HEAT, colors._POSITIVE, colors._NEGATIVE):
         lab = colors.path_in_lab(path)

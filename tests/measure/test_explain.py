@@ -43,25 +43,25 @@ def explained(technique: Any, pixel=(50, 35), camera=CAMERA, **options: Any) -> 
 @pytest.mark.parametrize(
     "options", [{}, {"reference_height": 0.5, "edge": "clamp", "tiling": (2.0, 1.5)}]
 )
-def test_it_ends_where_the_cpu_does_and_records_each_read(name: str, options: dict) -> None:
+def test_the_hit_is_the_cpus_and_each_read_is_recorded(name: str, options: dict) -> None:
     scene = Scene((obj(name, **options),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     for x, y in [(50, 35), (20, 40), (71, 26)]:
         explanation = explain(scene, pixel=(x, y), size=SIZE)
         assert frame.hit[y, x]
         assert [*explanation.hit.uv] == [*frame.uv[y, x]]
-        assert len(explanation.samples) == explanation.hit.reads == frame.reads[y, x]
+        assert len(explanation.reads) == explanation.hit.reads == frame.reads[y, x]
 
 
 @pytest.mark.parametrize("shape", ["sphere", "box", "cylinder"])
-def test_it_ends_where_the_cpu_does_on_other_shapes(shape: str) -> None:
+def test_the_hit_on_other_shapes_is_the_cpus(shape: str) -> None:
     explanation = explained("relief", (48, 30), shape=shape, heights="smooth", projection="biased")
     scene = Scene(
         (obj("relief", shape=shape, heights="smooth", projection="biased"),), camera=CAMERA
     )
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     assert [*explanation.hit.uv] == [*frame.uv[30, 48]]
-    assert len(explanation.samples) == explanation.hit.reads
+    assert len(explanation.reads) == explanation.hit.reads
 
 
 def test_the_nearest_object_is_explained() -> None:
@@ -113,14 +113,14 @@ def ramp(technique: str, **settings: float) -> tuple[Explanation, np.ndarray, np
     return explanation, uv, travel, t
 
 
-def test_reads_and_hits_on_a_ramp_are_where_they_must_be() -> None:
+def test_reads_and_hits_on_a_ramp_equal_the_closed_form() -> None:
     explanation, uv, travel, t = ramp("steep", steps=8)
     np.testing.assert_allclose(explanation.uv, uv, atol=1e-6)
     np.testing.assert_allclose(explanation.travel, travel, atol=1e-6)
     layers = [1 - k / 8 for k in range(8)]
     last = next(k for k, layer in enumerate(layers) if layer <= 1 - t)
-    assert len(explanation.samples) == last + 1
-    for read, layer in zip(explanation.samples, layers, strict=False):
+    assert len(explanation.reads) == last + 1
+    for read, layer in zip(explanation.reads, layers, strict=False):
         place = uv + travel * (1 - layer)
         np.testing.assert_allclose(read.uv, place, atol=2e-6)
         assert read.ray == pytest.approx(layer, abs=1e-6)
@@ -142,18 +142,18 @@ def test_the_true_hit_on_columns() -> None:
     explanation = explained("texel")
     assert explanation.columns
     assert explanation.error < 0.03
-    surface = explanation.surface(np.array([read.uv for read in explanation.samples]))
+    surface = explanation.surface(np.array([read.uv for read in explanation.reads]))
     assert set(surface) <= set(explanation.heights.ravel())
 
 
-def test_straight_down_every_read_has_its_height() -> None:
+def test_reads_of_a_vertical_ray_have_their_heights() -> None:
     """Without travel, heights do not follow from texture coordinates, and are recorded anyway."""
     camera = LookAt((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     flat_on = Object(GRAVEL, technique="steep", settings={"steps": 5}, transform=np.eye(4))
     explanation = explain(Scene((flat_on,), camera=camera), pixel=(48, 30), size=(97, 61))
     assert explanation.length < 1e-3
-    wanted = [1 - k / 5 for k in range(len(explanation.samples))]
-    assert [read.ray for read in explanation.samples] == pytest.approx(wanted, abs=1e-6)
+    wanted = [1 - k / 5 for k in range(len(explanation.reads))]
+    assert [read.ray for read in explanation.reads] == pytest.approx(wanted, abs=1e-6)
 
 
 # --- a user's technique ---------------------------------------------------------------------------
@@ -180,12 +180,12 @@ def twice(field: HeightField, ray: Ray, settings: Twice) -> Hit:
 '''
 
 
-def test_a_users_technique_is_explained(tmp_path: Path) -> None:
+def test_a_user_defined_technique_is_explained(tmp_path: Path) -> None:
     file = tmp_path / "own.py"
     file.write_text(OWN)
     explanation = explained(f"{file}:twice", settings={"first": 0.5})
-    assert [read.ray for read in explanation.samples] == pytest.approx([0.5, 0.25])
-    assert explanation.hit.height == pytest.approx(explanation.samples[0].surface, abs=1e-6)
+    assert [read.ray for read in explanation.reads] == pytest.approx([0.5, 0.25])
+    assert explanation.hit.height == pytest.approx(explanation.reads[0].surface, abs=1e-6)
     assert "first 0.5" in explanation.summary
 
 
@@ -195,8 +195,8 @@ def test_a_users_technique_is_explained(tmp_path: Path) -> None:
 def test_the_table_has_every_read_and_both_ends() -> None:
     explanation = explained("contact")
     lines = explanation.table().splitlines()
-    assert len(lines) == 1 + len(explanation.samples) + 2
-    for n, (read, line) in enumerate(zip(explanation.samples, lines[1:], strict=False), 1):
+    assert len(lines) == 1 + len(explanation.reads) + 2
+    for n, (read, line) in enumerate(zip(explanation.reads, lines[1:], strict=False), 1):
         cells = line.split()
         assert cells[:2] == [str(n), "height"]
         assert [float(c) for c in cells[2:6]] == pytest.approx(
@@ -216,7 +216,7 @@ def test_a_cross_section_is_drawn(name: str, tmp_path: Path) -> None:
     assert explanation.verdict in texts
     assert "view ray" in texts
     assert "polygon" in texts
-    for n in range(1, len(explanation.samples) + 1):
+    for n in range(1, len(explanation.reads) + 1):
         assert str(n) in texts
     assert sorted(file.name for file in tmp_path.iterdir()) == ["one.svg", "two.svg"]
 
@@ -230,7 +230,7 @@ def test_a_cross_section_can_be_a_png(tmp_path: Path) -> None:
     assert pixels[:, :, :3].std() > 20
 
 
-def test_what_cannot_be_explained_is_refused(tmp_path: Path) -> None:
+def test_invalid_requests_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="pixel 2,2 shows no object"):
         explained("relief", (2, 2))
     with pytest.raises(InputError, match="pixel 96,0: outside a picture of 96 × 60"):

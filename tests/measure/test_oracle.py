@@ -49,7 +49,7 @@ def rays(seed: int, count: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
-def test_a_plane_is_met_at_its_height(edge) -> None:
+def test_the_hit_on_a_plane_has_its_height(edge) -> None:
     uv, travel = rays(1, 50, 3.0)
     hits = intersect_height_field(np.full((5, 7), 0.375), uv, travel, edge)
     np.testing.assert_allclose(hits.t, 0.625, atol=1e-15)
@@ -57,7 +57,7 @@ def test_a_plane_is_met_at_its_height(edge) -> None:
     np.testing.assert_allclose(hits.height, 0.375, atol=1e-15)
 
 
-def test_a_ramp_is_met_where_two_lines_cross() -> None:
+def test_the_hit_on_a_ramp_is_where_two_lines_cross() -> None:
     columns = 64
     u = (np.arange(columns) + 0.5) / columns
     ramp = np.tile(0.2 + 0.6 * u, (9, 1))
@@ -69,7 +69,7 @@ def test_a_ramp_is_met_where_two_lines_cross() -> None:
     np.testing.assert_allclose(hits.t, expected, atol=1e-14)
 
 
-def test_a_step_is_met_on_the_slope_between_two_texels() -> None:
+def test_the_hit_on_a_step_is_on_the_slope_between_two_texels() -> None:
     heights = np.zeros((4, 16))
     heights[:, 8:] = 1.0
     # centres of texels 7 and 8 at 7.5/16 and 8.5/16: between them the height rises by 16 a tile
@@ -78,7 +78,7 @@ def test_a_step_is_met_on_the_slope_between_two_texels() -> None:
     np.testing.assert_allclose(hits.t, t, atol=1e-14)
 
 
-def test_straight_down_the_height_is_read() -> None:
+def test_the_hit_of_a_vertical_ray_has_the_height_below() -> None:
     heights = np.random.default_rng(2).random((7, 11))
     uv = np.random.default_rng(3).random((200, 2)) * 3 - 1
     for edge in ("wrap", "clamp"):
@@ -86,7 +86,7 @@ def test_straight_down_the_height_is_read() -> None:
         np.testing.assert_allclose(hits.height, bilinear(heights, uv, edge), atol=1e-12)
 
 
-def test_a_saddle_hides_what_both_walls_of_a_cell_do_not() -> None:
+def test_a_saddle_is_hit_inside_its_cell() -> None:
     """Along a cell's diagonal a saddle rises above both walls."""
     heights = np.array([[0.0, 1.0], [1.0, 0.0]])
     # from corner to corner of the one cell: h = 2 s (1 − s), which is ½ in the middle
@@ -101,7 +101,7 @@ def test_a_saddle_hides_what_both_walls_of_a_cell_do_not() -> None:
     )
 
 
-def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
+def test_hits_on_cones_and_waves_equal_the_brute_force() -> None:
     y, x = np.mgrid[0:48, 0:64]
     cone = np.clip(1 - np.hypot(x - 30, y - 20) / 18, 0, 1)
     wave = 0.5 + 0.5 * np.sin(2 * np.pi * x / 64 * 3) * np.cos(2 * np.pi * y / 48 * 2)
@@ -116,7 +116,7 @@ def test_cones_and_waves_are_met_where_the_search_meets_them() -> None:
     st.integers(1, 9), st.integers(1, 9), st.integers(0, 10_000),
     st.sampled_from(["wrap", "clamp"]), st.sampled_from([0.0, 0.1, 2.0]),
 )  # fmt: skip
-def test_on_noise_nothing_is_met_before_or_after_the_brute_search(h, w, seed, edge, reach) -> None:
+def test_hits_on_noise_equal_the_brute_force(h, w, seed, edge, reach) -> None:
     """The search may step over a crest that the oracle hits, never the other way round."""
     random = np.random.default_rng(seed)
     heights = random.random((h, w))
@@ -151,7 +151,7 @@ def test_invalid_height_maps_and_rays_are_refused() -> None:
 # --- segments: parts of a ray, rising and bent ones --------------------------------------------
 
 
-def bent(t, height: float, drop: float, bend: float):
+def ray_height(t, height: float, drop: float, bend: float):
     return height - drop * t - bend * t * (1 - t)
 
 
@@ -174,7 +174,7 @@ PARABOLAS = [
 
 
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
-def test_a_parabola_meets_a_plane(height: float, drop: float, bend: float) -> None:
+def test_the_hit_of_a_parabola_on_a_plane(height: float, drop: float, bend: float) -> None:
     """height − drop t − bend t (1 − t) = ½."""
     expected = first_root(bend, -drop - bend, height - 0.5)
     uv, travel = rays(11, 20, 2.0)
@@ -183,12 +183,14 @@ def test_a_parabola_meets_a_plane(height: float, drop: float, bend: float) -> No
     )
     assert (hits.found == (expected is not None)).all()
     np.testing.assert_allclose(hits.t, 1.0 if expected is None else expected, atol=1e-9)
-    np.testing.assert_allclose(hits.height, bent(hits.t, height, drop, bend), atol=1e-15)
+    np.testing.assert_allclose(hits.height, ray_height(hits.t, height, drop, bend), atol=1e-15)
 
 
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
 @pytest.mark.parametrize("along", [0.3, -0.3])
-def test_a_parabola_meets_a_ramp(height: float, drop: float, bend: float, along: float) -> None:
+def test_the_hit_of_a_parabola_on_a_ramp(
+    height: float, drop: float, bend: float, along: float
+) -> None:
     """… = 0.2 + 0.6 (u + travel t)."""
     columns = 64
     ramp = np.tile(0.2 + 0.6 * (np.arange(columns) + 0.5) / columns, (9, 1))
@@ -203,7 +205,7 @@ def test_a_parabola_meets_a_ramp(height: float, drop: float, bend: float, along:
 
 
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
-def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> None:
+def test_the_hit_of_a_parabola_on_a_step(height: float, drop: float, bend: float) -> None:
     """Low to the left of u = 7.5 ÷ 16, high to the right of 8.5 ÷ 16, a slope of 16 between."""
     heights = np.full((4, 16), 0.1)
     heights[:, 8:] = 0.8
@@ -215,13 +217,13 @@ def test_a_parabola_meets_a_step(height: float, drop: float, bend: float) -> Non
         return np.interp(0.25 + 0.5 * t, [7.5 / 16, 8.5 / 16], [0.1, 0.8])
 
     t = np.linspace(0.0, 1.0, 2_000_001)
-    below = bent(t, height, drop, bend) <= surface(t)
+    below = ray_height(t, height, drop, bend) <= surface(t)
     assert hits.found[0] == below.any()
     np.testing.assert_allclose(hits.t[0], t[np.argmax(below)] if below.any() else 1.0, atol=1e-6)
 
 
-def test_the_parts_of_a_ray_meet_what_the_whole_does() -> None:
-    """Cut in three, each part continues where the one before has no hit."""
+def test_consecutive_segments_have_the_hit_of_the_whole_ray() -> None:
+    """Of three segments, each continues where the previous one has no hit."""
     heights = np.random.default_rng(6).random((23, 31)) * 0.7
     uv, travel = rays(12, 300, 0.8)
     whole = intersect_height_field(heights, uv, travel)
@@ -238,7 +240,9 @@ def test_the_parts_of_a_ray_meet_what_the_whole_does() -> None:
 
 @settings(max_examples=40)
 @given(st.integers(0, 10_000), st.sampled_from([0.1, 2.0]), st.floats(-1.5, 1.5))
-def test_bent_rays_meet_noise_where_the_search_does(seed: int, reach: float, bend: float) -> None:
+def test_hits_of_bent_rays_on_noise_equal_the_brute_force(
+    seed: int, reach: float, bend: float
+) -> None:
     random = np.random.default_rng(seed)
     heights = random.random((7, 9)) * 0.8
     uv, travel = rays(seed, 12, reach)
@@ -246,7 +250,7 @@ def test_bent_rays_meet_noise_where_the_search_does(seed: int, reach: float, ben
     hits = intersect_height_field(heights, uv, travel, height=height, drop=drop, bend=bend)
     t = np.linspace(0.0, 1.0, 20001)
     for k in range(12):
-        clear = bent(t, height[k], drop[k], bend) - bilinear(
+        clear = ray_height(t, height[k], drop[k], bend) - bilinear(
             heights, uv[k] + travel[k] * t[:, None], "wrap"
         )
         late = t[np.argmax(clear <= 0.0)] if (clear <= 0.0).any() else 1.0

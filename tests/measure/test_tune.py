@@ -26,7 +26,7 @@ def level_ground(height: float, texels: int = TEXELS) -> Material:
     return Material("ground", height=map_of(np.full((texels, texels), height)))
 
 
-def late(steps: int, height: float) -> float:
+def texels_late(steps: int, height: float) -> float:
     """Texels by which `steep` ends behind level ground, seen at 60 degrees; < 0: before it."""
     layers = [1 - k / steps for k in range(steps)]
     layer = next((top for top in layers if top <= height), layers[-1])
@@ -34,24 +34,24 @@ def late(steps: int, height: float) -> float:
 
 
 @pytest.mark.parametrize("height", [0.37, 0.61, 0.12])
-def test_the_least_steps_that_stay_within_a_texel(height) -> None:
+def test_the_fewest_steps_within_a_texel_are_found(height) -> None:
     """B5: the search ends where, by the formula, one step less fails."""
     result = tune(level_ground(height), missed=0.0, techniques=["steep"], **SMALL)
     steps = int(result.settings["steps"])
-    assert abs(late(steps, height)) <= 1.0 < abs(late(steps - 1, height))
+    assert abs(texels_late(steps, height)) <= 1.0 < abs(texels_late(steps - 1, height))
     assert result.chosen.error == 0.0
     assert result.chosen.passed
 
 
-def test_the_cheapest_is_taken_and_what_fails_is_not() -> None:
-    """B5: on level ground one read is exact and much cheaper than a hundred; no read fails."""
+def test_the_cheapest_technique_that_passes_is_chosen() -> None:
+    """B5: on level ground one read is exact and much cheaper than a hundred; `flat` fails."""
     deep = {**SMALL, "size": (192, 128), "settings": {"steps": 400}}
     ground = level_ground(0.004, 256)
     result = tune(ground, missed=0.001, techniques=["steep", "offset", "flat"], **deep)
     assert result.chosen.candidate.name == "offset"
     (steep,) = result.others
     assert steep.candidate.name == "steep"
-    # enough steps that they are slow on a busy machine too
+    # enough steps to be slower also on a busy machine
     assert steep.candidate.settings["steps"] >= 100
     assert result.nearest is None or result.nearest.candidate.name == "flat"
 
@@ -70,7 +70,7 @@ def test_the_bound_holds_over_a_range_of_angles() -> None:
 
 
 def test_other_numbers_and_minima_follow_the_effort() -> None:
-    """The minimum number of steps keeps its proportion; halvings are tried at other counts too."""
+    """The minimum of steps keeps its ratio to the maximum; other search steps are tried too."""
     ground = Material("waves", height=map_of(noise(7, (32, 32), 1)))
     result = tune(ground, missed=0.05, techniques=["relief"], **SMALL)
     assert result.settings["min_steps"] == max(1, round(result.settings["max_steps"] / 4))
@@ -96,7 +96,7 @@ def lucky(field: HeightField, ray: Ray, settings: Luck) -> Hit:
     return hit_at(ray, t_at(ray, reached), True, 1)
 
 
-def test_nothing_is_concluded_from_neighbours() -> None:
+def test_every_result_is_measured_itself() -> None:
     """B5: where errors do not fall with effort, the result itself was measured to pass."""
     result = tune(level_ground(0.3), missed=0.0, techniques=[lucky], **SMALL)
     assert result.settings == {"tries": 4}
@@ -116,7 +116,7 @@ def test_flip_can_be_the_bound(monkeypatch) -> None:
         tune(ground, flip=0.05, **SMALL)
 
 
-def test_a_technique_without_settings_and_numbers_that_stay(tmp_path) -> None:
+def test_techniques_without_settings_and_with_fixed_settings(tmp_path) -> None:
     """The result can be saved and drawn again, with the settings that were fixed."""
     ground = level_ground(0.3)
     result = tune(ground, missed=1.0, techniques=["flat"], **SMALL)

@@ -55,7 +55,7 @@ def test_every_package_with_pages_has_templates() -> None:
     assert {name.split("/")[0] for name in TEMPLATES} == {"gallery", "measure", "pages", "viewer"}
 
 
-def test_html_is_written_in_templates_alone() -> None:
+def test_html_is_only_in_templates() -> None:
     """No module writes HTML tags as text."""
     tag = re.compile(
         r"""["'{}\s]</?(a|b|body|div|figure|h[1-6]|i|img|p|script|span|table|td)[\s>]"""
@@ -109,7 +109,7 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("scheme", ["file", "http"])
-def test_a_static_page_shows_its_pictures_and_runs_nothing(
+def test_a_static_page_shows_its_pictures_and_runs_no_script(
     scheme: str, browser: Any, served: list[str], tmp_path: Path
 ) -> None:
     """From disk and from a server: only its own pictures, no scripts, no other server."""
@@ -130,7 +130,7 @@ def test_a_static_page_shows_its_pictures_and_runs_nothing(
     # not by the mouse: Playwright would wait for a page that never opens
     page.evaluate("document.getElementById('send').click()")
     page.wait_for_timeout(50)
-    told = "\n".join(refused)
+    messages = "\n".join(refused)
     for directive in ("img-src", "script-src", "form-action"):
-        assert directive in told
+        assert directive in messages
     page.close()

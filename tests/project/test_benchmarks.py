@@ -1,4 +1,4 @@
-"""Every script in benchmarks/ runs with `--quick` and stores the figures that it is there for."""
+"""Every script in benchmarks/ runs with `--quick` and stores its figures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BENCHMARKS = REPOSITORY / "benchmarks"
 SHARED = {"figures", "scenes"}
 """Modules that the scripts import."""
 MODES = {"exact": ("", "--cpu", "--growth")}
-"""Options under which a script runs other code, engines apart."""
+"""Options with which a script runs other code, besides engines."""
 ON_GPU = {"cpu_frame", "gpu_kernel", "linked", "sources", "exact", "exact --growth"}
 
 RAYS = ("whole", "straight", "bent down", "bent up")
@@ -73,14 +73,16 @@ FIGURES = {
 ZERO = {
     "gpu_kernel": {f"{sample}, share that differs" for sample in ("bricks", "gravel", "terrain")},
     "linked": {"words that differ"},
-    "misses": {f"cpu, {kind}, {way}, late" for kind in RAYS for way in ("exact", "cell by cell")},
+    "misses": {
+        f"cpu, {kind}, {method}, late" for kind in RAYS for method in ("exact", "cell by cell")
+    },
     "techniques": {"cpu, bricks, exact, missed at 75°, share"},
 }
 """Figures that must be 0."""
 
 
 def commands() -> list[object]:
-    """Each script that lies in the folder, in each of its modes."""
+    """Each script of the folder, in each of its modes."""
     scripts = sorted({path.stem for path in BENCHMARKS.glob("*.py")} - SHARED)
     named = [f"{script} {mode}".strip() for script in scripts for mode in MODES.get(script, ("",))]
     return [pytest.param(name, marks=pytest.mark.gpu if name in ON_GPU else ()) for name in named]

@@ -1,4 +1,4 @@
-"""Docstrings of public names say what each parameter is, and what comes back."""
+"""Docstrings of public names document each parameter and the result."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_results_are_documented(name: str) -> None:
     assert returns in ("None", None) or found.keys() & {"Returns", "Yields"}
 
 
-def test_what_is_missing_is_found() -> None:
+def test_missing_documentation_is_found() -> None:
     def half(a: int, b: int) -> int:
         """The half of it.
 

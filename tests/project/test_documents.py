@@ -1,4 +1,4 @@
-"""The commands, examples and links of the documentation work as they stand there."""
+"""The commands, examples and links of the documentation work as written."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ ELSEWHERE = (
     "README.md", "docs/bake.md", "docs/command-line.md", "docs/compare.md", "docs/presets.md",
     "docs/draw.md", "docs/gallery.md", "docs/viewer.md", "docs/write-a-technique.md",
 )  # fmt: skip
-"""Pages whose commands other tests run, with what they write."""
+"""Pages whose commands other tests run, with the files that these write."""
 PAGES = [page for page in DOCUMENTS if page.startswith("docs/") and page not in ELSEWHERE]
 LINES = sorted({line for page in PAGES for line in commands(page)})
 UNTESTED = ("README.md", "docs/bake.md", "docs/presets.md")
-"""Those of them whose Python examples no other test runs."""
+"""Pages among these whose Python examples no other test runs."""
 EXAMPLES = [page for page in (*UNTESTED, *PAGES) if blocks(page)]
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 ANCHOR = re.compile(r'<a id="([^"]+)">')
@@ -47,7 +47,7 @@ HEADING = re.compile(r"^#+ (.+)$", re.M)
 
 @pytest.fixture(scope="module", autouse=True)
 def _smaller_samples() -> Iterator[None]:
-    """Samples that commands name have 32 texels a side here, and are drawn once."""
+    """Give samples that commands name 32 texels a side, and draw each once."""
     with pytest.MonkeyPatch.context() as patch:
         sample = functools.cache(functools.partial(basrelief.sample, size=32))
         patch.setattr(sys.modules["basrelief.material.loading"], "sample", sample)
@@ -56,7 +56,7 @@ def _smaller_samples() -> Iterator[None]:
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with FOLDER, a material of all maps, small."""
+    """A working folder with FOLDER, a small material of all maps."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("basrelief.measure.tune.ANGLE_STEP", 90.0)
     write_material(tmp_path / "FOLDER")
@@ -91,11 +91,11 @@ def test_python_that_pages_show(page: str, here: Path, monkeypatch: pytest.Monke
     render = basrelief.render
     small = {"size": (24, 18), "samples": 1}
     monkeypatch.setattr(
-        basrelief, "render", lambda *given, **options: render(*given, **options | small)
+        basrelief, "render", lambda *arguments, **options: render(*arguments, **options | small)
     )
     scope: dict[str, object] = {"__name__": "example"}
     for example in blocks(page):
-        # a technique is run from a file of its own, by the tests of techniques
+        # the tests of techniques run a technique from a file
         if "@technique" not in example:
             exec(compile(example, page, "exec"), scope)
 
@@ -113,13 +113,13 @@ def test_every_technique_has_a_page() -> None:
 
 
 def anchors(text: str) -> set[str]:
-    """The names of the places of a page that links can lead to, as GitHub makes them."""
+    """The anchors of a page, as GitHub makes them."""
     headings = [re.sub(r"[^\w\- ]", "", each.lower()).strip() for each in HEADING.findall(text)]
     return {each.replace(" ", "-") for each in headings} | set(ANCHOR.findall(text))
 
 
 def broken_links(page: str, text: str) -> list[str]:
-    """The relative links of a page that lead to no file, or to no heading of it."""
+    """The relative links of a page without a target file or heading."""
     broken = []
     for link in LINK.findall(text):
         if re.match(r"[a-z]+:", link):
@@ -132,11 +132,11 @@ def broken_links(page: str, text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("page", DOCUMENTS)
-def test_links_lead_somewhere(page: str) -> None:
+def test_links_have_targets(page: str) -> None:
     assert broken_links(page, (REPOSITORY / page).read_text()) == []
 
 
-def test_broken_links_are_noticed() -> None:
+def test_broken_links_are_found() -> None:
     """The checks above can fail."""
     text = "[a](bake.md) [b](no.md) [c](bake.md#no) [d](#e) [f](https://x.org) ![g](images/no.png)"
     assert broken_links("docs/index.md", text) == ["no.md", "bake.md#no", "#e", "images/no.png"]

@@ -1,4 +1,4 @@
-"""The test matrix has every feature once, and each that works names a test that exists."""
+"""The test matrix has every feature once, and each working feature names existing tests."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Row(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """All lines of the tables but their heads."""
+    """All rows of the tables."""
     lines = (REPOSITORY / "docs" / "contributing" / "features.md").read_text().splitlines()
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line[:1] == "|"]
     return [Row(*each) for each in cells if re.fullmatch(r"[A-Z]\d+", each[0])]
 
 
 def has_test(node: str) -> bool:
-    """Whether `path::name` names a test function, at the top of a file of ours."""
+    """Whether `path::name` names a top-level test function of this repository."""
     path, _, name = node.partition("::")
     file = REPOSITORY / path
     if not re.fullmatch(r"tests/(\w+/)*test_\w+\.py", path) or not file.is_file():
@@ -46,7 +46,7 @@ def test_every_feature_has_one_row() -> None:
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row.id)
-def test_what_works_has_its_test(row: Row) -> None:
+def test_working_features_have_tests(row: Row) -> None:
     tests = row.test.replace("`", "").split()
     assert row.works in ("yes", "no")
     assert row.what
@@ -57,7 +57,7 @@ def test_what_works_has_its_test(row: Row) -> None:
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row.id)
 def test_pages_show_their_rows(row: Row) -> None:
-    """Each row names the pages of the gallery that show it, all of them, and links to each."""
+    """Each row links to all pages of the gallery that show it, and to no others."""
     links = re.findall(r"\[([^]]*)\]\(\.\./gallery\.md#([^)]*)\)", row.page)
     assert all(name == anchor for name, anchor in links)
     showing = [name for name, page in PAGES.items() if row.id in page.rows]
@@ -66,10 +66,10 @@ def test_pages_show_their_rows(row: Row) -> None:
     assert all(f"### {name}" in headings for name in showing)
 
 
-def test_missing_tests_are_noticed() -> None:
+def test_missing_tests_are_found() -> None:
     """The checks above can fail."""
-    assert has_test("tests/project/test_features.py::test_missing_tests_are_noticed")
+    assert has_test("tests/project/test_features.py::test_missing_tests_are_found")
     assert not has_test("tests/project/test_features.py::test_of_something_else")
     assert not has_test("tests/project/test_features.py::has_test")
-    assert not has_test("tests/test_nowhere.py::test_missing_tests_are_noticed")
+    assert not has_test("tests/test_nowhere.py::test_missing_tests_are_found")
     assert not has_test("")

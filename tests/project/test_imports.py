@@ -1,4 +1,4 @@
-"""Imports point one way, and the contract that says so can fail."""
+"""Imports point one way, and the contracts that check it can fail."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LINT_IMPORTS = "from importlinter.cli import lint_imports_command; lint_imports_
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Check the contracts of the pyproject.toml in a folder on the package that lies there."""
+    """Check the import contracts of the package in a folder."""
     command = [sys.executable, "-c", LINT_IMPORTS, "--no-cache", "--no-logo"]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
@@ -64,13 +64,13 @@ def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: 
     assert f"{broken} BROKEN" in result.stdout
 
 
-def test_no_module_is_loose() -> None:
-    """Beside the packages stand errors, lazy imports, version and `python -m basrelief` alone."""
+def test_top_level_modules_are_few() -> None:
+    """Besides packages there are only errors, lazy imports, the version and `__main__`."""
     loose = {path.stem for path in (REPOSITORY / "src" / "basrelief").glob("*.py")}
     assert loose == {"__init__", "__main__", "_version", "errors", "lazy"}
 
 
-def test_tests_lie_as_the_source_does() -> None:
+def test_folders_of_tests_are_those_of_the_source() -> None:
     """`tests/` has a folder for each package it tests, one for the project, and one for helpers."""
     packages = {
         path.parent.name for path in (REPOSITORY / "src" / "basrelief").glob("*/__init__.py")
@@ -80,8 +80,8 @@ def test_tests_lie_as_the_source_does() -> None:
     assert not list((REPOSITORY / "tests").glob("test_*.py"))
 
 
-def test_lang_stands_alone() -> None:
-    """The shader subset knows nothing of the rest of the package but errors and settings."""
+def test_lang_imports_only_errors_and_settings() -> None:
+    """The shader subset imports nothing else of the package."""
     graph = grimp.build_graph("basrelief")
     within = {"basrelief.lang"} | graph.find_descendants("basrelief.lang")
     imported = {i for module in within for i in graph.find_modules_directly_imported_by(module)}

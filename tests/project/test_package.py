@@ -1,4 +1,4 @@
-"""The package as its users get it: its version, its names, and what lies in the wheel."""
+"""The package as installed: its version, its public names and the files of the wheel."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def test_version() -> None:
     assert basrelief.__version__ == __version__ == importlib.metadata.version("basrelief")
 
 
-def test_all_is_what_is_public() -> None:
-    """Every name in `__all__` can be had, and nothing of ours is public without being listed."""
+def test_all_lists_the_public_names() -> None:
+    """Every name in `__all__` exists, and no other name of the package is public."""
     for name in basrelief.__all__:
         assert getattr(basrelief, name) is not None
     ours = {
@@ -40,7 +40,7 @@ def test_all_is_what_is_public() -> None:
 
 
 def test_no_module_hides_a_public_name() -> None:
-    """Once every module is imported, each public name is still what it was, and not a module."""
+    """After importing every module, each public name is still the same object."""
     code = """
 import importlib, pkgutil, types
 import basrelief
@@ -69,7 +69,7 @@ def test_python_m_is_the_command(module: str) -> None:
 
 
 def test_import_is_light() -> None:
-    """`import basrelief` waits for nothing heavy."""
+    """`import basrelief` imports no heavy module."""
     code = f"import sys, basrelief; print([m for m in {HEAVY} if m in sys.modules])"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
@@ -78,7 +78,7 @@ def test_import_is_light() -> None:
 
 
 def test_help_is_light() -> None:
-    """`basrelief --help` waits for nothing that only some commands need."""
+    """`basrelief --help` imports nothing that only some commands need."""
     late = (*HEAVY, "matplotlib", "av", "anywidget")
     code = f"""
 import sys
@@ -96,7 +96,7 @@ finally:
 
 
 def test_wheel(tmp_path: Path) -> None:
-    """The wheel has every module, the type marker and the licence, and nothing else of ours."""
+    """The wheel has every module, the type marker and the licence, and no other file."""
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
     subprocess.run(build, cwd=REPOSITORY, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")

@@ -1,4 +1,4 @@
-"""The site of the documentation is built without a warning, and nothing in it leads nowhere."""
+"""The documentation's site is built without warnings, and all of its links have targets."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from helpers.repository import REPOSITORY
 SOURCES = REPOSITORY / "docs" / "site"
 LIVE = sorted(
     page.stem for page in (REPOSITORY / "docs" / "techniques").glob("*.md")
-    if page.stem != "horizon"  # a bake, no technique
+    if page.stem != "horizon"  # a bake, not a technique
 )  # fmt: skip
 """The pages that embed the viewer."""
 PUBLIC = ("basrelief", "basrelief.techniques", "basrelief.baking", "basrelief.viewer")
 LARGEST = 1_500_000
-"""Bytes of the viewer's page at most, so that it loads at once."""
+"""Largest size of the viewer's page in bytes, so that it loads quickly."""
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class Page(HTMLParser):
-    """The anchors of a page, its links, what it loads, and the addresses of its viewers."""
+    """The anchors of a page, its links, its resources and the addresses of its viewers."""
 
     def __init__(self, file: Path) -> None:
         super().__init__()
@@ -79,7 +79,7 @@ def read(file: Path) -> Page:
 
 
 def pages(site: Path) -> list[Path]:
-    """All pages but the viewer's and the error page."""
+    """All pages except the viewer's and the error page."""
     files = sorted(site.rglob("*.html"))
     return [file for file in files if file.parent.name != "live" and file.name != "404.html"]
 
@@ -102,7 +102,7 @@ def test_the_navigation_names_every_page(site: Path) -> None:
 
 
 def broken_links(site: Path) -> list[str]:
-    """The links within a site that lead to no file, or to no anchor of it."""
+    """The links within a site without a target file or anchor."""
     broken = []
     for file in pages(site):
         page = read(file)
@@ -118,11 +118,11 @@ def broken_links(site: Path) -> list[str]:
     return broken
 
 
-def test_every_link_leads_somewhere(site: Path) -> None:
+def test_every_link_has_a_target(site: Path) -> None:
     assert broken_links(site) == []
 
 
-def test_broken_links_are_noticed(tmp_path: Path) -> None:
+def test_broken_links_are_found(tmp_path: Path) -> None:
     """The check above can fail."""
     (tmp_path / "a.html").write_text('<a href="b.html#no"><a href="c.html"><img src="d.png">')
     (tmp_path / "b.html").write_text('<h1 id="e"><a href="#e"><a href="a.html"><a href="#f">')
@@ -131,8 +131,8 @@ def test_broken_links_are_noticed(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_pages_load_nothing_from_elsewhere(site: Path) -> None:
-    """A page is whole without a network; its links may lead out."""
+def test_pages_load_nothing_from_other_servers(site: Path) -> None:
+    """A page is complete without a network; only its links may lead to other servers."""
     loaded = {link for file in pages(site) for link in read(file).loaded}
     assert {link for link in loaded if re.match(r"(\w+:)?//", link)} == set()
     styles = "".join(file.read_text() for file in site.rglob("*.css"))
@@ -182,7 +182,7 @@ def test_pages_of_techniques_embed_the_viewer(name: str, site: Path) -> None:
 
 @pytest.fixture(scope="module")
 def address(site: Path) -> Iterator[str]:
-    """Where the site is served."""
+    """Address at which the site is served."""
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *words: object) -> None:

@@ -11,7 +11,7 @@ from helpers.repository import TESTS
 pytest_plugins = ["pytester"]
 
 QUICK = ("--no-header",)
-"""Without the adapter's name, for which a driver would have to be loaded."""
+"""Options without the adapter's name, which would load a driver."""
 
 SKIPPING = """
     import pytest
@@ -73,7 +73,7 @@ def test_skipped_module_fails_on_ci(
 
 
 def test_allowed_skips_exist() -> None:
-    """Each listed test is there and has a reason."""
+    """Each listed test exists and has a reason."""
     for line in (TESTS / "allowed_skips.txt").read_text().splitlines():
         if not line.strip() or line.startswith("#"):
             continue

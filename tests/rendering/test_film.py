@@ -104,7 +104,7 @@ def read_webp(path: Path) -> ReadFilm:
     assert (data[:4], data[8:12]) == (b"RIFF", b"WEBP")
     found = dict(chunks(data[12:], but=b"ANMF"))
     width, height = (1 + int.from_bytes(found[b"VP8X"][k : k + 3], "little") for k in (4, 7))
-    assert found[b"ANIM"][4:] == b"\0\0"  # for ever
+    assert found[b"ANIM"][4:] == b"\0\0"  # loops without end
     canvas, film = np.zeros((height, width, 4)), ReadFilm([], [])
     for name, body in chunks(data[12:]):
         if name == b"ANMF":
@@ -217,7 +217,7 @@ def test_webp_without_loss(tmp_path: Path) -> None:
         assert (picture == encode_light(gradient(number))).all()
 
 
-def test_gif_runs_for_ever(tmp_path: Path) -> None:
+def test_gif_loops(tmp_path: Path) -> None:
     path = write_film(tmp_path / "a.gif", [frame(gradient(k)) for k in range(3)]).files[0]
     assert b"NETSCAPE2.0\x03\x01\x00\x00" in path.read_bytes()
 
@@ -225,7 +225,7 @@ def test_gif_runs_for_ever(tmp_path: Path) -> None:
 # --- transparency ---------------------------------------------------------------------------------
 
 
-def test_mp4_is_laid_over_the_usual_background(tmp_path: Path) -> None:
+def test_mp4_is_composited_over_the_default_background(tmp_path: Path) -> None:
     path = write_film(tmp_path / "a.mp4", [frame(with_hole(k)) for k in range(3)]).files[0]
     behind = np.array(BACKGROUND)
     expected = encode_light(behind[None, None, :])[0, 0]
@@ -514,10 +514,9 @@ def test_without_pyav(bumps: Path, here: Path, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setitem(sys.modules, "av", None)
     for file in ("a.mp4", "a.gif", "a.webp"):
         line = refused("render", bumps, *DRAW, "--frames", "3", "-o", file)
-        assert line == (
-            f"{file}: {file[1:]} films need PyAV; pip install 'basrelief[film]', "
-            "or write numbered pictures, as film.png"
-        )
+        assert line.startswith(f"{file}: {file[1:]} films need PyAV")
+        assert "pip install 'basrelief[film]'" in line
+        assert "numbered pictures" in line
     assert os.listdir() == []
     done("render", bumps, *DRAW, "--frames", "2", "-o", "a.png")
     done("render", bumps, *DRAW, "-o", "a.webp")

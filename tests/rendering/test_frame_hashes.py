@@ -73,7 +73,7 @@ def zeros(size: tuple[int, int], sign: float = 1.0) -> Frame:
     )
 
 
-def test_digests_tell_sizes_and_signs_of_zero_apart() -> None:
+def test_digests_distinguish_sizes_and_signs_of_zero() -> None:
     assert digests(zeros((2, 3))) != digests(zeros((3, 2)))
     assert digests(zeros((2, 3)))["distance"] != digests(zeros((2, 3), -1.0))["distance"]
 
@@ -157,7 +157,7 @@ def test_every_value_of_the_librarys_menus_is_drawn() -> None:
             assert not missing, f"{name}: {missing} in no case"
 
 
-def test_every_map_is_there_in_a_case_and_missing_in_another() -> None:
+def test_every_map_is_present_in_a_case_and_missing_in_another() -> None:
     hints = get_type_hints(Material)
     maps = [field.name for field in fields(Material) if Map in get_args(hints[field.name])]
     assert len(maps) == 9

@@ -126,8 +126,8 @@ def test_options_of_the_scene_are_taken_too() -> None:
         (lambda: drawn(BRICKS, samples=0), "0 samples a pixel: give 1 to 1024"),
         (lambda: drawn(BRICKS, samples=1025), "1025 samples a pixel"),
         (
-            lambda: drawn(BRICKS, tecnique="relief"),
-            "no option 'tecnique'; there are alpha, background, bias",
+            lambda: drawn(BRICKS, tecnique="relief"),  # codespell:ignore tecnique
+            "no option 'tecnique'; there are alpha, background, bias",  # codespell:ignore tecnique
         ),
         (lambda: drawn(Object(BRICKS), scale=0.1), "scale: already set by the"),
         (lambda: drawn(Scene((Object(BRICKS),)), camera=Orbit()), "camera: already set by the"),
@@ -148,7 +148,8 @@ def test_invalid_arguments_are_refused_in_a_line(make, message) -> None:
 
 def test_an_unknown_device_is_refused() -> None:
     message = refused(lambda: drawn(BRICKS, device="quantum"), DeviceError)
-    assert message == "no device is called 'quantum'; use one of auto, cpu, gpu"
+    assert "no device is called 'quantum'" in message
+    assert "auto, cpu, gpu" in message
 
 
 def test_devices_are_chosen_by_name() -> None:
@@ -225,12 +226,12 @@ def test_samples_are_averaged() -> None:
         right, back = (x - 0.5) * step, (y - 0.5) * step
         moved = replace(camera, position=(right, 2.0, back), target=(right, 0.0, back))
         total += drawn(scene.with_camera(moved)).color
-    together = drawn(scene, samples=3)
-    assert np.abs(together.color - total / 3).mean() < 2e-4
-    # all but the colour are those of the first sample
+    averaged = drawn(scene, samples=3)
+    assert np.abs(averaged.color - total / 3).mean() < 2e-4
+    # all planes but the colour are those of the first sample
     first = drawn(scene)
-    np.testing.assert_array_equal(together.uv, first.uv)
-    np.testing.assert_array_equal(together.distance, first.distance)
+    np.testing.assert_array_equal(averaged.uv, first.uv)
+    np.testing.assert_array_equal(averaged.distance, first.distance)
 
 
 def test_more_samples_smooth_the_outline() -> None:
@@ -353,7 +354,7 @@ def test_a_height_map_of_one_texel_is_flat(name) -> None:
     assert frame.color[within][:, 0].std() < 0.2
 
 
-def test_maps_of_different_sizes_lie_over_each_other() -> None:
+def test_maps_of_different_sizes_cover_the_same_tile() -> None:
     """Maps of any size are stretched over the whole tile."""
     u, v = np.meshgrid((np.arange(48) + 0.5) / 48, (np.arange(32) + 0.5) / 32)
     height = 0.5 + 0.4 * np.sin(2 * np.pi * u) * np.cos(2 * np.pi * v)
@@ -406,13 +407,13 @@ def test_clamp_stretches_the_border() -> None:
     color[:, :, 0] = [0.2, 0.4, 0.6, 0.8]
     options = {"tiling": (2.0, 1.0), "camera": ABOVE, "lights": (), "shading": WHITE}
     material = Material("x", base_color=map_of(color))
-    held = drawn(material, edge="clamp", **options).color[18, :, 0]
-    again = drawn(material, edge="wrap", **options).color[18, :, 0]
+    clamped = drawn(material, edge="clamp", **options).color[18, :, 0]
+    wrapped = drawn(material, edge="wrap", **options).color[18, :, 0]
     uv = drawn(material, **options).uv[18, :, 0]
-    beyond = (uv > 1.2) & (uv < 1.3)
-    assert beyond.any()
-    np.testing.assert_allclose(held[beyond], 0.8, atol=0.01)
-    assert (again[beyond] < 0.5).all()
+    outside = (uv > 1.2) & (uv < 1.3)
+    assert outside.any()
+    np.testing.assert_allclose(clamped[outside], 0.8, atol=0.01)
+    assert (wrapped[outside] < 0.5).all()
 
 
 # --- several objects ------------------------------------------------------------------------------
@@ -623,7 +624,7 @@ def test_a_technique_from_a_file_draws_the_same(tmp_path) -> None:
         Object(BRICKS, technique=f"{file}:other")
 
 
-def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
+def test_rotating_object_and_camera_together_changes_nothing() -> None:
     """Rendering does not depend on the direction in the world, lights included."""
 
     def at_angle(angle: float):
@@ -641,7 +642,7 @@ def test_turning_the_object_and_the_camera_together_changes_nothing() -> None:
     assert math.isfinite(one.color.max())
 
 
-def test_a_clipped_cylinder_has_no_slit_where_its_texture_begins() -> None:
+def test_a_clipped_cylinder_has_no_slit_at_its_seam() -> None:
     """Round shapes have no border along u: coordinates beyond 1 continue at 0."""
     ground = Material("hills", height=map_of(np.random.default_rng(4).random((32, 32))))
     for shape in ("cylinder", "sphere"):

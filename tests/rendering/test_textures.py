@@ -69,7 +69,7 @@ def test_levels_are_area_averages_and_keep_the_mean(rows, columns, seed, colored
 
 
 @given(st.integers(1, 40), st.integers(1, 40), st.integers(0, 2**32 - 1))
-def test_a_pyramid_goes_down_to_its_mean(rows, columns, seed) -> None:
+def test_the_last_mip_level_is_the_mean(rows, columns, seed) -> None:
     values = np.random.default_rng(seed).random((rows, columns))
     field = textures.height_field(Material("made up", height=map_of(values)), "wrap")
     assert field is not None
@@ -110,18 +110,18 @@ def test_heights_are_never_decoded_from_srgb() -> None:
 
 
 def test_missing_maps_have_no_texture() -> None:
-    nothing = Material("nothing")
-    assert textures.height_field(nothing, "wrap") is None
-    assert textures.base_color(nothing, "wrap") is None
-    assert textures.normal(nothing, "wrap", 0.1, CPU) is None
-    assert textures.response(nothing, "wrap") is None
-    assert textures.emission(nothing, "wrap") is None
+    empty = Material("nothing")
+    assert textures.height_field(empty, "wrap") is None
+    assert textures.base_color(empty, "wrap") is None
+    assert textures.normal(empty, "wrap", 0.1, CPU) is None
+    assert textures.response(empty, "wrap") is None
+    assert textures.emission(empty, "wrap") is None
 
 
 # --- colours --------------------------------------------------------------------------------------
 
 
-def test_colours_become_light_before_they_are_averaged() -> None:
+def test_colours_are_linear_when_averaged() -> None:
     """Black and white squares average to half the light, not to the code 127."""
     board = np.indices((2, 4)).sum(axis=0) % 2 * 255
     color = map_of(np.repeat(board[:, :, None], 3, 2), np.uint8, srgb=True)

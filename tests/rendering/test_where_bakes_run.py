@@ -48,20 +48,20 @@ def bumps(seed: int) -> Material:
 
 
 @pytest.mark.parametrize("name", BAKED)
-def test_a_picture_is_baked_by_the_engine_that_draws(engine: RecordingEngine, name: str) -> None:
+def test_rendering_bakes_on_the_engine_that_draws(engine: RecordingEngine, name: str) -> None:
     render(Object(bumps(1), technique=name), device=engine, **PICTURE)
     bake = BAKED[name].bake
     assert bake is not None
     assert set(engine.entries) >= {normals, *bake.programs}
 
 
-def test_normals_of_a_layer_are_baked_there_too(engine: RecordingEngine) -> None:
+def test_normals_of_a_layer_are_baked_on_the_engine_that_draws(engine: RecordingEngine) -> None:
     with_normals = Material("flat", normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0))))
     render(Object(with_normals, layer=Layer(bumps(2))), device=engine, **PICTURE)
     assert engine.entries.count(normals) == 1
 
 
-def test_shadow_casters_are_baked_there_too(engine: RecordingEngine) -> None:
+def test_shadow_casters_are_baked_on_the_engine_that_draws(engine: RecordingEngine) -> None:
     ground = Object(bumps(3), technique="flat")
     ball = Object(bumps(4), "sphere", "cone", transform=placed(position=(0.0, 0.5, 0.0)))
     scene = Scene((ground, ball), camera=Orbit(20.0, 40.0, 3.0), shadows="hard")
@@ -70,17 +70,17 @@ def test_shadow_casters_are_baked_there_too(engine: RecordingEngine) -> None:
     assert set(engine.entries) >= {normals, *BAKES["cone_map"].programs}
 
 
-def test_the_truth_is_worked_out_there(engine: RecordingEngine) -> None:
+def test_the_truth_is_computed_on_the_given_engine(engine: RecordingEngine) -> None:
     truth(Object(bumps(5), technique="exact"), (8, 6), device=engine)
     assert engine.entries
 
 
-def test_comparisons_and_their_times_bake_there(engine: RecordingEngine) -> None:
+def test_comparisons_bake_on_the_given_engine(engine: RecordingEngine) -> None:
     compare(bumps(6), list(BAKED), angles=(40.0,), runs=1, device=engine, **PICTURE)
     assert set(engine.entries) >= {each for bake in BAKES.values() for each in bake.programs}
 
 
-def test_tuning_bakes_there(engine: RecordingEngine) -> None:
+def test_tuning_bakes_on_the_given_engine(engine: RecordingEngine) -> None:
     tune(
         bumps(7), missed=1.0, techniques=["relaxed_cone"], angles=(40.0, 40.0), size=(8, 6),
         device=engine,
@@ -88,7 +88,7 @@ def test_tuning_bakes_there(engine: RecordingEngine) -> None:
     assert set(engine.entries) >= set(RELAXED_CONE_MAP.programs)
 
 
-def test_a_page_holds_what_that_engine_baked(engine: RecordingEngine, tmp_path: Path) -> None:
+def test_a_page_contains_bakes_of_the_given_engine(engine: RecordingEngine, tmp_path: Path) -> None:
     scene = Scene((Object(bumps(8), layer=Layer(bumps(11))),))
     with no_stills():
         write_view(scene, tmp_path / "page.html", device=engine)
@@ -105,7 +105,7 @@ def with_both_maps(folder: Path) -> tuple[str | Path, ...]:
     return ("bake", made, *FILE_BAKES, "--normal", file)
 
 
-def test_bake_takes_the_engine_it_is_given(
+def test_bake_runs_on_the_given_engine(
     engine: RecordingEngine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("basrelief.engine.choose_device", {"gpu": engine}.__getitem__)
@@ -116,7 +116,7 @@ def test_bake_takes_the_engine_it_is_given(
 
 
 @pytest.mark.gpu
-def test_a_gpu_bakes_all_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_bakes_run_on_a_gpu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CpuEngine, "run", _runs_elsewhere)
     done(*with_both_maps(tmp_path), "--device", "gpu")
     for name in BAKED:

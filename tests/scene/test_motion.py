@@ -132,7 +132,7 @@ def test_a_look_at_camera_rotates_around_its_target() -> None:
     assert is_close(camera.up, (0.0, 1.0, 0.0))
 
 
-def test_look_at_and_orbit_rotate_alike() -> None:
+def test_look_at_and_orbit_rotate_equally() -> None:
     """Both shader cameras are equal at any fraction of a turn."""
     start = Orbit(0.0, 40.0, 2.0, (0.1, 0.2, 0.3))
     stood = LookAt(tuple(map(float, start.camera(SIZE).position)), start.target)
@@ -199,8 +199,8 @@ def test_maps_scroll_by_a_quarter_of_the_shape_a_second(edge: Any) -> None:
 def test_whole_tiles_are_dropped_for_repeating_maps() -> None:
     shift = Scrolling()(scene(tiling=(1.0, 1.0)), at(0.5, seconds=4e4 + 1.0)).objects[0].shift
     assert shift == pytest.approx((0.25, 0.0))
-    beyond = Scrolling()(scene(tiling=(1.0, 1.0), edge="clamp"), at(0.5, seconds=9.0)).objects[0]
-    assert beyond.shift == pytest.approx((2.25, 0.0))
+    clamped = Scrolling()(scene(tiling=(1.0, 1.0), edge="clamp"), at(0.5, seconds=9.0)).objects[0]
+    assert clamped.shift == pytest.approx((2.25, 0.0))
 
 
 # --- all ------------------------------------------------------------------------------------------

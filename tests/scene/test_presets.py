@@ -243,8 +243,8 @@ def test_ambient_a_tenth_and_diffuse_a_half(elevation: float) -> None:
     # within the 16-bit precision of normals from heights
     tinted = {"surface_parameters": {"base_color": (1.0, 0.5, 0.25)}}
     frame = basrelief.render(material, preset="gamedev", **options, **tinted, **SMALL)
-    facing = max(0.0, np.sin(np.radians(elevation)))
-    expected = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * facing)
+    cosine = max(0.0, np.sin(np.radians(elevation)))
+    expected = np.array([1.0, 0.5, 0.25]) * (0.1 + 0.5 * cosine)
     assert frame.color[frame.hit][:, :3] == pytest.approx(
         np.tile(expected, (frame.hit.sum(), 1)), abs=1e-5
     )
@@ -296,7 +296,7 @@ def test_maps_of_samples(tmp_path: Path) -> None:
     assert "base_color from sample:grass: requested" in map(str, found.notes)
     assert basrelief.load(height="sample:grass").name == "grass"
     message = error_message(lambda: basrelief.load(folder, metallic="sample:grass"))
-    assert message == "sample:grass has no metallic map; choose another sample, or a file"
+    assert message.startswith("sample:grass has no metallic map")
 
 
 # --- explicit options override --------------------------------------------------------------------
@@ -478,9 +478,9 @@ def test_presets_are_immutable() -> None:
     made = preset("gamedev")
     with pytest.raises(TypeError):
         made.values["object"]["scale"] = 3.0  # type: ignore[index]
-    given: dict[str, Any] = {"object": {"scale": 0.1}}
-    copied = Preset("a", values=given)
-    given["object"]["scale"] = 3.0
+    tables: dict[str, Any] = {"object": {"scale": 0.1}}
+    copied = Preset("a", values=tables)
+    tables["object"]["scale"] = 3.0
     assert copied.values["object"]["scale"] == 0.1
 
 

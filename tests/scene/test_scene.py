@@ -421,7 +421,7 @@ class Unbounded:
     size: float = setting(default=1.0, doc="how large")
 
 
-def test_settings_without_ranges_stay_what_32_bits_hold() -> None:
+def test_settings_without_ranges_are_limited_to_32_bits() -> None:
     made = checked_record(Unbounded, {"must": 1, "count": 7, "size": -2.5}, "mine")
     assert (made.must, made.count, made.size) == (1.0, 7, -2.5)
     assert "count" in refused(
@@ -548,10 +548,11 @@ def test_names_of_techniques_take_hyphens_and_capitals(name: str) -> None:
     ("name", "meant"),
     [
         ("pom", "parallax_occlusion"), ("POM", "parallax_occlusion"), ("csm", "cone"),
-        ("relief-mapping", "relief"), ("releif", "relief"), ("steep parallax", "steep"),
+        ("relief-mapping", "relief"), ("steep parallax", "steep"),
+        ("releif", "relief"),  # codespell:ignore releif
     ],
 )  # fmt: skip
-def test_other_names_suggest_the_technique_that_they_mean(name: str, meant: str) -> None:
+def test_unknown_names_suggest_a_technique(name: str, meant: str) -> None:
     assert f"did you mean {meant}?" in refused(lambda: technique_named(name))
 
 

@@ -19,7 +19,7 @@ PLACES = np.random.default_rng(3).uniform(-0.6, 0.6, (60, 3))
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_shape_contains_what_its_shader_finds_around_it(name) -> None:
+def test_a_shape_contains_the_points_that_its_shader_intersects(name) -> None:
     facts = SHAPES[name]
     inside = []
     for place in PLACES:
@@ -61,7 +61,7 @@ def test_a_round_shape_has_no_rims_along_u(name) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_u_is_as_wide_as_the_facts_say(name) -> None:
+def test_the_width_along_u_is_that_of_the_facts(name) -> None:
     variant = Variant(shape=name)
     intersection = intersect_shape(ShapeRay(Vec3(0.1, 0.1, 3.0), Vec3(0.0, -0.01, -1.0)), variant)
     around = (
@@ -73,7 +73,7 @@ def test_u_is_as_wide_as_the_facts_say(name) -> None:
     assert along_u == pytest.approx(SHAPES[name].width * around, rel=1e-5)
 
 
-def test_a_page_knows_flat_shapes_and_bounding_spheres() -> None:
+def test_a_page_contains_flat_shapes_and_bounding_spheres() -> None:
     scene = Scene((Object(sample("bricks", 8)),))
     shapes = manifest(scene, Sources(), None)["shapes"]
     assert {name for name, each in shapes.items() if each["flat"]} == {"plane"}

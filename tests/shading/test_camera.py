@@ -1,4 +1,4 @@
-"""Primary rays against closed forms and against differences of a float64 camera's rays."""
+"""Primary rays against closed forms and finite differences of float64 rays."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_the_derivatives_reach_the_neighbouring_pixels():
 
 @pytest.mark.parametrize("projection", [PERSPECTIVE, ORTHOGRAPHIC])
 @pytest.mark.parametrize(
-    ("azimuth", "elevation", "away", "right", "up"),
+    ("azimuth", "elevation", "backward", "right", "up"),
     [
         (0, 0, (0, 0, 1), (1, 0, 0), (0, 1, 0)),
         (90, 0, (1, 0, 0), (0, 0, -1), (0, 1, 0)),
@@ -140,11 +140,11 @@ def test_the_derivatives_reach_the_neighbouring_pixels():
         (90, 30, (math.sqrt(0.75), 0.5, 0), (0, 0, -1), (-0.5, math.sqrt(0.75), 0)),
     ],
 )
-def test_orbit_stands_where_the_angles_say(projection, azimuth, elevation, away, right, up):
+def test_an_orbit_camera_stands_at_its_angles(projection, azimuth, elevation, backward, right, up):
     target = np.array((1.0, -2.0, 0.5))
     camera = orbit(target, 4, azimuth, elevation, **projection)
-    np.testing.assert_allclose(a(camera.position), target + 4 * np.array(away), atol=1e-6)
-    np.testing.assert_allclose(a(camera.forward), -np.array(away), atol=1e-6)
+    np.testing.assert_allclose(a(camera.position), target + 4 * np.array(backward), atol=1e-6)
+    np.testing.assert_allclose(a(camera.forward), -np.array(backward), atol=1e-6)
     unit = np.linalg.norm(a(camera.right))
     np.testing.assert_allclose(a(camera.right) / unit, right, atol=1e-6)
     np.testing.assert_allclose(a(camera.down) / unit, -np.array(up), atol=1e-6)
@@ -155,7 +155,7 @@ def test_a_picture_of_one_pixel_looks_at_the_target():
     np.testing.assert_allclose(a(ray_at(camera, 0.5, 0.5).direction), (-0.6, 0, -0.8), atol=1e-6)
 
 
-def test_the_fields_are_held_as_float32():
+def test_the_fields_are_float32():
     camera = look_at((0.1, 0.2, 0.3), (0, 0, 0), **PERSPECTIVE)
     assert isinstance(camera, Camera)
     assert isinstance(camera.position.x, np.float32)
@@ -164,7 +164,7 @@ def test_the_fields_are_held_as_float32():
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "message"),
     [
         ({"position": (0, 0, 0)}, "same point"),
         ({"up": (0, 0, 2)}, "parallel to the view"),
@@ -178,10 +178,10 @@ def test_the_fields_are_held_as_float32():
         ({"field_of_view": None, "orthographic_height": -1.0}, "-1"),
     ],
 )
-def test_what_makes_no_camera_is_refused(changed, told):
+def test_an_invalid_camera_is_refused(changed, message):
     right = {"position": (0, 0, 3), "target": (0, 0, 0), "size": (4, 3), "field_of_view": 40.0}
     look_at(**right)
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         look_at(**{**right, **changed})
 
 

@@ -1,6 +1,6 @@
-"""Cut-outs: opacity read where the offset ends, what shows through, what light falls through.
+"""Cut-outs: opacity read at the hit, the background through the holes, and light through them.
 
-The relief is a plane of one height, so that the places are known in float64.
+The relief is a plane of constant height, so that hits are known in float64.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ SUNKEN = {
 
 
 def holed(**options) -> Object:
-    """A plane pushed in by 0.225, with holes in it."""
+    """A plane whose relief lies 0.225 below the polygon, with holes in it."""
     material = uniform_material(FRONT, opacity=map_of(OPACITY), height=0.25)
     return Object(material, transform=np.eye(4), **{**SUNKEN, **options})
 
 
 def behind() -> Object:
-    """Another, larger plane below it."""
+    """A larger plane below the first."""
     return Object(uniform_material(BACK), transform=placed((0.0, 0.0, -0.5), (4.0, 4.0, 1.0)))
 
 
@@ -48,8 +48,8 @@ def opacity_seen() -> np.ndarray:
 
 @pytest.mark.parametrize("cutoff", [0.3, 0.5, 0.7])
 @pytest.mark.parametrize("other", ["an object", "the background"])
-def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
-    """C16: all or nothing, by the opacity at the displaced place; exactly the colour behind."""
+def test_a_hole_shows_the_object_or_background_behind(cutoff: float, other: str) -> None:
+    """C16: solid or empty by the opacity at the hit; a hole shows exactly the colour behind."""
     objects = [holed(alpha="mask", surface_parameters={"cutoff": cutoff})]
     if other == "an object":
         objects.append(behind())
@@ -69,12 +69,12 @@ def test_a_hole_shows_what_lies_behind(cutoff: float, other: str) -> None:
             frame.color[hole], np.float32([[0.3, 0.6, 0.2, 1.0]] * hole.sum())
         )
         assert not frame.hit[hole].any()
-    # read on the polygon the holes would be elsewhere
+    # the opacity read on the polygon would put the holes elsewhere
     polygon = bilinear(OPACITY, on_plane(SLANTED)[0])[..., 0]
     assert ((polygon < cutoff) != (opacity < cutoff)).mean() > 0.1
 
 
-def test_opaque_takes_no_notice_and_blend_mixes() -> None:
+def test_opaque_ignores_opacity_and_blend_mixes() -> None:
     whole = drawn(holed(alpha="opaque"), behind(), camera=SLANTED, **UNLIT)
     np.testing.assert_allclose(
         whole.color[:, :, :3], np.broadcast_to(FRONT, (61, 97, 3)), atol=1e-4
@@ -85,12 +85,12 @@ def test_opaque_takes_no_notice_and_blend_mixes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("opacity", "cutoff", "there"),
+    ("opacity", "cutoff", "solid"),
     [(32767, None, False), (32768, None, True), (65534, 1.0, False), (65535, 1.0, True),
      (0, 0.0, True), (13106, 0.2, False), (13107, 0.2, True)],
 )  # fmt: skip
-def test_as_opaque_as_the_cutoff_is_there(opacity: int, cutoff, there: bool) -> None:
-    """Codes of 65535 on either side of a cutoff, which is a half by default."""
+def test_opacity_equal_to_the_cutoff_is_solid(opacity: int, cutoff, solid: bool) -> None:
+    """Stored opacities, of 65535, just below and at a cutoff; the default is a half."""
     stored = Map(np.full((1, 1, 1), opacity, np.uint16), False, "made up")
     surface_parameters = {} if cutoff is None else {"cutoff": cutoff}
     obj = Object(
@@ -100,12 +100,12 @@ def test_as_opaque_as_the_cutoff_is_there(opacity: int, cutoff, there: bool) -> 
         transform=np.eye(4),
     )
     frame = drawn(obj, camera=SLANTED, background=(0.3, 0.6, 0.2), **UNLIT)
-    assert (frame.hit == there).all()
-    wanted = FRONT if there else (0.3, 0.6, 0.2)
+    assert (frame.hit == solid).all()
+    wanted = FRONT if solid else (0.3, 0.6, 0.2)
     np.testing.assert_allclose(frame.color[30, 48, :3], wanted, atol=1e-4)
 
 
-# --- the light that falls through -----------------------------------------------------------------
+# --- light through the holes ----------------------------------------------------------------------
 
 LIGHT = directional(90.0, 45.0)
 ABOVE = LookAt((0.0, 3.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.8)
@@ -115,35 +115,35 @@ FLOOR = Object(uniform_material(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0
 
 
 def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
-    """Which pixels of a floor are dark below a plane with holes, and where they lie."""
+    """The dark pixels of a floor below a plane with holes, and the points of its pixels."""
     smooth = Material("smooth", base_color=map_of(np.full((16, 16, 3), 0.6)),
                       opacity=map_of(noise(11, (16, 16), 1, 0.0, 1.0)))  # fmt: skip
     roof = Object(smooth, transform=placed((0.0, RAISED, 0.0)) @ LYING, **options)
     scene = {"camera": ABOVE, "lights": (LIGHT,), "shading_model": "phong", **MATTE}
     frame = drawn(FLOOR, roof, **scene, shadows="hard", shadow_map_size=512)
     origins, directions = rays(ABOVE)
-    met = origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
-    floor = frame.hit & (np.abs(met[..., 1]) < 1e-3)
+    points = origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
+    floor = frame.hit & (np.abs(points[..., 1]) < 1e-3)
     return np.where(floor, frame.color[:, :, 0] < 0.2, False), np.where(
-        floor[..., None], met, np.nan
+        floor[..., None], points, np.nan
     )
 
 
-def under_roof(met: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the light's way from a point of the floor passes the roof, and its opacity there."""
+def roof_crossing(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where rays to the light cross the roof: the larger |uv − ½|, and the opacity."""
     with np.errstate(invalid="ignore"):
-        uv = np.stack([0.5 + met[..., 0] + RAISED, 0.5 + met[..., 2]], -1)
+        uv = np.stack([0.5 + points[..., 0] + RAISED, 0.5 + points[..., 2]], -1)
         inside = np.abs(uv - 0.5).max(-1)
     opacity = bilinear(noise(11, (16, 16), 1, 0.0, 1.0), np.nan_to_num(uv))[..., 0]
     return np.nan_to_num(inside, nan=0.5), opacity
 
 
 @pytest.mark.parametrize("casts", ["shape", "opaque", "none"])
-def test_light_falls_through_a_hole_if_it_is_to(casts: str) -> None:
-    """C16: the shadow has the holes of the mask, or none, or there is no shadow."""
-    dark, met = shadow_on_floor(alpha="mask", casts=casts)
-    inside, opacity = under_roof(met)
-    seen = np.isfinite(met[..., 0])
+def test_the_shadow_has_the_holes_of_the_mask_if_it_casts_its_shape(casts: str) -> None:
+    """C16: the shadow has the holes of the mask, or no holes, or there is no shadow."""
+    dark, points = shadow_on_floor(alpha="mask", casts=casts)
+    inside, opacity = roof_crossing(points)
+    seen = np.isfinite(points[..., 0])
     below, beside = seen & (inside < 0.48), seen & (inside > 0.52)
     holes, solid = below & (opacity < 0.42), below & (opacity > 0.58)
     assert min(holes.sum(), solid.sum(), beside.sum()) > 100
@@ -153,16 +153,16 @@ def test_light_falls_through_a_hole_if_it_is_to(casts: str) -> None:
     assert dark[holes].any() == (casts == "opaque")
 
 
-def test_what_is_drawn_opaque_casts_no_holes() -> None:
-    dark, met = shadow_on_floor(alpha="opaque")
-    inside, _ = under_roof(met)
-    assert dark[np.isfinite(met[..., 0]) & (inside < 0.48)].all()
+def test_an_opaque_object_casts_a_shadow_without_holes() -> None:
+    dark, points = shadow_on_floor(alpha="opaque")
+    inside, _ = roof_crossing(points)
+    assert dark[np.isfinite(points[..., 0]) & (inside < 0.48)].all()
 
 
 # --- what is in a program, and both engines ------------------------------------------------------
 
 
-def test_only_the_chosen_reading_of_alpha_is_in_a_program() -> None:
+def test_a_program_contains_only_its_kind_of_alpha() -> None:
     material = replace(sample("tiles", 16), opacity=map_of(np.ones((16, 16))))
     readings = {
         "blend": "opacity_of(opacity: f32) -> f32 {\n  return opacity;\n}",

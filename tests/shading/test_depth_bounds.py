@@ -1,4 +1,4 @@
-"""Where displaced depth may not go, cut-outs that hide nothing, and normals on stretched tiles."""
+"""Bounds of displaced depth, transparent objects, and normals on stretched tiles."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ def plain(color, opacity: float = 1.0) -> Material:
 
 @pytest.mark.parametrize("shape", ["sphere", "box", "cylinder"])
 @pytest.mark.parametrize(
-    ("technique", "level"), [("offset", 0.5), ("relief", 1.0), ("relief", 0.0)]
+    ("technique", "reference_height"), [("offset", 0.5), ("relief", 1.0), ("relief", 0.0)]
 )
-def test_depth_stays_with_the_shape(shape, technique, level):
-    """Not behind what the ray leaves, nor before a shell as thick as the relief is raised."""
+def test_depth_is_clamped_to_the_shape_and_its_shell(shape, technique, reference_height):
+    """Between a shell as thick as the raised relief and the ray's exit from the shape."""
     obj = Object(
         Material("bumps", height=BUMPS),
         shape=shape,
         technique=technique,
-        reference_height=level,
+        reference_height=reference_height,
         scale=0.2,
     )
     scene = Scene((obj,), Orbit(20.0, 25.0, 2.1))
     frame = render(scene, size=(96, 80), samples=1, device="cpu")
     depth = frame.distance[frame.hit]
     assert frame.hit.mean() > 0.1
-    # the shapes lie within a ball of radius √3/2; a relief's tile is at most 3.2 wide
+    # each shape lies in a ball of radius √3/2; a tile is at most 3.2 wide
     reach = np.sqrt(3) / 2
-    shell = (1.0 - level) * 0.2 * 3.2
+    shell = (1.0 - reference_height) * 0.2 * 3.2
     raised = np.sqrt(shell * (2.0 + shell))
     assert depth.max() <= 2.1 + reach + 1e-3
     assert depth.min() >= 2.1 - reach - raised - 1e-3
@@ -49,8 +49,8 @@ def test_depth_stays_with_the_shape(shape, technique, level):
 
 
 @pytest.mark.parametrize("first", ["near", "far"])
-def test_what_is_wholly_see_through_hides_nothing(first):
-    """C16's ground: listed before or after, the hole shows what lies behind it."""
+def test_a_fully_transparent_object_hides_nothing(first):
+    """C16: the object behind shows, in either order of the list."""
     near = Object(
         plain((1.0, 0.0, 0.0), 0.0), transform=placed((0.0, 0.3, 0.0)) @ LYING, technique="flat"
     )
@@ -64,7 +64,7 @@ def test_what_is_wholly_see_through_hides_nothing(first):
 
 
 @pytest.mark.parametrize("first", ["near", "far"])
-def test_half_opacity_mixes_with_what_is_behind(first):
+def test_half_opacity_mixes_with_the_object_behind(first):
     near = Object(
         plain((1.0, 0.0, 0.0), 0.4), transform=placed((0.0, 0.3, 0.0)) @ LYING, technique="flat"
     )
@@ -83,7 +83,7 @@ def test_half_opacity_mixes_with_what_is_behind(first):
 @pytest.mark.parametrize(("columns", "rows"), [(64, 32), (32, 64), (48, 48)])
 @pytest.mark.parametrize("shape", ["plane", "box"])
 def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
-    """A ramp along v: lit as the plane that it is in the world, whatever the maps' proportions."""
+    """A ramp along v is lit as a tilted plane in the world, for maps of any proportions."""
     rise, scale = 0.5, 0.3
     ramp = np.linspace(0.25, 0.25 + rise, rows, dtype=np.float32)[:, None]
     heights = Map(np.repeat(ramp, columns, 1)[:, :, None], False, "ramp")
@@ -92,7 +92,7 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     shading = DARK
     scene = Scene((obj,), eye, (light,), shading=shading, shading_model="phong")
     seen = render(scene, size=(9, 9), samples=1, device="cpu").color[4, 4, 0]
-    # over the tile it rises by rise · scale of the tile's width, towards the lower edge (+z)
+    # over the tile the ramp rises by rise · scale tile widths, towards the lower edge (+z)
     length = min(1.0, rows / columns) if shape == "plane" else 1.0
     width = min(1.0, columns / rows) if shape == "plane" else 1.0
     slope = rise * rows / (rows - 1) * scale * width / length
@@ -101,7 +101,7 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     assert seen == pytest.approx(0.6 * normal @ towards, rel=0.01)
 
 
-def test_a_turned_object_is_bounded_as_well():
+def test_the_depth_of_a_rotated_object_is_bounded_too():
     obj = Object(
         Material("bumps", height=BUMPS),
         shape="box",

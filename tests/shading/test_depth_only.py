@@ -1,4 +1,4 @@
-"""Depth maps: the pixel's own program without its light, and the depth that a picture has."""
+"""Depth maps: the pixel's program without lighting, with the same depth as the picture."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LIT = {
     "ambient_light", "shading_point", "self_shadow_visibility", "shadow_map_visibility",
     "projected", "shadow_receiver", "directional_visibility", "apply_fog", "exponential_fog",
 }  # fmt: skip
-"""What a program with light has: its resources and records, and the functions of the pixel."""
+"""Names in a program with light: its resources, its records and the functions of the pixel."""
 OBJECTS: dict[str, dict[str, Any]] = {
     "a plane": {"reference_height": 0.6, "transform": LYING},
     "a clipped plane": {"edge": "clip", "technique": "relief"},
@@ -50,7 +50,7 @@ def obj(name: str = "a plane", **options: Any) -> Object:
 
 
 def depth_map(made: Object) -> Planes:
-    """The planes of an object's part of a depth map, as a camera sees it and not a light."""
+    """The planes of an object's part of a depth map, seen by a camera instead of a light."""
     engine = choose_device("cpu")
     view = CameraSample(Scene((made,), CAMERA).shader_camera(SIZE), Vec2(0.5, 0.5))
     return engine.run(
@@ -61,7 +61,7 @@ def depth_map(made: Object) -> Planes:
 
 
 def words(program: Program) -> set[str]:
-    """All the words of what the GPU and the CPU compile, without the comments."""
+    """All words of the WGSL and LLVM texts of a program, without comments."""
     wgsl = re.sub(r"//.*", "", print_wgsl(program.module, program.edge))
     llvm = re.sub(r";.*", "", print_llvm(program.module, 8))
     return set(re.findall(r"[A-Za-z_]\w*", wgsl + llvm))
@@ -69,7 +69,7 @@ def words(program: Program) -> set[str]:
 
 @pytest.mark.parametrize("name", OBJECTS)
 def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
-    """And a picture has it all, so that the names above are the right ones."""
+    """A program that draws a picture has all of it, so the names in LIT exist."""
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
     lit = words(program_of(made.resolved, Scene((made, other), **FULL)))
     assert lit >= LIT - ({"self_shadow_visibility"} if name == "nothing displaced" else set())
@@ -78,8 +78,8 @@ def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_it_is_depth_only_that_leaves_the_light_out(name: str) -> None:
-    """Whatever else the variant asks for."""
+def test_a_depth_only_variant_has_no_code_of_light(name: str) -> None:
+    """With any other field of the variant."""
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
     program = program_of(made.resolved, Scene((made, other), **FULL))
     depth_only = replace(program, variant=replace(program.variant, depth_only=True))
@@ -89,7 +89,7 @@ def test_it_is_depth_only_that_leaves_the_light_out(name: str) -> None:
 @pytest.mark.parametrize("name", OBJECTS)
 @pytest.mark.parametrize("scene", [{}, FULL], ids=["plain", "full"])
 def test_a_depth_map_has_the_depth_of_the_picture(name: str, scene: dict[str, Any]) -> None:
-    """Where the object is opaque, and nothing anywhere else."""
+    """Where the object is solid; no hit elsewhere."""
     made = obj(name)
     planes, frame = depth_map(made), drawn(made, camera=CAMERA, size=SIZE, **scene)
     hit = planes["hit"] != 0
@@ -100,7 +100,7 @@ def test_a_depth_map_has_the_depth_of_the_picture(name: str, scene: dict[str, An
     np.testing.assert_array_equal(planes["uv.y"][hit], frame.uv[hit][:, 1])
 
 
-def test_what_casts_an_opaque_shadow_has_no_holes() -> None:
+def test_an_opaque_caster_has_no_holes_in_the_depth_map() -> None:
     whole, holed = (depth_map(obj("a mask", casts=casts)) for casts in ("opaque", "shape"))
     solid = drawn(obj("a mask", alpha="opaque"), camera=CAMERA, size=SIZE)
     np.testing.assert_array_equal(whole["hit"] != 0, solid.hit)

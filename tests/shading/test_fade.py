@@ -1,4 +1,4 @@
-"""A relief that fades with distance: whole near by, gone far away, and cheaper on the way."""
+"""A relief that fades with distance: full nearby, flat far away, cheaper in between."""
 
 from __future__ import annotations
 
@@ -20,45 +20,45 @@ from helpers.synthetic import drawn, map_of, on_plane, uniform_material
 STEPS = {"min_steps": 8, "max_steps": 8}
 HEIGHT, SCALE = 0.5, 0.3
 ALONG = LookAt((0.0, -3.2, 1.2), up=(0.0, 0.0, 1.0), field_of_view=40.0)
-"""Along a plane four units long, whose distances run from 1.6 to 5."""
+"""A view along a plane four units long, at distances from 1.6 to 5."""
 NEAR, FAR = 2.4, 4.0
 
 
 def test_the_shader_halves_the_depth_in_the_middle() -> None:
     deep, fades = ReliefParameters(0.4, 0.7, 0.42, NEAR, FAR), Variant(fades=True)
-    for distance, left in ((0.0, 1.0), (2.4, 1.0), (3.2, 0.5), (4.0, 0.0), (90.0, 0.0)):
+    for distance, remaining in ((0.0, 1.0), (2.4, 1.0), (3.2, 0.5), (4.0, 0.0), (90.0, 0.0)):
         found = faded_relief(deep, np.float32(distance), fades)
-        assert float(found.scale) == pytest.approx(0.4 * left, abs=1e-6)
+        assert float(found.scale) == pytest.approx(0.4 * remaining, abs=1e-6)
         assert (found.reference_height, found.bias) == (deep.reference_height, deep.bias)
     assert faded_relief(deep, np.float32(4.0), fades).scale == 0.0
 
 
-@pytest.mark.parametrize("level", [0.0, 1.0])
-def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
-    """G10: on a plane of one height it is in proportion; from far on nothing is read."""
+@pytest.mark.parametrize("reference_height", [0.0, 1.0])
+def test_the_shift_shrinks_from_near_to_far(reference_height: float) -> None:
+    """G10: on a constant height the shift falls linearly; beyond FAR nothing is read."""
     obj = Object(
         uniform_material(height=HEIGHT),
         technique="parallax_occlusion",
         settings=STEPS,
         scale=SCALE,
-        reference_height=level,
+        reference_height=reference_height,
         fade=(NEAR, FAR),
         transform=placed(scale=(4.0, 4.0, 1.0)),
     )
     frame = drawn(obj, camera=ALONG)
-    met, distance = on_plane(ALONG)
-    left = np.clip((FAR - distance) / (FAR - NEAR), 0.0, 1.0)
-    # the plane that the relief is at each pixel, as if it were the whole
-    _, further = on_plane(ALONG, -1.0)
-    deeper = (level - HEIGHT) * SCALE * left * (further - distance)
-    ours = frame.hit & (np.abs(met - 0.5).max(-1) < 1.99)
+    plane_uv, distance = on_plane(ALONG)
+    remaining = np.clip((FAR - distance) / (FAR - NEAR), 0.0, 1.0)
+    # where each ray meets the plane of the faded relief
+    _, distance_below = on_plane(ALONG, -1.0)
+    deeper = (reference_height - HEIGHT) * SCALE * remaining * (distance_below - distance)
+    ours = frame.hit & (np.abs(plane_uv - 0.5).max(-1) < 1.99)
     for part in (distance < NEAR, (distance > NEAR) & (distance < FAR), distance > FAR):
         assert (ours & part).sum() > 100
     np.testing.assert_allclose(frame.distance[ours], (distance + deeper)[ours], rtol=2e-4)
-    # in object space x and y are a quarter of the world's, and the range is 0.3 of a tile there
-    polygon = (met - 0.5) / 4.0 + 0.5
-    slope = (on_plane(ALONG, -1.0)[0] - met) / 4.0
-    moved = polygon + slope * ((level - HEIGHT) * SCALE * left)[..., None]
+    # in object space x and y are a quarter of the world's; the height range is 0.3 of a tile
+    polygon = (plane_uv - 0.5) / 4.0 + 0.5
+    slope = (on_plane(ALONG, -1.0)[0] - plane_uv) / 4.0
+    moved = polygon + slope * ((reference_height - HEIGHT) * SCALE * remaining)[..., None]
     np.testing.assert_allclose(frame.uv[ours], moved[ours], atol=2e-4)
     gone = ours & (distance >= FAR * 1.0001)
     assert frame.reads[gone].max() == 0
@@ -66,7 +66,7 @@ def test_the_shift_shrinks_from_near_to_far(level: float) -> None:
 
 
 def test_shadows_fade_too() -> None:
-    """Half way the shadow of a wall is half as long, and from far on there is none."""
+    """Halfway between near and far a wall's shadow is half as long; beyond far there is none."""
     heights = np.zeros((8, 64, 1))
     heights[:, 24:32] = 1.0
     material = Material(
@@ -76,7 +76,7 @@ def test_shadows_fade_too() -> None:
     light = directional(-60.0, 0.0)
 
     def columns(fade) -> tuple[int, int]:
-        """Dark pixels across the shadow, and reads."""
+        """Number of dark pixels across the shadow, and the most reads of a pixel."""
         obj = Object(
             material, technique="offset", reference_height=1.0, scale=0.1, edge="clamp", fade=fade,
             transform=np.eye(4),
@@ -98,7 +98,7 @@ def test_shadows_fade_too() -> None:
 
 
 def test_the_cost_falls_with_distance() -> None:
-    """G10: with the part of the picture that is covered; to nothing where the relief is gone."""
+    """G10: proportional to the covered part of the picture; 0 where the relief is flat."""
     obj = Object(sample("bricks", 32), technique="steep", settings={"steps": 10}, fade=(3.0, 5.0))
     costs, covered = [], []
     for distance in (1.5, 2.9, 4.2, 7.0):
@@ -109,11 +109,11 @@ def test_the_cost_falls_with_distance() -> None:
     assert all(more > 1.5 * less for more, less in pairwise(costs))
     assert costs[-1] == 0.0
     assert covered[-1] > 0.01
-    # while the relief is whole a pixel costs the same
+    # where the relief does not fade, a pixel's cost is constant
     assert costs[0] / covered[0] == pytest.approx(costs[1] / covered[1], rel=0.1)
 
 
-def test_without_fading_there_is_no_code_for_it() -> None:
+def test_a_program_without_fading_has_no_code_for_it() -> None:
     material = sample("tiles", 16)
     texts = [
         print_wgsl(program_of(Object(material, fade=fade).resolved).module, "wrap")

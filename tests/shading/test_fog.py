@@ -1,4 +1,4 @@
-"""Fog against its closed forms, with the distance of the displaced point."""
+"""Fog against its closed forms, at the distance of the hit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from basrelief.shading.fog import Fog, linear_fog
 from helpers.agreement import assert_engines_agree
 from helpers.synthetic import drawn, on_plane, uniform_material
 
-AIR = {
+FOG = {
     "fog_color": (0.2, 0.5, 0.9),
     "fog_density": 0.45,
     "fog_start": 1.5,
@@ -33,7 +33,7 @@ FORMS = {
 
 
 def sunken() -> Object:
-    """A plane that lies 0.6 below its polygon, so that its distance is another."""
+    """A relief 0.6 below its polygon, so that the two distances differ."""
     settings = {"min_steps": 8, "max_steps": 8}
     material = uniform_material(OWN, height=0.25)
     return Object(
@@ -42,47 +42,47 @@ def sunken() -> Object:
 
 
 @pytest.mark.parametrize("fog", FORMS)
-def test_fog_takes_its_share_by_the_displaced_distance(fog: str) -> None:
+def test_fog_attenuates_by_the_distance_of_the_hit(fog: str) -> None:
     """C21."""
     background = (0.9, 0.1, 0.0)
-    frame = drawn(sunken(), camera=CAMERA, fog_mode=fog, fog=AIR, background=background, **UNLIT)
+    frame = drawn(sunken(), camera=CAMERA, fog_mode=fog, fog=FOG, background=background, **UNLIT)
     _, distance = on_plane(CAMERA, -0.6)
     _, polygon = on_plane(CAMERA)
-    through = FORMS[fog](distance)[..., None]
-    wanted = OWN * through + np.array(AIR["fog_color"]) * (1.0 - through)
+    transmittance = FORMS[fog](distance)[..., None]
+    wanted = OWN * transmittance + np.array(FOG["fog_color"]) * (1.0 - transmittance)
     hit = frame.hit
     assert 0.2 < hit.mean() < 0.9
     np.testing.assert_allclose(frame.color[hit][:, :3], wanted[hit], atol=2e-4)
-    # the polygon's own distance would show
+    # fog at the polygon's distance would differ visibly
     assert np.abs(FORMS[fog](polygon) - FORMS[fog](distance))[hit].max() > 0.05
-    # what is not there has no distance
+    # the background has no distance and gets no fog
     np.testing.assert_array_equal(
         frame.color[~hit], np.broadcast_to(np.float32([*background, 1.0]), frame.color[~hit].shape)
     )
 
 
-def test_before_it_begins_linear_fog_takes_nothing_and_after_its_end_all() -> None:
+def test_linear_fog_is_zero_before_its_start_and_full_after_its_end() -> None:
     near, far = (
-        drawn(sunken(), camera=CAMERA, fog_mode="linear", fog=air, **UNLIT)
-        for air in (
-            {**AIR, "fog_start": 50.0, "fog_end": 51.0},
-            {**AIR, "fog_start": 0.0, "fog_end": 0.0},
+        drawn(sunken(), camera=CAMERA, fog_mode="linear", fog=fog, **UNLIT)
+        for fog in (
+            {**FOG, "fog_start": 50.0, "fog_end": 51.0},
+            {**FOG, "fog_start": 0.0, "fog_end": 0.0},
         )
     )
     np.testing.assert_allclose(near.color[near.hit][:, :3], OWN, atol=1e-5)
-    for channel, value in enumerate(AIR["fog_color"]):
+    for channel, value in enumerate(FOG["fog_color"]):
         np.testing.assert_allclose(far.color[far.hit][:, channel], value, atol=1e-6)
 
 
-def test_linear_fog_that_begins_at_its_end_is_a_wall() -> None:
-    """Nothing of it before, all behind."""
+def test_linear_fog_of_no_length_is_a_step() -> None:
+    """No fog before the distance, full fog behind it."""
     fog = Fog(fog_color=Vec3(0.2, 0.5, 0.9), fog_start=2.0, fog_end=2.0)
     own = Vec3(0.7, 0.1, 0.4)
     for distance, wanted in ((1.9, own), (1.999, own), (2.001, fog.fog_color)):
         np.testing.assert_allclose([*linear_fog(own, distance, fog)], [*wanted], atol=1e-6)
 
 
-def test_without_fog_there_is_no_code_for_it() -> None:
+def test_a_program_without_fog_has_no_code_for_it() -> None:
     obj = Object(sample("tiles", 16))
 
     def text(fog: str) -> str:
@@ -100,5 +100,5 @@ def test_without_fog_there_is_no_code_for_it() -> None:
 @pytest.mark.parametrize("fog", FORMS)
 def test_cpu_and_gpu_agree(fog: str) -> None:
     obj = Object(sample("bricks", 64), transform=rotated("x", -90.0))
-    scene = Scene((obj,), Orbit(20.0, 25.0, 1.7), fog_mode=fog, fog={**AIR, "fog_start": 1.0})
+    scene = Scene((obj,), Orbit(20.0, 25.0, 1.7), fog_mode=fog, fog={**FOG, "fog_start": 1.0})
     assert_engines_agree(scene, 64)

@@ -26,7 +26,7 @@ def corner(at: IVec2, geometry: Geometry) -> Corner:
     return Corner(geometry.vertices[at.x].position, geometry.vertices[at.x].uv)
 
 
-def test_a_program_that_reads_it_has_it() -> None:
+def test_a_program_that_reads_geometry_is_given_it() -> None:
     vertices = [Vertex(Vec3(k, 2, 3), Vec3(0, 0, 1), Vec2(k / 4, 0.5)) for k in range(3)]
     program = Program(corner)
     planes = CpuEngine().run(program, {"geometry_vertices": Buffer(vertices, Vertex)}, (3, 1))
@@ -36,7 +36,7 @@ def test_a_program_that_reads_it_has_it() -> None:
 
 
 @pytest.mark.parametrize("shape", ["plane", "box", "sphere", "cylinder"])
-def test_the_entries_take_it_and_no_shape_reads_it(shape: str) -> None:
+def test_entries_take_geometry_and_no_shape_reads_it(shape: str) -> None:
     obj = Object(sample("cobbles", 8), shape=shape, technique="exact")
     for entry, program in (
         (pixel, program_of(obj.resolved)),

@@ -1,4 +1,4 @@
-"""Entries for hosts, printed as GLSL and run by OpenGL, held against the CPU engine."""
+"""Entries for hosts, printed as GLSL and run by OpenGL, compared with the CPU engine."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ RELIEF = ReliefParameters(scale=0.08, reference_height=0.7, bias=0.0)
 
 
 @struct
-class Lay:
-    """How the map lies on the picture, and where the light is."""
+class MapLayout:
+    """Tiles of the map over the picture, size of the picture and direction of the light."""
 
     tiles: Vec2
     size: Vec2
@@ -41,7 +41,7 @@ class Lay:
 
 
 @struct
-class Seen:
+class HostPixel:
     """Displaced coordinates, height and visibility of the light."""
 
     uv: Vec2
@@ -53,22 +53,22 @@ class Seen:
 @shader
 def host_pixel(
     at: IVec2,
-    lay: Lay,
+    map_layout: MapLayout,
     relief: ReliefParameters,
     settings: Settings,
     shadowing: Shadowing,
     field: HeightField,
     baked: Texture,
     variant: Variant,
-) -> Seen:
+) -> HostPixel:
     """A pixel of a host: the view tilts over the picture, as from a camera nearby."""
-    place = (Vec2(float(at.x), float(at.y)) + 0.5) / lay.size
+    place = (Vec2(float(at.x), float(at.y)) + 0.5) / map_layout.size
     view = normalize(Vec3(place.x * 2.4 - 0.9, place.y * 1.8 - 1.1, 0.7))
-    aspect = lay.tiles.y / lay.tiles.x
-    hit = host_hit(field, baked, place * lay.tiles, view, aspect, relief, settings, variant)
-    light = normalize(lay.light)
+    aspect = map_layout.tiles.y / map_layout.tiles.x
+    hit = host_hit(field, baked, place * map_layout.tiles, view, aspect, relief, settings, variant)
+    light = normalize(map_layout.light)
     visible = host_self_shadow(field, hit.uv, light, aspect, relief, shadowing, variant)
-    return Seen(hit.uv, hit.height, visible, hit.found)
+    return HostPixel(hit.uv, hit.height, visible, hit.found)
 
 
 def program_and_values(
@@ -80,7 +80,7 @@ def program_and_values(
     filter = "columns" if chosen.columns else "sharp"
     program = Program(host_pixel, {displace: chosen}, edge, filter, variant)
     values = {
-        "lay": Lay(Vec2(*tiles), Vec2(*SIZE), Vec3(0.6, -0.3, 0.5)),
+        "map_layout": MapLayout(Vec2(*tiles), Vec2(*SIZE), Vec3(0.6, -0.3, 0.5)),
         "relief": RELIEF,
         "settings": chosen.settings(),
         "shadowing": Shadowing(),
@@ -92,7 +92,7 @@ def program_and_values(
 
 
 def fragment_shader(program: Program) -> str:
-    """The printed functions, and a main that a host would write."""
+    """The printed functions and a `main` as a host would write it."""
     entry = program.module.entry
     types = {HeightField: "sampler2D", Texture: "usampler2D"}
     parameters = list(entry.parameters.items())[1:]
@@ -101,14 +101,14 @@ def fragment_shader(program: Program) -> str:
     return (
         f"#version 330\n{print_glsl(program.module, program.edge)}\n{uniforms}"
         "layout(location = 0) out vec4 a;\nlayout(location = 1) out vec4 b;\n"
-        f"void main() {{\n  Seen seen = {entry.name}({arguments});\n"
+        f"void main() {{\n  HostPixel seen = {entry.name}({arguments});\n"
         "  a = vec4(seen.uv, seen.height, seen.visibility);\n"
         "  b = vec4(float(seen.found));\n}\n"
     )
 
 
 def drawn_by_opengl(program: Program, values: dict[str, Any]) -> dict[str, np.ndarray]:
-    """The planes of a program, by a fragment shader over the whole picture, without mips or
+    """The planes of a program, drawn by a fragment shader over the picture, without mips or
     filters."""
     moderngl = pytest.importorskip("moderngl")
     with moderngl.create_context(standalone=True, backend="egl", require=330) as context:

@@ -1,4 +1,4 @@
-"""A landscape: marches of fixed length, ground by height, water, sky, and maps that scroll."""
+"""Landscapes: marches of fixed step length, ground blended by height, water, sky, scrolling."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ EMPTY = HeightField([np.zeros((1, 1))])
 
 
 def view_ray(polar: float, around: float, scale: float) -> Ray:
-    """A ray as a camera gives it: it travels by scale · V.xy ÷ V.z, against the view."""
+    """The ray of a view direction: its travel is −scale · V.xy ÷ V.z."""
     view = np.array([math.sin(polar) * math.cos(around), math.sin(polar) * math.sin(around),
                      math.cos(polar)])  # fmt: skip
     travel = -scale * view[:2] / view[2] * (1.0, -1.0)
@@ -49,7 +49,7 @@ def view_ray(polar: float, around: float, scale: float) -> Ray:
 
 
 def traced(form, ray: Ray, settings: FixedLength) -> tuple[Hit, np.ndarray]:
-    """The hit on a surface in closed form, and the places read: (n, 3), in tile widths."""
+    """The hit on a closed-form surface, and the positions read, (n, 3), in tile widths."""
     places: list[tuple[float, ...]] = []
 
     def read(field: HeightField, ray: Ray, t: float) -> np.float32:
@@ -70,11 +70,11 @@ RAYS = st.tuples(st.floats(0.0, 1.4), st.floats(-3.1, 3.1), st.sampled_from([0.1
 
 @given(RAYS, st.sampled_from([0.01, 0.05]), st.integers(1, 60))
 def test_steps_are_of_one_length_along_the_ray(ray, step: float, steps: int) -> None:
-    """L1: places one step apart, along the unit direction, from the top; `steps` at most."""
+    """L1: positions one step apart along the ray, from the top; at most `steps`."""
     ray = view_ray(*ray)
     hit, places = traced(lambda u, v: -100.0, ray, FixedLength(steps, step))
     assert len(places) == hit.reads
-    # the one beyond the base ends it; the first lies at the top
+    # the first position lies at the top, and the first below the base ends the march
     most = math.floor(float(ray.scale) / float(ray.cosine) / step)
     if steps <= most + 1:
         assert hit.reads == steps
@@ -83,22 +83,22 @@ def test_steps_are_of_one_length_along_the_ray(ray, step: float, steps: int) -> 
     np.testing.assert_allclose(places[0], [0.3, 0.6, ray.scale], atol=1e-6)
     moves = np.diff(places, axis=0)
     lengths = np.linalg.norm(moves, axis=1)
-    # a place is known to a few units in the last place of the height, and of the coordinates
+    # float32 rounds heights and coordinates to a few units in the last place
     np.testing.assert_allclose(lengths, step, atol=4e-6 * max(1.0, float(ray.scale)))
-    # beyond its reach nothing is found, and the last place stays
+    # if the steps end above the surface there is no hit, and the last position remains
     assert not hit.found
     np.testing.assert_allclose([*hit.uv], places[-1, :2], atol=1e-6)
     assert float(hit.height) * float(ray.scale) == pytest.approx(places[-1, 2], abs=1e-5)
 
 
-def test_by_default_there_are_three_hundred_steps_of_a_hundredth() -> None:
+def test_the_default_is_300_steps_of_a_hundredth() -> None:
     """L1: the article's numbers."""
     assert (FixedLength().steps, FixedLength().step_length) == (300, pytest.approx(0.01))
 
 
 @given(RAYS, st.floats(-0.4, 0.4), st.floats(0.2, 0.8))
-def test_a_ramp_is_met_exactly(ray, slope: float, middle: float) -> None:
-    """L2: the average of the last two places, weighed by their distances from the surface."""
+def test_the_hit_on_a_ramp_is_exact(ray, slope: float, middle: float) -> None:
+    """L2: the mean of the last two positions, weighted by their distances from the surface."""
     ray = view_ray(*ray)
     travel = float(ray.travel.x)
 
@@ -110,7 +110,7 @@ def test_a_ramp_is_met_exactly(ray, slope: float, middle: float) -> None:
     assume(1.0 + slope * travel > 0.2)
     assume(0.05 < wanted < 0.95)
     hit, _ = traced(form, ray, FixedLength(4000, 0.01))
-    assume(hit.found)  # not so flat that it lies beyond the steps
+    assume(hit.found)  # not for rays so flat that the steps end above the ramp
     assert float(hit.height) == pytest.approx(wanted, abs=2e-4)
 
 
@@ -148,21 +148,21 @@ def color(obj: Object, **scene) -> np.ndarray:
 @pytest.mark.parametrize("height", [0.0, 0.1, 0.35, 0.5, 0.8, 1.0])
 @pytest.mark.parametrize("water", [0.0, 0.4])
 def test_ground_is_blended_by_height_and_water_lies_below(height: float, water: float) -> None:
-    """L3, L4: grass in the valleys, stone on the mountains; below a level height × water colour."""
+    """L3, L4: grass at height 0, stone at height 1; below the water level height × water colour."""
     ground = GRASS * (1.0 - height) + STONE * height
     wanted = np.array([0.1, 0.3, 0.8]) * height if height < water else ground
     np.testing.assert_allclose(color(land(height, water)), wanted, atol=1e-4)
 
 
-def test_where_nothing_is_met_there_is_the_sky() -> None:
-    """L6: the steps end above the ground; a few more, and it is met."""
+def test_a_ray_without_a_hit_shows_the_sky() -> None:
+    """L6: 25 steps end above the ground, 27 reach it."""
     for steps, wanted in ((25, [1.0, 0.5, 0.0]), (27, GRASS * 0.5 + STONE * 0.5)):
         settings = {"steps": steps, "step_length": 0.01}
         np.testing.assert_allclose(color(land(0.5, settings=settings)), wanted, atol=1e-4)
 
 
 @pytest.mark.parametrize("elevation", [0.0, 40.0, 75.0])
-def test_it_is_lit_by_lamberts_law(elevation: float) -> None:
+def test_the_ground_is_lit_by_lamberts_law(elevation: float) -> None:
     """L1."""
     matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
     scene = {"lights": (directional(0.0, elevation),), "shading": matte, "shading_model": "phong"}
@@ -170,7 +170,7 @@ def test_it_is_lit_by_lamberts_law(elevation: float) -> None:
     np.testing.assert_allclose(color(land(0.5), **scene), wanted, atol=1e-4)
 
 
-# --- the numbers of the surface
+# --- surface parameters
 
 MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
 
@@ -194,14 +194,14 @@ def shading_normal(obj: Object) -> np.ndarray:
 
 @pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])
 def test_normal_strength_scales_the_slope_of_the_map(strength) -> None:
-    """x and y times the strength, of unit length again; as stored without one."""
+    """x and y times the strength, then normalised; 1 by default."""
     times = 1.0 if strength is None else strength
     numbers = {} if strength is None else {"normal_strength": strength}
     wanted = unit([0.36 * times, -0.48 * times, 0.8])
     np.testing.assert_allclose(shading_normal(ground(1.0, **numbers)), wanted, atol=2e-4)
 
 
-def test_water_and_sky_are_level_whatever_the_normal_map_has() -> None:
+def test_water_and_sky_ignore_the_normal_map() -> None:
     # white at half the height
     lake = ground(1.0, water_level=0.6, water_color=2.0)
     np.testing.assert_allclose(shading_normal(lake), [0.0, 0.0, 1.0], atol=2e-4)
@@ -220,7 +220,7 @@ def test_by_default_water_lies_below_a_height_of_two_fifths() -> None:
 
 
 def test_a_landscape_has_the_same_response_everywhere() -> None:
-    """Roughness 0.8, metallic 0, occlusion 1, no emission, whatever the maps have."""
+    """Roughness 0.8, metallic 0, occlusion 1, no emission, whatever the maps contain."""
     maps = {name: map_of([[0.3]]) for name in ("roughness", "metallic", "occlusion")}
     maps["emission"] = map_of(np.ones((1, 1, 3)))
     black = ground(0.0, maps, normal_strength=0.0)
@@ -253,7 +253,7 @@ def test_ground_and_mountains_have_their_own_tilings() -> None:
 
 @pytest.mark.parametrize("surface", ["landscape", "standard"])
 def test_scrolling_moves_all_maps_together(surface: str) -> None:
-    """L5: what was seen an eighth of the shape further along u, now is here, in every map."""
+    """L5: every map is shifted by an eighth of the shape along u."""
     material = Material(
         "m",
         height=map_of(noise(3, (32, 32), 1)),
@@ -324,8 +324,8 @@ def test_cpu_and_gpu_agree() -> None:
     assert_engines_agree(Scene((obj,), Orbit(20.0, 30.0, 1.8)), 64)
 
 
-def test_water_stays_water_where_the_relief_has_faded() -> None:
-    """What goes by the height reads it where nothing else does; the standard surface reads none."""
+def test_water_does_not_depend_on_the_fading_of_the_relief() -> None:
+    """A landscape reads the height where the relief is flat; the standard surface reads none."""
     levels = np.full((4, 4, 1), 0.2, np.float32)
     ground = Material("lake", height=Map(levels, False, "lake"))
     options = {"technique": "fixed_length", "scale": 0.1, "transform": np.eye(4)}
@@ -352,8 +352,8 @@ def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
 
 
 @pytest.mark.parametrize("technique", ["steep", "parallax_occlusion", "relief"])
-def test_the_deepest_ground_is_water_and_no_sky(technique) -> None:
-    """A march that ends above the ground at the bottom has sunk below the water's level."""
+def test_ground_of_height_0_is_water_and_not_sky(technique) -> None:
+    """A march that ends above ground of height 0 ends below the water level."""
     ground = Material("pit", height=Map(np.zeros((4, 4, 1), np.float32), False, "pit"))
     obj = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))

@@ -1,4 +1,4 @@
-"""Lights, Phong and GGX against values worked out by hand and against the laws they keep."""
+"""Lights, Phong and GGX against values worked out by hand and against physical laws."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def unit(*vector):
 
 
 def tilted(degrees, turn=0.0):
-    """The unit vector at an angle from +z, turned around it."""
+    """The unit vector at an angle from +z, rotated about z."""
     angle, turn = math.radians(degrees), math.radians(turn)
     return (
         math.sin(angle) * math.cos(turn),
@@ -46,7 +46,7 @@ def tilted(degrees, turn=0.0):
 
 
 def point_seen(view=UP, **changed):
-    given = {
+    fields = {
         "position": (0, 0, 0),
         "normal": UP,
         "view": view,
@@ -58,15 +58,15 @@ def point_seen(view=UP, **changed):
         **changed,
     }
     vectors = ("position", "normal", "view", "base_color", "emission")
-    return ShadingPoint(**{k: Vec3(*v) if k in vectors else v for k, v in given.items()})
+    return ShadingPoint(**{k: Vec3(*v) if k in vectors else v for k, v in fields.items()})
 
 
-def coming(direction, radiance=(1, 1, 1)):
+def arriving(direction, radiance=(1, 1, 1)):
     return IncidentLight(Vec3(*direction), Vec3(*radiance), 1.0)
 
 
 def light(kind, **changed):
-    given = {
+    fields = {
         "position": (0, 0, 0),
         "direction": (0, 0, -1),
         "color": (1, 2, 4),
@@ -76,7 +76,7 @@ def light(kind, **changed):
         **changed,
     }
     vectors = ("position", "direction", "color")
-    return Light(kind=kind, **{k: Vec3(*v) if k in vectors else v for k, v in given.items()})
+    return Light(kind=kind, **{k: Vec3(*v) if k in vectors else v for k, v in fields.items()})
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -90,8 +90,8 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(model):
     assert not others & names
     analyse(incident_light)
     analyse(ambient_light)
-    seen = reflectance(point_seen(), Shading(), coming(UP), variant)
-    assert seen == model(point_seen(), Shading(), coming(UP))
+    seen = reflectance(point_seen(), Shading(), arriving(UP), variant)
+    assert seen == model(point_seen(), Shading(), arriving(UP))
 
 
 # --- light arriving --------------------------------------------------------------------------
@@ -125,50 +125,52 @@ def test_within_a_lamp_the_light_is_finite(kind):
 
 @pytest.mark.parametrize("kind", [POINT, SPOT])
 @pytest.mark.parametrize(
-    ("distance", "held"),
+    ("distance", "clamped"),
     [(2e-4, 1e-3), (9e-4, 1e-3), (1.5e-3, 1.5e-3), (9e3, 9e3), (1.1e4, 1e4), (3e6, 1e4)],
 )
-def test_a_lamp_gives_light_as_from_a_millimetre_to_ten_kilometres(kind, distance, held):
+def test_the_distance_of_a_lamp_is_clamped_to_a_millimetre_and_ten_kilometres(
+    kind, distance, clamped
+):
     lamp = light(kind, falloff=1.0)
     found = incident_light(lamp, Vec3(0, 0, -distance))
     assert found.distance == pytest.approx(distance, rel=1e-6)
-    np.testing.assert_allclose(a(found.radiance), np.array((1, 2, 4)) / held, rtol=1e-5)
+    np.testing.assert_allclose(a(found.radiance), np.array((1, 2, 4)) / clamped, rtol=1e-5)
 
 
-def test_within_a_millionth_of_a_lamp_its_light_comes_from_above():
+def test_within_a_millionth_of_a_lamp_the_light_direction_is_up():
     lamp = light(POINT)
     for distance, direction in ((0.0, (0, 1, 0)), (9e-7, (0, 1, 0)), (1.1e-6, (-1, 0, 0))):
         found = incident_light(lamp, Vec3(distance, 0, 0))
         np.testing.assert_allclose(a(found.direction), direction, atol=1e-6)
 
 
-def spot_share(degrees, **changed):
-    """A spot's light on a sphere of radius 1 around it, at an angle from its axis."""
+def spot_radiance(degrees, **changed):
+    """Radiance of a spot at distance 1 and an angle from its axis."""
     down = light(SPOT, color=(1, 1, 1), **changed)
     return float(incident_light(down, Vec3(*tilted(180 - degrees))).radiance.x)
 
 
-def test_a_spot_is_whole_inside_half_between_and_nothing_outside():
+def test_a_spot_is_1_inside_its_cones_half_between_and_0_outside():
     cones = {"cos_inner": math.cos(math.radians(20)), "cos_outer": math.cos(math.radians(40))}
     middle = math.degrees(math.acos((cones["cos_inner"] + cones["cos_outer"]) / 2))
-    assert spot_share(0, **cones) == 1
-    assert spot_share(19.9, **cones) == pytest.approx(1, abs=1e-6)
-    assert spot_share(middle, **cones) == pytest.approx(0.5, abs=1e-5)
-    assert 0 < spot_share(39.9, **cones) < 1e-3
-    assert spot_share(40.01, **cones) == 0
-    assert spot_share(90, **cones) == 0
-    assert spot_share(180, **cones) == 0
+    assert spot_radiance(0, **cones) == 1
+    assert spot_radiance(19.9, **cones) == pytest.approx(1, abs=1e-6)
+    assert spot_radiance(middle, **cones) == pytest.approx(0.5, abs=1e-5)
+    assert 0 < spot_radiance(39.9, **cones) < 1e-3
+    assert spot_radiance(40.01, **cones) == 0
+    assert spot_radiance(90, **cones) == 0
+    assert spot_radiance(180, **cones) == 0
 
 
 def test_a_spot_with_equal_cones_has_a_hard_edge():
     cones = {"cos_inner": 0.5, "cos_outer": 0.5}
-    assert spot_share(59.9, **cones) == 1
-    assert spot_share(60.1, **cones) == 0
-    assert 0 <= spot_share(60, **cones) <= 1
+    assert spot_radiance(59.9, **cones) == 1
+    assert spot_radiance(60.1, **cones) == 0
+    assert 0 <= spot_radiance(60, **cones) <= 1
 
 
 def test_the_edge_of_equal_cones_is_a_millionth_wide():
-    """In cosines; half of the light in its middle."""
+    """Measured in cosines, with half of the light in the middle."""
     lamp = light(SPOT, cos_inner=0.5, cos_outer=0.5)
     for more, share in ((-1e-7, 0.0), (5e-7, 0.5), (1.1e-6, 1.0)):
         assert float(spot_attenuation(lamp, np.float32(0.5 + more))) == pytest.approx(
@@ -193,7 +195,7 @@ def test_ambient_light_is_tinted_and_occluded():
 def test_phong_in_the_mirror_direction_shows_the_whole_highlight():
     point = point_seen(view=(-0.6, 0, 0.8), base_color=(0.5, 0.25, 1))
     shading = Shading(diffuse=0.5, specular=Vec3(0.1, 0.2, 0.3))
-    lit = phong(point, shading, coming((0.6, 0, 0.8), (2, 1, 1)))
+    lit = phong(point, shading, arriving((0.6, 0, 0.8), (2, 1, 1)))
     # 0.8 · 0.5 · base + specular, the first channel lit twice as much
     np.testing.assert_allclose(a(lit), (2 * (0.2 + 0.1), 0.1 + 0.2, 0.4 + 0.3), rtol=1e-6)
 
@@ -201,13 +203,13 @@ def test_phong_in_the_mirror_direction_shows_the_whole_highlight():
 @pytest.mark.parametrize(("shininess", "highlight"), [(10.0, 0.8**10), (1.0, 0.8), (40.0, 0.8**40)])
 def test_phong_seen_from_above_raises_the_cosine_to_the_shininess(shininess, highlight):
     shading = Shading(diffuse=0.0, shininess=shininess)
-    lit = phong(point_seen(), shading, coming((0, 0.6, 0.8)))
+    lit = phong(point_seen(), shading, arriving((0, 0.6, 0.8)))
     np.testing.assert_allclose(a(lit), highlight, rtol=1e-5)
 
 
 def test_phong_has_no_highlight_on_the_side_of_the_light():
-    slanted = tilted(80)
-    lit = phong(point_seen(view=slanted), Shading(diffuse=0.0), coming(slanted))
+    grazing = tilted(80)
+    lit = phong(point_seen(view=grazing), Shading(diffuse=0.0), arriving(grazing))
     assert a(lit).tolist() == [0, 0, 0]
 
 
@@ -220,8 +222,8 @@ def test_the_shininess_is_that_of_the_article_by_default():
 def test_a_light_behind_the_surface_gives_nothing(model):
     # the view is the light's mirror image, where a highlight would be
     point = point_seen(view=(-0.6, 0, -0.8), roughness=0.2)
-    assert a(model(point, Shading(), coming((0.6, 0, -0.8)))).tolist() == [0, 0, 0]
-    assert a(model(point_seen(), Shading(), coming((1, 0, 0)))).tolist() == [0, 0, 0]
+    assert a(model(point, Shading(), arriving((0.6, 0, -0.8)))).tolist() == [0, 0, 0]
+    assert a(model(point_seen(), Shading(), arriving((1, 0, 0)))).tolist() == [0, 0, 0]
 
 
 # --- GGX -------------------------------------------------------------------------------------
@@ -229,11 +231,11 @@ def test_a_light_behind_the_surface_gives_nothing(model):
 
 def test_ggx_head_on_by_hand():
     # α = 1: D = 1/π, V = 1/4, F = 0.04: 0.96 of the diffuse, π · D · V · F = 0.01
-    white = ggx(point_seen(), Shading(), coming(UP))
+    white = ggx(point_seen(), Shading(), arriving(UP))
     np.testing.assert_allclose(a(white), 0.97, rtol=1e-6)
     # α = 1/4: D = 16/π, V = 1/4, F = base
     metal = point_seen(base_color=(1, 0.5, 0.25), roughness=0.5, metallic=1.0)
-    lit = ggx(metal, Shading(), coming(UP, (1, 1, 3)))
+    lit = ggx(metal, Shading(), arriving(UP, (1, 1, 3)))
     np.testing.assert_allclose(a(lit), (4, 2, 3), rtol=1e-6)
 
 
@@ -243,12 +245,12 @@ def test_ggx_in_the_mirror_direction_by_hand():
     visible = 0.5 / (2 * 0.8 * math.sqrt(0.64 * 15 / 16 + 1 / 16))
     expected = 16 * visible * (0.5 + 0.5 * 0.00032) * 0.8
     assert expected == pytest.approx(2.458, abs=1e-3)
-    lit = ggx(metal, Shading(), coming((0.6, 0, 0.8)))
+    lit = ggx(metal, Shading(), arriving((0.6, 0, 0.8)))
     np.testing.assert_allclose(a(lit), expected, rtol=1e-5)
 
 
 def reference_ggx(point, to_light):
-    """glTF 2.0, appendix B, in float64 and in its own terms: two materials mixed."""
+    """glTF 2.0, appendix B, in float64: a dielectric and a metal, mixed."""
     normal, view, base = a(point.normal), a(point.view), a(point.base_color)
     half = to_light + view
     half /= np.linalg.norm(half)
@@ -273,14 +275,14 @@ def reference_ggx(point, to_light):
     turn=st.floats(0, 360),
     roughness=st.floats(0.05, 1),
 )
-def test_ggx_is_the_one_of_gltf(metallic, from_light, from_view, turn, roughness):
+def test_ggx_equals_the_formulas_of_gltf(metallic, from_light, from_view, turn, roughness):
     point = point_seen(
         view=tilted(from_view, turn),
         base_color=(0.9, 0.5, 0.1),
         roughness=roughness,
         metallic=metallic,
     )
-    lit = ggx(point, Shading(), coming(tilted(from_light)))
+    lit = ggx(point, Shading(), arriving(tilted(from_light)))
     expected = reference_ggx(point, np.array(tilted(from_light)))
     # float32 direction vectors move a sharp highlight by their rounding
     np.testing.assert_allclose(a(lit), expected, rtol=2e-6 / roughness**2 + 2e-5)
@@ -295,20 +297,20 @@ def test_ggx_is_the_one_of_gltf(metallic, from_light, from_view, turn, roughness
 def test_ggx_is_reciprocal(one, other, turn, roughness):
     light_way, view = tilted(one), tilted(other, turn)
     kind = {"base_color": (0.8, 0.4, 0.2), "roughness": roughness, "metallic": 0.5}
-    there = ggx(point_seen(view=view, **kind), Shading(), coming(light_way))
-    back = ggx(point_seen(view=light_way, **kind), Shading(), coming(view))
+    there = ggx(point_seen(view=view, **kind), Shading(), arriving(light_way))
+    back = ggx(point_seen(view=light_way, **kind), Shading(), arriving(view))
     np.testing.assert_allclose(a(there) / light_way[2], a(back) / view[2], rtol=1e-4)
 
 
 def reflected_share(point, count=16):
-    """The share of light from everywhere that is reflected, by a stratified sum over directions."""
+    """The reflected share of uniform light, by a stratified sum over directions."""
     total = np.zeros(3)
     for i in range(count):
         for k in range(count):
-            # equal solid angles; the offset keeps the two rows of samples apart
+            # equal solid angles; odd rows are offset by half a sample
             cosine, turn = (i + 0.5) / count, (k + (i % 2) * 0.5 + 0.25) / count * 360
             direction = tilted(math.degrees(math.acos(cosine)), turn)
-            total += a(ggx(point, Shading(), coming(direction)))
+            total += a(ggx(point, Shading(), arriving(direction)))
     # ∫ f · n·l dω, with π · f · n·l summed over 2π
     return 2 * total / count**2
 
@@ -331,17 +333,17 @@ def test_no_more_light_leaves_than_arrives(roughness, metallic, degrees):
 
 
 @pytest.mark.parametrize("view", [(1, 0, 0), (0.99, 0, -0.1)])
-def test_from_behind_a_bent_normal_ggx_is_that_of_a_grazing_view(view):
-    """n·v is held to 1e-4. α = 1: V = ½ ÷ (n·v + n·l), D = 1 ÷ π; the light along the normal."""
+def test_ggx_of_a_view_from_behind_the_normal_is_that_of_a_grazing_view(view):
+    """n·v is at least 1e-4. α = 1: V = ½ ÷ (n·v + n·l), D = 1 ÷ π; the light along the normal."""
     view = unit(*view)
     half = unit(*(view + np.array(UP)))
     metal = point_seen(view=view, base_color=(0.9, 0.5, 0.1), metallic=1.0)
     base = np.array((0.9, 0.5, 0.1))
     wanted = (base + (1 - base) * (1 - half @ view) ** 5) * 0.5 / (1.0 + 1e-4)
-    np.testing.assert_allclose(a(ggx(metal, Shading(), coming(UP))), wanted, rtol=2e-5)
+    np.testing.assert_allclose(a(ggx(metal, Shading(), arriving(UP))), wanted, rtol=2e-5)
 
 
-# --- what must never go wrong ----------------------------------------------------------------
+# --- finite for every input ------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -354,14 +356,14 @@ def test_no_direction_makes_a_nan_or_an_infinity(model, roughness):
     for view in [*directions, *(-d for d in directions)]:
         point = point_seen(view=view, roughness=roughness, metallic=0.5)
         for direction in directions:
-            lit = a(model(point, Shading(), coming(direction)))
+            lit = a(model(point, Shading(), arriving(direction)))
             assert np.isfinite(lit).all()
             assert (lit >= 0).all()
 
 
-def test_a_smooth_surface_is_held_to_a_roughness_that_shows():
-    mirror = ggx(point_seen(roughness=0.0, metallic=1.0), Shading(), coming(UP))
-    held = ggx(point_seen(roughness=0.045, metallic=1.0), Shading(), coming(UP))
-    assert mirror == held
+def test_roughness_is_at_least_0_045():
+    mirror = ggx(point_seen(roughness=0.0, metallic=1.0), Shading(), arriving(UP))
+    least = ggx(point_seen(roughness=0.045, metallic=1.0), Shading(), arriving(UP))
+    assert mirror == least
     # π · D · V = 1 ÷ (4 α²)
     np.testing.assert_allclose(a(mirror), 0.25 / 0.045**4, rtol=1e-5)

@@ -1,4 +1,4 @@
-"""The page's missed hits against the library's ruler, pixel by pixel."""
+"""The shader's missed hits against the errors that the library measures, pixel by pixel."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ SIZE = (40, 26)
 HEIGHTS = np.random.default_rng(4).random((12, 20))
 
 
-def noise(**options: Any) -> Scene:
-    """A plane of noise, seen at a flat angle and from a corner."""
-    obj = Object(Material("noise", height=map_of(HEIGHTS)), scale=0.3, **options)
+def noise_scene(**options: Any) -> Scene:
+    """A scene with a plane of noise at a grazing angle."""
+    obj = Object(Material("noise_scene", height=map_of(HEIGHTS)), scale=0.3, **options)
     return Scene((obj,), Orbit(azimuth=25.0, elevation=24.0))
 
 
-def listed(record: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
-    """The pixels of a picture, row by row."""
+def hits_of(record: Any, uv: np.ndarray, hit: np.ndarray) -> Buffer[Any]:
+    """A buffer of the hits of a picture, row by row."""
     pixels = zip(uv.reshape(-1, 2).tolist(), hit.ravel().tolist(), strict=True)
     return Buffer([record(Vec2(*each), int(there)) for each, there in pixels], record)
 
 
-def by_shader(
+def missed_by_shader(
     scene: Scene, frame: Frame, true: Truth, device: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Missed and passed, as a page finds them."""
+    """Missed and passed, computed by the viewer's shader."""
     obj = scene.objects[0]
     program = replace(view_ray_program_of(obj.resolved), entry=missed_hit)
     values = values_of(obj.resolved, scene, SIZE, choose_device(device))
@@ -48,8 +48,8 @@ def by_shader(
         {
             **{name: values[name] for name in ("sample", "placement", "relief")},
             "picture": PictureSize(SIZE[0], Vec2(*true.texels)),
-            "drawn": listed(DrawnHit, frame.uv, frame.hit),
-            "truth": listed(TrueHit, true.uv, true.there),
+            "drawn": hits_of(DrawnHit, frame.uv, frame.hit),
+            "truth": hits_of(TrueHit, true.uv, true.there),
         },
         SIZE,
     )
@@ -60,12 +60,12 @@ def by_shader(
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("projection", ["full", "biased", "limited"])
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
-def test_they_are_those_of_the_ruler(technique, projection, edge, device) -> None:
-    scene = noise(technique=technique, projection=projection, edge=edge)
+def test_missed_hits_equal_those_of_the_measures(technique, projection, edge, device) -> None:
+    scene = noise_scene(technique=technique, projection=projection, edge=edge)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     true = truth(scene, SIZE, device="cpu")
-    lost, passed = by_shader(scene, frame, true, device)
-    # all but the pixels where 32 bits cannot tell one side of a limit from the other
+    lost, passed = missed_by_shader(scene, frame, true, device)
+    # without the pixels within rounding of the limit of one texel
     sure = ~(np.abs(np.nan_to_num(uv_error(frame, true)) - 1.0) < 1e-3)
     np.testing.assert_array_equal(lost[sure], missed(frame, true)[sure])
     along = np.nan_to_num(overshoot(frame, true))
@@ -75,22 +75,22 @@ def test_they_are_those_of_the_ruler(technique, projection, edge, device) -> Non
     assert 20 < lost.sum() < true.there.sum()
 
 
-def test_what_is_not_drawn_is_missed_and_has_not_passed() -> None:
-    scene = noise(technique="exact")
+def test_a_pixel_without_a_hit_is_missed_but_has_not_passed() -> None:
+    scene = noise_scene(technique="exact")
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     true = truth(scene, SIZE, device="cpu")
     frame.hit[3:9, 5:30] = False
-    lost, passed = by_shader(scene, frame, true, "cpu")
+    lost, passed = missed_by_shader(scene, frame, true, "cpu")
     np.testing.assert_array_equal(lost, ~frame.hit & true.there)
     assert not (lost & passed).any()
 
 
-def test_further_than_half_a_tile_is_off_where_nothing_repeats() -> None:
-    """A whole tile off is right where tiles repeat, and missed where they do not."""
+def test_an_error_of_a_whole_tile_is_missed_only_where_tiles_do_not_repeat() -> None:
+    """With `wrap` the next tile shows the same texel; with `clamp` it does not."""
     for edge in ("wrap", "clamp"):
-        scene = noise(technique="exact", edge=edge)
+        scene = noise_scene(technique="exact", edge=edge)
         frame = render(scene, size=SIZE, samples=1, device="cpu")
         true = truth(scene, SIZE, device="cpu")
         frame.uv[:, :, 0] += 1.0
-        lost, _ = by_shader(scene, frame, true, "cpu")
+        lost, _ = missed_by_shader(scene, frame, true, "cpu")
         assert lost.any() == (edge == "clamp")

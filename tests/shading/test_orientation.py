@@ -1,11 +1,11 @@
-"""Mirrored, tiled, turned and stretched: ramps and bumps against answers in float64.
+"""Mirrored, tiled, rotated and stretched ramps and bumps against a reference in float64.
 
-A displaced point is, in world space and with M the object's transform,
+A displaced point in world space, with M the object's transform, is
 
-    M (corner + u · right + v · down) + (height − level) · M out · scale ÷ |tiles along u|
+    M (corner + u · right + v · down) + (height − reference) · M out · scale ÷ |tiles along u|
 
-so a ray is taken to (u, v, how far out) by one 3 × 3 system and followed there: no tangent, no
-handedness, no inverse transpose. Normals are the cross product of the surface's own derivatives.
+so a ray is transformed to (u, v, height) by one 3 × 3 system and traced there, without tangents,
+handedness or an inverse transpose. Normals are cross products of the surface's derivatives.
 """
 
 from __future__ import annotations
@@ -74,10 +74,10 @@ FACES = {
     "top": ((0, 1, 0), (1, 0, 0), (0, 0, 1)),
     "bottom": ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
 }
-"""The faces of the box, the picture's sides as seen from outside; the first is the plane's too."""
+"""The faces of the box, with axes as seen from outside; the plane equals the front face."""
 
 
-# --- forms ----------------------------------------------------------------------------------------
+# --- height fields in closed form -----------------------------------------------------------------
 
 Array = np.ndarray
 
@@ -98,7 +98,7 @@ class Form:
 
 
 def bell(u: Array, v: Array) -> Array:
-    """Up and to the left of the middle, and not as wide as high."""
+    """A Gaussian bell above and left of the middle, narrower along u than along v."""
     return np.exp(-(((u - 0.4) / 0.13) ** 2) - ((v - 0.42) / 0.17) ** 2)
 
 
@@ -124,7 +124,7 @@ BLOCK = Form(
     32,
 )
 COLORS = np.array(
-    # six across, four down, and no two corners or sides alike
+    # 6 × 4 texels; no two corners or sides are alike
     [
         [
             (0.2 + 0.12 * x, 0.9 - 0.2 * y, 0.3 + 0.02 * x * y + 0.4 * (x == y == 0))
@@ -155,7 +155,7 @@ GREY = {
 
 
 def bilinear(texels: Array, uv: Array) -> Array:
-    """The surface through the texel centres, repeated for ever."""
+    """The bilinear surface through the texel centres, repeated."""
     rows, columns = texels.shape[:2]
     x, y = uv[..., 0] * columns - 0.5, uv[..., 1] * rows - 0.5
     left, top = np.floor(x), np.floor(y)
@@ -174,9 +174,9 @@ def bilinear(texels: Array, uv: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """A displaced face: P(u, v, s) = corner + u · right + v · down + s · rise, s = height − level.
+    """A displaced face: P(u, v, s) = corner + u · right + v · down + s · rise.
 
-    u and v are the shape's own, from 0 to 1.
+    u and v are the coordinates of the shape, from 0 to 1; s is height − reference height.
     """
 
     corner: Array
@@ -190,7 +190,7 @@ class Face:
 
     @classmethod
     def of(cls, obj: Object, name: str, form: Form) -> Face:
-        out, right, down = (np.array(way, np.float64) for way in FACES[name])
+        out, right, down = (np.array(direction, np.float64) for direction in FACES[name])
         lift = 0.0 if obj.shape == "plane" else 0.5
         linear, origin = obj.resolved.transform[:3, :3], obj.resolved.transform[:3, 3]
         return cls(
@@ -206,7 +206,7 @@ class Face:
 
     @property
     def normal(self) -> Array:
-        """The polygon's, on the side to which the relief rises."""
+        """The polygon's unit normal on the side to which the relief rises."""
         across = unit(np.cross(self.right, self.down))
         return across * np.sign(across @ self.rise)
 
@@ -215,20 +215,20 @@ class Face:
         x, y = (np.array([u, v]) - self.shift) / self.tiles
         return self.corner + x * self.right + y * self.down
 
-    def coordinates(self, way: Array) -> Array:
+    def coordinates(self, direction: Array) -> Array:
         """A world vector as multiples of right, down and rise."""
-        return way @ np.linalg.inv(np.stack([self.right, self.down, self.rise]))
+        return direction @ np.linalg.inv(np.stack([self.right, self.down, self.rise]))
 
     def tiled(self, place: Array) -> Array:
-        """Texture coordinates from the shape's own."""
+        """Texture coordinates from coordinates of the shape."""
         return place[..., :2] * self.tiles + self.shift
 
     def above(self, place: Array) -> Array:
-        """How far above the surface a place is, in heights."""
+        """Height of a place above the surface, as a part of the height range."""
         return place[..., 2] + self.reference_height - bilinear(self.form.texels, self.tiled(place))
 
     def normals(self, uv: Array) -> Array:
-        """Of the displaced surface, from the derivatives of its points."""
+        """Unit normals of the displaced surface, from its derivatives."""
         along_u, along_v = self.form.slope(*np.moveaxis(uv % 1.0, -1, 0))
         one = self.right + (along_u * self.tiles[0])[..., None] * self.rise
         other = self.down + (along_v * self.tiles[1])[..., None] * self.rise
@@ -237,13 +237,13 @@ class Face:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
-    """What a picture should hold: arrays over all pixels.
+class Reference:
+    """The expected picture: arrays over all pixels.
 
-    `sure` where it is hit, clear of the outline; `outside` where it is not. `grazing` where the ray
-    all but touches the surface before it meets it. `end` is the place in the coordinates of the
-    face, `footprint` how much of a tile the pixel sees along u and v, `travel` how many tiles the
-    ray runs over while it falls through all heights.
+    `sure` where the object is hit, clear of the outline; `outside` where it is not. `grazing` where
+    the ray almost touches the surface before the hit. `end` is the hit in coordinates of the face,
+    `footprint` the part of a tile that the pixel covers along u and v, `travel` the number of tiles
+    that the ray crosses while it falls through the height range.
     """
 
     sure: Array
@@ -262,11 +262,11 @@ NEAR = 1e-3
 CLOSE = 0.03
 
 
-def answer(faces: list[Face], camera: LookAt) -> Answer:
-    """Follow every ray to the first displaced face that it meets through its polygon."""
+def reference(faces: list[Face], camera: LookAt) -> Reference:
+    """Trace every ray to its hit on the first displaced face, entered through the polygon."""
     origins, directions = rays(camera, SIZE)
     shape = origins.shape[:2]
-    found = Answer(
+    found = Reference(
         sure=np.zeros(shape, bool),
         outside=np.ones(shape, bool),
         grazing=np.zeros(shape, bool),
@@ -277,62 +277,62 @@ def answer(faces: list[Face], camera: LookAt) -> Answer:
         footprint=np.zeros((*shape, 2)),
         travel=np.zeros(shape),
     )
-    leave = np.full(shape, np.inf)
+    t_exit = np.full(shape, np.inf)
     for face in faces:
         start = face.coordinates(origins - face.corner)
-        way = face.coordinates(directions)
-        polygon = -start[..., 2] / way[..., 2]
-        np.minimum(leave, polygon, out=leave, where=way[..., 2] > 0.0)
-        place = start + way * polygon[..., None]
+        direction = face.coordinates(directions)
+        polygon = -start[..., 2] / direction[..., 2]
+        np.minimum(t_exit, polygon, out=t_exit, where=direction[..., 2] > 0.0)
+        place = start + direction * polygon[..., None]
         margin = 0.5 - np.abs(place[..., :2] - 0.5).max(axis=-1)
-        ahead = (way[..., 2] < 0.0) & (polygon > 0.0)
+        ahead = (direction[..., 2] < 0.0) & (polygon > 0.0)
         found.outside[ahead & (margin > -NEAR)] = False
         meets = ahead & (margin > NEAR)
         if not meets.any():
             continue
         found.sure[meets] = True
-        end, depth, found.grazing[meets] = followed(face, start[meets], way[meets])
+        end, depth, found.grazing[meets] = traced(face, start[meets], direction[meets])
         found.end[meets], found.distance[meets] = end, depth
         found.uv[meets] = face.tiled(end)
         found.normal[meets] = face.normals(face.tiled(end))
-        slant = np.linalg.norm(way[..., :2] * face.tiles, axis=-1) / -way[..., 2]
+        slant = np.linalg.norm(direction[..., :2] * face.tiles, axis=-1) / -direction[..., 2]
         found.travel[meets] = slant[meets]
         spread = np.gradient(face.tiled(place), axis=(0, 1))
         found.footprint[meets] = np.abs(spread).max(axis=0)[meets]
-    # the relief of a solid goes no further than the solid
-    np.minimum(found.distance, leave, out=found.distance)
+    # the hit lies inside the solid
+    np.minimum(found.distance, t_exit, out=found.distance)
     return found
 
 
-def followed(face: Face, start: Array, way: Array) -> tuple[Array, Array, Array]:
-    """Where rays in a face's coordinates end, at what distance, and which pass a crest closely."""
+def traced(face: Face, start: Array, direction: Array) -> tuple[Array, Array, Array]:
+    """Hits of rays in a face's coordinates, their distances, and which rays graze a crest first."""
     heights = np.linspace(1.0 - face.reference_height, 0.05 - face.reference_height, SAMPLES)
-    t = (heights - start[:, 2:]) / way[:, 2:]
-    clearance = face.above(start[:, None] + way[:, None] * t[..., None])
+    t = (heights - start[:, 2:]) / direction[:, 2:]
+    clearance = face.above(start[:, None] + direction[:, None] * t[..., None])
     first = np.argmax(clearance <= 0.0, axis=1)
     here = clearance[:, 1:-1]
     dips = (here < clearance[:, :-2]) & (here <= clearance[:, 2:]) & (here < CLOSE)
     grazing = (dips & (np.arange(1, SAMPLES - 1) < first[:, None])).any(axis=1)
     each = np.arange(len(start))
-    for further in (1, 2, 3):
-        # or that go in only to come out again
-        grazing |= clearance[each, np.minimum(first + further, SAMPLES - 1)] > 0.0
+    for later in (1, 2, 3):
+        # also rays that only cut a crest
+        grazing |= clearance[each, np.minimum(first + later, SAMPLES - 1)] > 0.0
     low, high = t[each, np.maximum(first - 1, 0)], t[each, first]
     for _ in range(30):
         middle = (low + high) / 2
-        under = face.above(start + way * middle[:, None]) <= 0.0
+        under = face.above(start + direction * middle[:, None]) <= 0.0
         low, high = np.where(under, low, middle), np.where(under, middle, high)
-    return start + way * high[:, None], high, grazing
+    return start + direction * high[:, None], high, grazing
 
 
 # --- pictures -------------------------------------------------------------------------------------
 
 
-def seen(face: Face, lens: str = "perspective", slant: float = 0.6) -> LookAt:
-    """A tilted camera that sees about a tile of a face, near its middle."""
+def tilted_camera(face: Face, lens: str = "perspective", slant: float = 0.6) -> LookAt:
+    """A tilted camera that shows about a tile of a face, near its middle."""
     target = face.corner + 0.45 * face.right + 0.55 * face.down
     tile = (face.right / abs(face.tiles[0]), face.down / abs(face.tiles[1]))
-    across = math.sqrt(math.prod(np.linalg.norm(way) for way in tile))
+    across = math.sqrt(math.prod(np.linalg.norm(direction) for direction in tile))
     side = slant * (unit(face.right) * 0.8 + unit(face.down) * 0.6)
     up = 0.6 * face.normal - unit(face.down) + 0.4 * unit(face.right)
     return LookAt(
@@ -345,7 +345,7 @@ def seen(face: Face, lens: str = "perspective", slant: float = 0.6) -> LookAt:
 
 
 def light_towards(face: Face, side: Array, elevation: float = 40.0) -> Array:
-    """The unit vector to a light that stands to a side of a face."""
+    """The unit vector to a light on one side of a face."""
     along = side - face.normal * (side @ face.normal)
     angle = math.radians(elevation)
     return unit(along) * math.cos(angle) + face.normal * math.sin(angle)
@@ -356,9 +356,11 @@ def light_from(towards: Array) -> Light:
     return directional(math.degrees(math.atan2(x, z)), math.degrees(math.asin(y)))
 
 
-def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling, **more) -> Object:
+def object_of(
+    form: Form, materials: dict[Form, Material], transform: str, tiling, **more
+) -> Object:
     technique = "parallax_occlusion" if form is RAMP else "relief"
-    given = {
+    options = {
         "technique": technique,
         "settings": FINE[technique],
         "scale": 0.22,
@@ -367,36 +369,36 @@ def thing_of(form: Form, materials: dict[Form, Material], transform: str, tiling
         "shift": TILINGS[tiling],
         "transform": TRANSFORMS[transform],
     }
-    return Object(materials[form], **{**given, **more})
+    return Object(materials[form], **{**options, **more})
 
 
 def drawn(obj: Object, camera: LookAt, towards: Array, device: str = "cpu", **more) -> Frame:
-    given = {"background": None, "shading": MATTE, "shading_model": "phong"}
-    scene = Scene((obj,), camera=camera, lights=(light_from(towards),), **{**given, **more})
+    options = {"background": None, "shading": MATTE, "shading_model": "phong"}
+    scene = Scene((obj,), camera=camera, lights=(light_from(towards),), **{**options, **more})
     return render(scene, size=SIZE, samples=1, device=device)
 
 
-def assert_right(
+def assert_displaced(
     obj: Object, faces: list[Face], camera: LookAt, towards: Array, device: str = "cpu"
 ) -> None:
-    """Outline, texture coordinates, depth and light are those of the displaced surface."""
-    frame, wanted = drawn(obj, camera, towards, device), answer(faces, camera)
+    """Assert that outline, uv, distance and light are those of the displaced surface."""
+    frame, wanted = drawn(obj, camera, towards, device), reference(faces, camera)
     form = faces[0].form
-    # not where a step of the march is more than a part of a texel
+    # not where a march step is longer than a fraction of a texel
     sure = wanted.sure & (wanted.travel < 1.0)
     ours = sure & ~wanted.grazing
     assert ours.sum() > 150
     assert ours.sum() > 0.95 * sure.sum()
     assert frame.hit[wanted.sure].all()
     assert not frame.hit[wanted.outside].any()
-    # within the chord of a step at the ramp's cliff, of rounding everywhere else
+    # within the chord of a step at the ramp's cliff, within rounding elsewhere
     away = np.abs(frame.uv - wanted.uv)[ours].max(axis=-1)
     assert away.max() < 2e-3
     assert np.quantile(away, 0.95) < 5e-5
     np.testing.assert_allclose(frame.distance[ours], wanted.distance[ours], rtol=1e-3)
-    facing = np.maximum(wanted.normal @ towards, 0.0)
-    shade = bilinear(COLORS, wanted.uv) * facing[..., None]
-    # coarser levels of a map mix in more of the tile: of the ramp's cliff, too
+    cosine = np.maximum(wanted.normal @ towards, 0.0)
+    shade = bilinear(COLORS, wanted.uv) * cosine[..., None]
+    # coarse mip levels blend in the ramp's cliff
     size = np.array([form.columns, form.rows])
     texels = (wanted.footprint * size).max(axis=-1)
     reach = 2.0 + 3.0 * np.where(texels > 0.7, texels, 0.0)
@@ -407,7 +409,7 @@ def assert_right(
     if form is RAMP:
         assert off.max() < 1e-3
     else:
-        # the slopes of a map are those from one texel to the next but one
+        # normals of the map come from central differences of the texels
         assert np.quantile(off, 0.9) < 0.02
         assert off.max() < 0.12
     assert shade[plain].max() > 0.2
@@ -423,12 +425,12 @@ FORMS = {"a ramp, in perspective": (RAMP, "perspective"), "a bump": (BUMP, "orth
 @pytest.mark.parametrize("transform", TRANSFORMS)
 @pytest.mark.parametrize("name", FORMS)
 def test_on_a_plane_the_picture_is_that_of_the_displaced_surface(name, transform, tiling) -> None:
-    """Outline, uv, depth, colour and light, mirrored, tiled, shifted, turned, stretched."""
+    """Outline, uv, depth, colour and light; mirrored, tiled, shifted, rotated, stretched."""
     form, lens = FORMS[name]
-    obj = thing_of(form, COLORED, transform, tiling)
+    obj = object_of(form, COLORED, transform, tiling)
     face = Face.of(obj, "front", form)
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(obj, [face], seen(face, lens), towards)
+    assert_displaced(obj, [face], tilted_camera(face, lens), towards)
 
 
 @pytest.mark.parametrize("name", FACES)
@@ -438,11 +440,11 @@ def test_on_each_face_of_a_box_the_picture_is_that_of_the_displaced_surface(
     transform, tiling, name
 ) -> None:
     form = BUMP if name in ("front", "left", "top") else RAMP
-    obj = thing_of(form, COLORED, transform, tiling, shape="box")
+    obj = object_of(form, COLORED, transform, tiling, shape="box")
     faces = {each: Face.of(obj, each, form) for each in FACES}
     face = faces[name]
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(obj, list(faces.values()), seen(face), towards)
+    assert_displaced(obj, list(faces.values()), tilted_camera(face), towards)
 
 
 @pytest.mark.gpu
@@ -452,20 +454,20 @@ def test_on_each_face_of_a_box_the_picture_is_that_of_the_displaced_surface(
     [("turned and stretched", (-1, 2)), ("skewed", (2, -3)), ("mirrored in all", (-1, -1))],
     ids=str,
 )
-def test_a_gpu_draws_the_same_answer(form, transform, tiling) -> None:
-    obj = thing_of(form, COLORED, transform, tiling)
+def test_a_gpu_draws_the_displaced_surface(form, transform, tiling) -> None:
+    obj = object_of(form, COLORED, transform, tiling)
     face = Face.of(obj, "front", form)
     towards = light_towards(face, 0.8 * unit(face.right) - 0.5 * unit(face.down))
-    assert_right(obj, [face], seen(face), towards, "gpu")
+    assert_displaced(obj, [face], tilted_camera(face), towards, "gpu")
 
 
-# --- light and shadow by the place in the world ---------------------------------------------------
+# --- light and shadow in world space --------------------------------------------------------------
 
 SIDES = {"u": (1, 0), "minus v": (0, -1)}
 
 
 def positions(frame: Frame, camera: LookAt) -> Array:
-    """Where in the world each pixel's point is, by its depth alone."""
+    """The world position of each pixel, from its distance alone."""
     origins, directions = rays(camera, SIZE)
     return origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
 
@@ -473,21 +475,21 @@ def positions(frame: Frame, camera: LookAt) -> Array:
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
 @pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
-def test_the_side_of_a_bump_that_faces_the_light_is_the_bright_one(transform, tiling, side) -> None:
-    """In the world's own space, with no texture coordinate in the question."""
-    obj = thing_of(
+def test_the_side_of_a_bump_towards_the_light_is_bright(transform, tiling, side) -> None:
+    """In world space, without texture coordinates."""
+    obj = object_of(
         BUMP, GREY, transform, tiling, reference_height=0.0, shift=(0.0, 0.0), scale=0.15
     )
     face = Face.of(obj, "front", BUMP)
     a, b = SIDES[side]
     towards = light_towards(face, a * unit(face.right) + b * unit(face.down), 25.0)
-    camera = seen(face, "orthographic", slant=0.2)
+    camera = tilted_camera(face, "orthographic", slant=0.2)
     frame = drawn(obj, camera, towards)
     middle = face.at(0.4 - (tiling[0] < 0), 0.42 - (tiling[1] < 0))
     away = (positions(frame, camera) - middle) @ np.linalg.inv(
         np.stack([face.right, face.down, face.normal])
     )
-    # in widths and heights of the plane, towards the light and across
+    # in units of the plane's sides, towards the light and across
     along, across = away[..., :2] @ (a, b), abs(away[..., :2] @ (b, a))
     band = frame.hit & (across < 0.1) & (abs(along) > 0.03) & (abs(along) < 0.25)
     shade = frame.color[..., 0]
@@ -499,38 +501,36 @@ def test_the_side_of_a_bump_that_faces_the_light_is_the_bright_one(transform, ti
 SHADOW_OFFSET = 0.004
 
 
-def stands_above(face: Face, start: Array, way: Array, samples: int) -> Array:
-    """How far the surface stands above ways to a light, at the most; in a face's coordinates."""
+def height_above_ray(face: Face, start: Array, direction: Array, samples: int) -> Array:
+    """Maximum height of the surface above rays to a light, in a face's coordinates."""
     share = np.linspace(0.0, 1.0, samples + 1)[1:, None]
     rise = (1.0 - face.reference_height - start[:, None, 2:]) * share
-    return -face.above(start[:, None] + way / way[2] * rise).min(axis=1)
+    return -face.above(start[:, None] + direction / direction[2] * rise).min(axis=1)
 
 
 @pytest.mark.parametrize("tiling", [(1, 1), (-1, 2), (2, -3)], ids=str)
 @pytest.mark.parametrize("transform", TRANSFORMS)
-def test_the_shadow_of_a_block_falls_away_from_the_light_and_ends_where_it_should(
-    transform, tiling
-) -> None:
-    """Dark where the way to the light, followed in float64, goes through the block."""
-    obj = thing_of(BLOCK, GREY, transform, tiling)
+def test_the_shadow_of_a_block_equals_that_of_the_ray_to_the_light(transform, tiling) -> None:
+    """Dark where the ray to the light, traced in float64, passes through the block."""
+    obj = object_of(BLOCK, GREY, transform, tiling)
     face = Face.of(obj, "front", BLOCK)
     side = -0.5 * unit(face.right) + 0.9 * unit(face.down)
     towards = light_towards(face, side, 35.0)
-    camera = seen(face, "orthographic", slant=0.25)
+    camera = tilted_camera(face, "orthographic", slant=0.25)
     shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
     frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
-    wanted = answer([face], camera)
+    wanted = reference([face], camera)
     ours = wanted.sure & ~wanted.grazing
     lit = 0.6 * float(face.normal @ towards)
     shade = frame.color[..., 0][ours]
     dark = shade < 0.5 * lit
     np.testing.assert_allclose(shade, np.where(dark, 0.0, lit), atol=1e-3)
-    end, way = wanted.end[ours], face.coordinates(towards)
-    above = stands_above(face, end, way, SAMPLES)
-    # a way may cut a corner between two samples
+    end, direction = wanted.end[ours], face.coordinates(towards)
+    above = height_above_ray(face, end, direction, SAMPLES)
+    # a ray may cut a corner between two samples
     doubted = dark != (above > SHADOW_OFFSET)
-    above[doubted] = stands_above(face, end[doubted], way, 48 * SAMPLES)
-    # between the two the offset and the steps decide
+    above[doubted] = height_above_ray(face, end[doubted], direction, 48 * SAMPLES)
+    # between the two limits the offset and the steps decide
     free, blocked = above < 0.5 * SHADOW_OFFSET, above > SHADOW_OFFSET + 2.0 / STEPS
     assert (free | blocked).mean() > 0.9
     assert not dark[free].any()
@@ -541,13 +541,13 @@ def test_the_shadow_of_a_block_falls_away_from_the_light_and_ends_where_it_shoul
 @pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
 @pytest.mark.parametrize("transform", AT_RIGHT_ANGLES)
 def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
-    """By the places in the world of what is dark and of what is high."""
-    obj = thing_of(
+    """By the world positions of the dark pixels and of the block."""
+    obj = object_of(
         BLOCK, GREY, transform, tiling, shift=(0.0, 0.0), reference_height=0.1, scale=0.2
     )
     face = Face.of(obj, "front", BLOCK)
     towards = light_towards(face, 0.7 * unit(face.right) + 0.5 * unit(face.down), 35.0)
-    camera = seen(face, "orthographic", slant=0.2)
+    camera = tilted_camera(face, "orthographic", slant=0.2)
     shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
     frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
     block = face.at(0.45 - (tiling[0] < 0), 0.55 - (tiling[1] < 0))
@@ -555,7 +555,7 @@ def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
     u, v, out = np.moveaxis(
         away @ np.linalg.inv(np.stack([face.right, face.down, face.rise])), -1, 0
     )
-    # the ground about this block; there are others in the tiles around
+    # the ground around this block; other tiles have their own
     ground = frame.hit & (out < 0.1) & (abs(u) < 0.35) & (abs(v) < 0.35)
     dark = ground & (frame.color[..., 0] < 1e-3)
     along = away @ (towards - face.normal * (face.normal @ towards))
@@ -568,12 +568,12 @@ def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
 
 
 @pytest.mark.parametrize("tiling", MIRRORINGS, ids=str)
-def test_a_clipped_plane_shows_the_whole_map_mirrored_or_not(tiling) -> None:
-    """Mirrored tiles lie before the map's own, where its border alone would go on."""
-    obj = thing_of(RAMP, COLORED, "as it is", tiling, shift=(0.0, 0.0), scale=0.05, edge="clip")
+def test_a_clipped_plane_shows_the_whole_map_also_if_mirrored(tiling) -> None:
+    """Mirrored tiles have negative uv, where clamping would show the border."""
+    obj = object_of(RAMP, COLORED, "as it is", tiling, shift=(0.0, 0.0), scale=0.05, edge="clip")
     face = Face.of(obj, "front", RAMP)
     camera = LookAt((0.0, 0.0, 3.0), orthographic_height=0.9)
-    frame, wanted = drawn(obj, camera, face.normal), answer([face], camera)
+    frame, wanted = drawn(obj, camera, face.normal), reference([face], camera)
     shade = bilinear(COLORS, wanted.uv) * (wanted.normal @ face.normal)[..., None]
     inner = wanted.sure & (np.abs(wanted.uv % 1.0 - 0.5) < 0.37).all(axis=-1)
     assert inner.sum() > 500

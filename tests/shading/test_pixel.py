@@ -1,4 +1,4 @@
-"""The whole pixel against pictures worked out in float64: rays, planes and formulas, no shaders."""
+"""Whole pixels against pictures computed in float64 from rays, planes and formulas."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ SIZE = (97, 61)
 DARK = (0.0, 0.0, 0.0)
 
 
-# --- the same in float64 --------------------------------------------------------------------------
+# --- reference in float64 -------------------------------------------------------------------------
 
 
 def in_object(matrix: np.ndarray, origins, directions) -> tuple[np.ndarray, np.ndarray]:
-    """The same rays in object space; distances along them stay those of the world."""
+    """Rays in object space; a distance along a ray is the same as in the world."""
     inverse = np.linalg.inv(matrix)
     return origins @ inverse[:3, :3].T + inverse[:3, 3], directions @ inverse[:3, :3].T
 
@@ -60,8 +60,8 @@ TRANSFORMS = {
 }
 
 
-def seen_alike(matrix: np.ndarray, camera: LookAt) -> LookAt:
-    """A camera that stands to the transformed object much as this one to the plain one."""
+def camera_for(matrix: np.ndarray, camera: LookAt) -> LookAt:
+    """A camera with about the same view of the transformed object as this one of the original."""
     stretch = matrix[:3, :3] / np.abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
     position = matrix[:3, :3] @ np.array(camera.position) * 1.05 + matrix[:3, 3]
     target = matrix[:3, :3] @ np.array(camera.target) + matrix[:3, 3]
@@ -76,7 +76,7 @@ def seen_alike(matrix: np.ndarray, camera: LookAt) -> LookAt:
     )
 
 
-# --- a plane of one height: the polygon, shifted --------------------------------------------------
+# --- constant height: the polygon, shifted --------------------------------------------------------
 
 KNOWN = {
     "offset": {},
@@ -88,7 +88,7 @@ HEIGHT = 0.625
 
 
 def assert_shifted(obj: Object, camera: LookAt, height: float = HEIGHT) -> None:
-    """Depth and uv are those of the plane at a height, within the polygon's outline."""
+    """Assert distance and uv of a plane at a height, within the polygon's outline."""
     frame = drawn(obj, camera)
     origins, directions = in_object(obj.resolved.transform, *rays(camera))
     polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
@@ -98,26 +98,26 @@ def assert_shifted(obj: Object, camera: LookAt, height: float = HEIGHT) -> None:
     assert frame.hit[within].all()
     assert not frame.hit[outline > 0.501].any()
     # in object space the whole range is `scale` of the width of a tile, along u
-    tiles = np.array(obj.tiles, np.float64)
+    tiles = np.array(obj.resolved.tiling.tiles, np.float64)
     shift = (height - obj.resolved.reference_height) * obj.resolved.scale / abs(tiles[0])
     distance = (shift - origins[..., 2]) / directions[..., 2]
-    met = origins + directions * distance[..., None]
-    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1) * tiles + obj.shift
+    points = origins + directions * distance[..., None]
+    uv = np.stack([0.5 + points[..., 0], 0.5 - points[..., 1]], -1) * tiles + obj.shift
     np.testing.assert_allclose(frame.distance[within], distance[within], rtol=1e-4)
     np.testing.assert_allclose(frame.uv[within], uv[within], atol=2e-4 * np.abs(tiles).max())
 
 
 @pytest.mark.parametrize("technique", KNOWN)
-@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("lens", CAMERAS)
-def test_a_plane_of_one_height_is_the_polygon_shifted(technique, level, lens) -> None:
-    """C18, H6: depth and uv of the plane at (height − level) · scale."""
+def test_a_plane_of_one_height_is_the_polygon_shifted(technique, reference_height, lens) -> None:
+    """C18, H6: depth and uv of the plane at (height − reference height) · scale."""
     obj = Object(
         heights(np.full((8, 12), HEIGHT)),
         technique=technique,
         settings=KNOWN[technique],
         scale=0.3,
-        reference_height=level,
+        reference_height=reference_height,
         transform=np.eye(4),
     )
     assert_shifted(obj, CAMERAS[lens])
@@ -127,7 +127,7 @@ def test_a_plane_of_one_height_is_the_polygon_shifted(technique, level, lens) ->
 @pytest.mark.parametrize("technique", ["offset", "relief"])
 @pytest.mark.parametrize("lens", CAMERAS)
 def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> None:
-    """C15: set in object space, so a stretched object has a stretched relief, and no warp."""
+    """C15: the relief is set in object space, so it is stretched with the object, without warp."""
     matrix = TRANSFORMS[name]
     obj = Object(
         heights(np.full((8, 12), HEIGHT)),
@@ -137,7 +137,7 @@ def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> Non
         reference_height=0.75,
         transform=matrix,
     )
-    assert_shifted(obj, seen_alike(matrix, CAMERAS[lens]))
+    assert_shifted(obj, camera_for(matrix, CAMERAS[lens]))
 
 
 @pytest.mark.parametrize(
@@ -146,8 +146,8 @@ def test_the_relief_is_transformed_with_the_object(name, technique, lens) -> Non
      ((2, -3), (-0.7, 0)), ((-1, -2), (0.2, 0.2))],
 )  # fmt: skip
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
-def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None:
-    """W4, C4: the scale of each axis, mirrored too; the depth follows the width along u."""
+def test_the_offset_is_scaled_along_each_axis_of_the_tiling(tiling, shift, technique) -> None:
+    """W4, C4: also mirrored; the depth is relative to the tile's width along u."""
     obj = Object(
         heights(np.full((5, 9), HEIGHT)),
         technique=technique,
@@ -157,13 +157,13 @@ def test_tilings_that_differ_are_in_the_offset(tiling, shift, technique) -> None
         shift=shift,
         transform=TRANSFORMS["turned and stretched"],
     )
-    assert_shifted(obj, seen_alike(obj.resolved.transform, SLANTED))
+    assert_shifted(obj, camera_for(obj.resolved.transform, SLANTED))
 
 
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
 @pytest.mark.parametrize("projection", ["biased", "limited"])
-def test_a_bent_ray_has_the_depth_of_its_height(technique, projection) -> None:
-    """C18 with C6 and C8: uv by the bent ray, depth along the true one."""
+def test_a_biased_or_limited_ray_has_the_depth_of_its_height(technique, projection) -> None:
+    """C18 with C6 and C8: uv along the projected ray, depth along the true one."""
     obj = Object(
         heights(np.full((8, 12), HEIGHT)),
         technique=technique,
@@ -182,10 +182,10 @@ def test_a_bent_ray_has_the_depth_of_its_height(technique, projection) -> None:
     travel = -directions[..., :2]
     if projection == "biased":
         travel = travel / (cosine + 0.42)[..., None]
-    fall = 0.3 * (HEIGHT - 1.0)
+    shift = 0.3 * (HEIGHT - 1.0)
     uv = np.stack([0.5 + polygon[..., 0], 0.5 - polygon[..., 1]], -1)
-    uv = uv + fall * travel * np.array([1.0, -1.0])
-    distance = (fall - origins[..., 2]) / directions[..., 2]
+    uv = uv + shift * travel * np.array([1.0, -1.0])
+    distance = (shift - origins[..., 2]) / directions[..., 2]
     np.testing.assert_allclose(frame.uv[within], uv[within], atol=1e-4)
     np.testing.assert_allclose(frame.distance[within], distance[within], rtol=1e-4)
 
@@ -204,7 +204,7 @@ SIDES = {
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("slope", [(0.8, 0.0), (0.0, 0.8), (-0.5, 0.3)])
 def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
-    """The exact meeting of ray and plane; a wrong sign in x or y is off by the whole offset."""
+    """The exact intersection of ray and plane; a wrong sign in x or y shows as the whole offset."""
     columns, rows = 40, 24
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     a, b = slope
@@ -224,14 +224,14 @@ def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
     # z = scale · (0.5 + a x − b y − 1) with u − ½ = x, v − ½ = −y
     normal = np.array([-scale * a, scale * b, 1.0])
     distance = (scale * (0.5 - 1.0) - origins @ normal) / (directions @ normal)
-    met = origins + directions * distance[..., None]
-    uv = np.stack([0.5 + met[..., 0], 0.5 - met[..., 1]], -1)
+    points = origins + directions * distance[..., None]
+    uv = np.stack([0.5 + points[..., 0], 0.5 - points[..., 1]], -1)
     polygon = origins - directions * (origins[..., 2:] / directions[..., 2:])
     entry = np.stack([0.5 + polygon[..., 0], 0.5 - polygon[..., 1]], -1)
-    # the surface goes on level beyond the outer texel centres
+    # the surface is level beyond the outer texel centres
     inner = [0.5 / columns, 0.5 / rows]
     ours = frame.hit.copy()
-    # a step beyond the hit the march reads once more
+    # the march also reads one step beyond the hit
     for place in (entry, uv, uv + (uv - entry) / 2):
         ours &= (place > inner).all(axis=-1) & (place < 1 - np.array(inner)).all(axis=-1)
     assert ours.mean() > 0.1
@@ -241,7 +241,7 @@ def test_a_ramp_is_a_tilted_plane_from_every_side(side, slope) -> None:
 
 
 WALLS = {
-    # the hill's side, the axis that the place is read on, from where it hides
+    # the hill, the axis of uv that crosses its edge, the hill's side on it, where the viewer stands
     "right": (lambda u, v: u > 0.6, 0, +1, "right"),
     "left": (lambda u, v: u < 0.4, 0, -1, "left"),
     "bottom": (lambda u, v: v > 0.6, 1, +1, "bottom"),
@@ -250,7 +250,7 @@ WALLS = {
 
 
 @pytest.mark.parametrize("hill", WALLS)
-def test_a_hill_hides_what_lies_behind_it(hill) -> None:
+def test_a_hill_hides_the_ground_behind(hill) -> None:
     """A hill on the right hides the ground to the left of it from a viewer on the right."""
     form, axis, sign, hiding = WALLS[hill]
     columns, rows = 90, 60
@@ -268,7 +268,7 @@ def test_a_hill_hides_what_lies_behind_it(hill) -> None:
     )
 
     def ground(direction) -> np.ndarray:
-        """How far before the hill's foot ground is seen, in uv, for a view at 45 degrees."""
+        """Distances in uv from the hill's foot to the ground seen at 45 degrees."""
         position = tuple(2.0 * direction + np.array([0.0, 0.0, 2.0]))
         frame = drawn(obj, LookAt(position, up=(0.0, 0.0, 1.0), orthographic_height=0.8))
         along = frame.uv[frame.hit][:, axis]
@@ -322,7 +322,7 @@ def bump_material(kind: str) -> Material:
 @pytest.mark.parametrize("light", LIGHTS_FROM)
 @pytest.mark.parametrize("tiling", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, tiling) -> None:
-    """In the picture's x and y, from a map or from heights, mirrored or not."""
+    """In x and y of the picture, with normals from a map or from heights, mirrored or not."""
     obj = Object(
         bump_material(kind), technique="flat", scale=0.15, tiling=tiling, transform=np.eye(4)
     )
@@ -330,7 +330,7 @@ def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, t
         obj, FRONT, (60, 60), lights=(LIGHTS_FROM[light],), shading=MATTE, shading_model=model
     )
     shade = frame.color[:, :, 1]
-    # a band across the bump, its two halves on each axis
+    # the two halves of a band across the bump, on each axis
     left, right = shade[24:36, 18:28].mean(), shade[24:36, 32:42].mean()
     upper, lower = shade[18:28, 24:36].mean(), shade[32:42, 24:36].mean()
     along_x = {"right": 1, "left": -1}.get(light, 0)
@@ -346,7 +346,7 @@ def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, t
 @pytest.mark.parametrize(
     "matrix", [rotated("z", 90.0), rotated("z", 180.0), placed(scale=(-1, 1, 1))]
 )
-def test_a_turned_bump_is_lit_from_the_same_side(matrix) -> None:
+def test_a_rotated_bump_is_lit_from_the_same_side(matrix) -> None:
     obj = Object(bump_material("a normal map"), transform=matrix)
     frame = drawn(obj, FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
     shade = frame.color[:, :, 1]
@@ -355,7 +355,7 @@ def test_a_turned_bump_is_lit_from_the_same_side(matrix) -> None:
 
 
 def test_lambert_on_a_normal_map_is_its_cosine() -> None:
-    """Each texel seen by one pixel: white · n·l, for a light from upper right."""
+    """One pixel a texel: base colour · intensity · n·l, for a light from the upper right."""
     columns, rows = 36, 24
     encoded = normals_of_bump(columns, rows, 0.1)
     material = Material(
@@ -370,8 +370,8 @@ def test_lambert_on_a_normal_map_is_its_cosine() -> None:
     frame = drawn(
         obj, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
     )
-    facing = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
-    wanted = 0.75 * 2.0 * np.maximum(facing, 0.0)
+    cosine = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
+    wanted = 0.75 * 2.0 * np.maximum(cosine, 0.0)
     wanted = np.concatenate([wanted, wanted[: columns - rows]])
     np.testing.assert_allclose(frame.color[:, :, 0], wanted, atol=2e-3)
 
@@ -385,27 +385,27 @@ def test_normals_are_those_of_the_transformed_relief(name) -> None:
     ramp = heights(0.5 + a * (u - 0.5) + b * (v - 0.5))
     obj = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
     light = directional(35.0, 50.0)
-    camera = seen_alike(matrix, SLANTED)
+    camera = camera_for(matrix, SLANTED)
     frame = drawn(obj, camera, lights=(light,), shading=MATTE, shading_model="phong")
-    # two directions on the ramp in object space, taken to the world; x is u and y is −v
-    along = [matrix[:3, :3] @ way for way in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
+    # two tangents of the ramp, transformed to the world; x is u and y is −v
+    along = [matrix[:3, :3] @ side for side in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
     normal = unit(np.cross(*along)) * np.sign(np.linalg.det(matrix))
     wanted = 0.6 * max(float(normal @ -np.array([*light.direction], np.float64)), 0.0)
     inside = frame.hit & (np.abs(frame.uv - 0.5).max(axis=-1) < 0.4)
     assert inside.sum() > 100
     assert wanted > 0.05
-    # coarse levels mix in the border, where the ramp ends
+    # coarse mip levels blend in the border, where the ramp ends
     assert np.median(frame.color[inside][:, 0]) == pytest.approx(wanted, abs=1e-3)
 
 
-# --- the numbers of the standard surface ----------------------------------------------------------
+# --- parameters of the standard surface -----------------------------------------------------------
 
 OVERHEAD = (directional(0.0, 0.0),)
 """A light that shines along the view of the camera FRONT."""
 
 
 def shaded(material: Material, lights=(), shading=MATTE, **options) -> np.ndarray:
-    """The linear colour of a material that faces the camera, the same everywhere."""
+    """The linear colour of a uniform material that faces the camera."""
     model = options.pop("shading_model", "ggx")
     obj = Object(material, transform=np.eye(4), **options)
     frame = drawn(obj, FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
@@ -430,7 +430,7 @@ def normal_map(*normal: float) -> dict[str, Map]:
 
 @pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])
 def test_normal_strength_scales_the_slope_of_the_map(strength) -> None:
-    """x and y times the strength, z as stored, of unit length again; as stored without one."""
+    """x and y times the strength, z as stored, then normalised; 1 by default."""
     times = 1.0 if strength is None else strength
     surface_parameters = {} if strength is None else {"normal_strength": strength}
     wanted = unit([0.36 * times, -0.48 * times, 0.8])
@@ -478,8 +478,8 @@ def test_metallic_is_the_maps_times_the_factor(mapped, stored: float, factor) ->
 
 @pytest.mark.parametrize(("mapped", "stored"), [(None, 1.0), (0.3, 0.3)])
 @pytest.mark.parametrize("strength", [None, 1.0, 0.5, 0.0])
-def test_occlusion_acts_on_ambient_light_as_far_as_its_strength(mapped, stored, strength) -> None:
-    """1 without a map; with one, from 1 to its value."""
+def test_occlusion_of_ambient_light_is_scaled_by_its_strength(mapped, stored, strength) -> None:
+    """1 without a map; with one, from 1 at strength 0 to its value at strength 1."""
     maps = {} if mapped is None else {"occlusion": map_of([[mapped]])}
     surface_parameters = {} if strength is None else {"occlusion": strength}
     ambient = Shading(ambient=(0.8, 0.4, 0.2))
@@ -488,8 +488,8 @@ def test_occlusion_acts_on_ambient_light_as_far_as_its_strength(mapped, stored, 
     np.testing.assert_allclose(found, np.array([0.8, 0.4, 0.2]) * share, atol=1e-4)
 
 
-def test_colours_are_those_of_the_maps_times_the_factors() -> None:
-    """Base colour in ambient light, and emission: each channel with its own factor."""
+def test_colours_are_maps_times_factors() -> None:
+    """Base colour in ambient light, and emission; each channel has its factor."""
     material = Material(
         "made up",
         base_color=map_of(np.array([[[0.25, 0.5, 0.75]]])),
@@ -501,7 +501,7 @@ def test_colours_are_those_of_the_maps_times_the_factors() -> None:
     )
     wanted = [0.25 + 1.5, 0.25 + 0.125, 0.75 + 0.5]
     np.testing.assert_allclose(found, wanted, atol=1e-4)
-    # without maps: light grey, and no light of its own
+    # without maps: light grey, no emission
     plain = shaded(
         Material("nothing"),
         shading=Shading(ambient=(1.0, 0.5, 0.1)),
@@ -510,7 +510,7 @@ def test_colours_are_those_of_the_maps_times_the_factors() -> None:
     np.testing.assert_allclose(plain, [0.6, 0.15, 0.12], atol=1e-5)
 
 
-# --- the offset acts everywhere -------------------------------------------------------------------
+# --- the offset applies to every map and light ----------------------------------------------------
 
 LAMPS = {
     "directional": directional(-30.0, 40.0, (0.9, 0.8, 1.0), 1.3),
@@ -529,12 +529,12 @@ VARIED = {
 
 
 def pictures_of_the_shift(maps, lights, shading) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A relief of height ½, a flat plane where it lies, and a flat plane where the polygon is.
+    """Colours of a relief of height ½, of a flat plane at its depth, and of one at the polygon.
 
-    In parallel projection, so that a pixel covers as much of either.
+    In parallel projection, so that a pixel covers as much of each.
     """
     matrix = TRANSFORMS["turned and stretched"]
-    camera = seen_alike(matrix, PARALLEL)
+    camera = camera_for(matrix, PARALLEL)
     material = Material("made up", height=map_of(np.full((24, 36), 0.5)), **maps)
     common = {"scale": 0.25, "tiling": (2.0, 3.0), "shift": (0.1, 0.3)}
     steps = {"min_steps": 8, "max_steps": 8}
@@ -554,7 +554,7 @@ def pictures_of_the_shift(maps, lights, shading) -> tuple[np.ndarray, np.ndarray
 
 @pytest.mark.parametrize("what", VARIED)
 def test_the_offset_acts_in_every_map(what) -> None:
-    """C5: each map alone varies, and is seen where the relief lies."""
+    """C5: each map, varied alone, is read at the displaced uv."""
     relief, there, polygon = pictures_of_the_shift(
         VARIED[what], tuple(LAMPS.values()), Shading(ambient=(0.3, 0.3, 0.3))
     )
@@ -564,7 +564,7 @@ def test_the_offset_acts_in_every_map(what) -> None:
 
 @pytest.mark.parametrize("lamp", LAMPS)
 def test_the_offset_acts_in_every_light(lamp) -> None:
-    """C17: the light falls on the displaced point, not on the polygon."""
+    """C17: lights illuminate the displaced point, not the polygon."""
     maps = {**VARIED["base_color"], **VARIED["roughness"]}
     relief, there, polygon = pictures_of_the_shift(maps, (LAMPS[lamp],), MATTE)
     np.testing.assert_allclose(relief, there, atol=5e-3)
@@ -573,7 +573,7 @@ def test_the_offset_acts_in_every_light(lamp) -> None:
 
 @pytest.mark.parametrize("model", ["phong", "ggx"])
 def test_lights_add_up_and_ambient_counts_once(model) -> None:
-    """C17, W10: all lights together are the sum of each alone, over ambient and emission."""
+    """C17, W10: the sum of the lights alone, plus ambient light and emission once."""
     material = replace(sample("bricks", 64), emission=map_of(noise(6, (64, 64))))
     obj = Object(material, technique="relief")
     camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
@@ -583,20 +583,22 @@ def test_lights_add_up_and_ambient_counts_once(model) -> None:
         chosen = {} if shading is None else {"shading": shading}
         return drawn(obj, camera, lights=lights, shading_model=model, **chosen).color[:, :, :3]
 
-    nothing = color(())
-    assert nothing.max() > 0.1
-    alone = sum(color((light,)) - nothing for light in more)
-    np.testing.assert_allclose(color(more), nothing + alone, atol=2e-5)
+    unlit_color = color(())
+    assert unlit_color.max() > 0.1
+    alone = sum(color((light,)) - unlit_color for light in more)
+    np.testing.assert_allclose(color(more), unlit_color + alone, atol=2e-5)
     unlit = Shading(ambient=(0.0, 0.0, 0.0))
-    assert color((), unlit).max() < nothing.max()
+    assert color((), unlit).max() < unlit_color.max()
 
 
 # --- curved shapes --------------------------------------------------------------------------------
 
 
-def on_round(shape: str, met: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def on_round(
+    shape: str, point: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Normal, ∂P/∂u, ∂P/∂v and uv of a point of the unit-wide sphere or cylinder's side."""
-    x, y, z = np.moveaxis(met, -1, 0)
+    x, y, z = np.moveaxis(point, -1, 0)
     u = 0.5 + np.arctan2(x, z) / (2 * np.pi)
     along_u = 2 * np.pi * np.stack([z, 0 * x, -x], -1)
     if shape == "cylinder":
@@ -604,17 +606,17 @@ def on_round(shape: str, met: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
         return (
             normal,
             along_u,
-            np.broadcast_to([0.0, -1.0, 0.0], met.shape),
+            np.broadcast_to([0.0, -1.0, 0.0], point.shape),
             np.stack([u, 0.5 - y], -1),
         )
     ring = np.hypot(x, z)
     v = np.arctan2(ring, y) / np.pi
     along_v = np.pi * np.stack([x / ring * y, -ring, z / ring * y], -1)
-    return unit(met), along_u, along_v, np.stack([u, v], -1)
+    return unit(point), along_u, along_v, np.stack([u, v], -1)
 
 
 def round_hits(shape: str, camera: LookAt) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where rays meet the sphere or the cylinder's endless side: distance, point, direction."""
+    """Intersections of rays with the sphere or infinite cylinder: distance, point, direction."""
     origins, directions = rays(camera)
     keep = np.array([1.0, 0.0, 1.0]) if shape == "cylinder" else np.ones(3)
     o, d = origins * keep, directions * keep
@@ -624,26 +626,27 @@ def round_hits(shape: str, camera: LookAt) -> tuple[np.ndarray, np.ndarray, np.n
     return distance, origins + directions * distance[..., None], directions
 
 
-def round_leaves(shape: str, camera: LookAt) -> np.ndarray:
-    """Where rays leave the sphere or the closed cylinder again."""
+def round_exits(shape: str, camera: LookAt) -> np.ndarray:
+    """Distances at which rays leave the sphere or the closed cylinder."""
     origins, directions = rays(camera)
     keep = np.array([1.0, 0.0, 1.0]) if shape == "cylinder" else np.ones(3)
     o, d = origins * keep, directions * keep
     a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 0.25
     with np.errstate(invalid="ignore"):
-        leave = (-b + np.sqrt(b * b - a * c)) / a
+        t_exit = (-b + np.sqrt(b * b - a * c)) / a
     if shape == "sphere":
-        return leave
+        return t_exit
     caps = (np.copysign(0.5, directions[..., 1]) - origins[..., 1]) / directions[..., 1]
-    return np.minimum(leave, caps)
+    return np.minimum(t_exit, caps)
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
-@pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("tiling", [(4.0, 2.0), (3.0, -1.0), (-2.0, 5.0)])
-def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling) -> None:
-    """C19: by the formula of the conventions, at each point with its own frame, as deep all over as
-    on the widest tile."""
+def test_on_round_shapes_the_ray_is_traced_in_the_tangent_plane(
+    shape, reference_height, tiling
+) -> None:
+    """C19: with the tangent frame of each point, and everywhere the depth of the widest tile."""
     scale = 0.15
     obj = Object(
         heights(np.full((6, 10), HEIGHT)),
@@ -651,16 +654,16 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
         technique="parallax_occlusion",
         settings=KNOWN["parallax_occlusion"],
         scale=scale,
-        reference_height=level,
+        reference_height=reference_height,
         tiling=tiling,
     )
     camera = LookAt((0.9, 0.7, 1.6), field_of_view=36.0)
     frame = drawn(obj, camera)
-    distance, met, directions = round_hits(shape, camera)
-    normal, along_u, along_v, uv = on_round(shape, met)
-    facing = -(directions * normal).sum(-1)
-    # not at the outline, where a rounding of the point is a large one of the ray
-    ours = np.isfinite(distance) & (facing > 0.2) & (np.abs(met[..., 1]) < 0.49)
+    distance, points, directions = round_hits(shape, camera)
+    normal, along_u, along_v, uv = on_round(shape, points)
+    cosine = -(directions * normal).sum(-1)
+    # not at the outline, where rounding of the point changes the ray strongly
+    ours = np.isfinite(distance) & (cosine > 0.2) & (np.abs(points[..., 1]) < 0.49)
     assert ours.mean() > 0.1
     assert frame.hit[ours].all()
     tiles = np.array(tiling)
@@ -669,21 +672,21 @@ def test_on_round_shapes_the_ray_falls_in_the_tangent_plane(shape, level, tiling
     view_x = -(directions * along_u).sum(-1) / width
     view_y = (directions * along_v).sum(-1) / height
     deep = scale * np.pi / abs(tiles[0])
-    travel = -deep * np.stack([view_x / width, -view_y / height], -1) / facing[..., None]
-    wanted = uv * tiles + travel * (level - HEIGHT)
+    travel = -deep * np.stack([view_x / width, -view_y / height], -1) / cosine[..., None]
+    wanted = uv * tiles + travel * (reference_height - HEIGHT)
     away = np.abs(frame.uv - wanted)
-    # the seam at the back, where u jumps by its whole range, is not in view
+    # the seam, where u jumps by its whole range, is at the back
     assert away[ours].max() < 1e-3
-    deeper = distance + (level - HEIGHT) * deep / facing
-    # held to the shape, or to the shell that a raised relief fills around it
-    shell = (1 - level) * deep
-    leave = round_leaves(shape, camera)
-    deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), leave)
+    deeper = distance + (reference_height - HEIGHT) * deep / cosine
+    # clamped to the shape and to the shell of a raised relief around it
+    shell = (1 - reference_height) * deep
+    t_exit = round_exits(shape, camera)
+    deeper = np.clip(deeper, distance - np.sqrt(shell * (1 + shell)), t_exit)
     np.testing.assert_allclose(frame.distance[ours], deeper[ours], rtol=2e-4)
 
 
-def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
-    """C19: the tangent plane leaves the curve, more than in proportion to the depth."""
+def test_errors_on_a_cylinder_grow_with_the_scale() -> None:
+    """C19: the tangent plane departs from the curve faster than linearly in the depth."""
     camera = LookAt((0.0, 0.2, 2.5), field_of_view=26.0)
     origins, directions = rays(camera)
     errors = []
@@ -699,9 +702,9 @@ def test_on_a_cylinder_artefacts_grow_with_the_strength() -> None:
         frame = drawn(obj, camera)
         deep = (1 - HEIGHT) * scale * np.pi / 3
         with np.errstate(invalid="ignore"):
-            met = origins + directions * frame.distance[..., None]
-            radius = np.hypot(met[..., 0], met[..., 2])
-        side = frame.hit & (np.abs(met[..., 0]) < 0.4) & (np.abs(met[..., 1]) < 0.45)
+            points = origins + directions * frame.distance[..., None]
+            radius = np.hypot(points[..., 0], points[..., 2])
+        side = frame.hit & (np.abs(points[..., 0]) < 0.4) & (np.abs(points[..., 1]) < 0.45)
         assert side.mean() > 0.1
         errors.append(np.abs(radius - (0.5 - deep))[side].max())
     assert errors[0] < 1e-3
@@ -722,7 +725,7 @@ FACES = {
 
 @pytest.mark.parametrize("face", FACES)
 def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
-    """G11: upright and not mirrored, from the left edge to the right and from top to bottom."""
+    """G11: upright, not mirrored, over the whole face."""
     position, up = FACES[face]
     color = noise(8, (20, 30))
     material = Material("made up", base_color=map_of(color))
@@ -732,7 +735,7 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
     assert frame.hit.all()
     u, v = np.meshgrid((np.arange(30) + 0.5) / 30, (np.arange(30) + 0.5) / 30)
     np.testing.assert_allclose(frame.uv, np.stack([u, v], -1), atol=1e-6)
-    # columns match texel for texel; rows of 20 lie between those of 30
+    # columns match the texels; the 20 rows of the map lie between the 30 of the picture
     rows = np.array([1 + 3 * k for k in range(10)])
     wanted = (color[2 * np.arange(10)] + color[2 * np.arange(10) + 1]) / 2
     np.testing.assert_allclose(frame.color[rows][:, :, :3], wanted, atol=1e-3)
@@ -746,19 +749,19 @@ PARALLAX = {
     "surface_height", "march", "chord", "at", "height_at", "hit_at", "t_at", "steps_by_angle",
     "step_count_by_angle", "step_count", "shifted", "full", "biased", "limited", "grid_line",
     "cone_reach",
-    # an intrinsic has the name `texel` too
+    # `texel` is also the name of an intrinsic
     *(name for name in TECHNIQUES if name != "texel"),
 }  # fmt: skip
 
 
 def functions(obj: Object, model: str = "ggx") -> set[str]:
-    """The names of all functions in what the GPU and the CPU compile."""
+    """The names of all functions in the WGSL and LLVM texts of an object's program."""
     program = program_of(obj.resolved, Scene((obj,), shading_model=model))
     wgsl = print_wgsl(program.module, program.edge)
     llvm = print_llvm(program.module, 8)
     names = set(re.findall(r"\bfn (\w+)\(", wgsl))
     names |= set(re.findall(r"define [^@]*@\"?([\w.]+)", llvm))
-    # one read of four texels has several names
+    # LLVM's read of four texels has a name for each kind of map
     return {"corners" if name.startswith("corners") else name for name in names}
 
 
@@ -767,7 +770,7 @@ def without(material: Material, *kinds: str) -> Material:
 
 
 @pytest.mark.parametrize("shape", ["plane", "sphere"])
-def test_without_heights_there_is_no_parallax_code(shape) -> None:
+def test_a_material_without_heights_has_no_parallax_code(shape) -> None:
     """C3."""
     material = replace(without(sample("tiles", 16), "height"), depth=None)
     obj = Object(material, shape=shape)
@@ -777,8 +780,8 @@ def test_without_heights_there_is_no_parallax_code(shape) -> None:
     assert "ReliefParameters" not in text
 
 
-def test_drawn_flat_there_is_no_parallax_code_either() -> None:
-    """C3; and with heights and a technique there is, so that the names above are the right ones."""
+def test_an_object_drawn_flat_has_no_parallax_code() -> None:
+    """C3; the programs of the other techniques have all of it, so the names in PARALLAX exist."""
     material = sample("tiles", 16)
     assert not functions(Object(material, technique="flat")) & PARALLAX
     found: set[str] = set()
@@ -797,14 +800,14 @@ READS = {
 
 
 @pytest.mark.parametrize("what", READS)
-def test_a_map_that_is_missing_costs_nothing(what) -> None:
-    """Of a map that is not there, neither a read nor the texture is in the program."""
+def test_a_missing_map_costs_nothing(what) -> None:
+    """A program without the map has neither its texture nor a read of it."""
     whole = replace(sample("tiles", 16), emission=map_of(noise(6, (16, 16))))
     kinds = {"response": ("occlusion", "roughness", "metallic"), "normal": ("normal", "height")}
     lacking = without(replace(whole, depth=None), *kinds.get(what, (what,)))
     for material, there in ((whole, True), (lacking, False)):
         module = program_of(Object(material).resolved).module
-        # what both engines print: it is given the map, and the rest that reading takes, or nothing
+        # both engines print from this: the reader has all of its parameters or none
         (reading,) = (each for each in module.functions if each.name == READS[what])
         assert ("map" in reading.parameters) == bool(reading.parameters) == there
         text = print_wgsl(module, "wrap")
@@ -812,7 +815,7 @@ def test_a_map_that_is_missing_costs_nothing(what) -> None:
         assert (f"{what}_map" in text) == there
 
 
-def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() -> None:
+def test_a_program_contains_only_its_shading_model_and_shape() -> None:
     material = sample("tiles", 16)
     names = functions(Object(material, shape="sphere"), "phong")
     assert {"intersect_sphere", "phong"} <= names
@@ -829,7 +832,7 @@ def test_only_the_shading_model_and_the_shape_that_are_drawn_are_in_a_program() 
     )
 
 
-def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:
+def test_changing_a_number_compiles_nothing() -> None:
     material = sample("tiles", 16)
     one = program_of(
         Object(material, technique="steep", settings={"steps": 5}, scale=0.01).resolved
@@ -842,7 +845,7 @@ def test_numbers_that_a_user_turns_compile_nothing_anew() -> None:
     assert program_of(Object(material, technique="relief").resolved).key != one.key
 
 
-def test_with_scale_0_a_picture_is_flat_and_reads_nothing() -> None:
+def test_scale_0_draws_flat_without_reads() -> None:
     """C2."""
     material = sample("bricks", 64)
     camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
@@ -854,8 +857,8 @@ def test_with_scale_0_a_picture_is_flat_and_reads_nothing() -> None:
         np.testing.assert_array_equal(frame.color, still.color)
 
 
-def test_reads_are_counted_where_something_is_hit() -> None:
-    """C11: one for an offset, at most N for a march, none beside the object."""
+def test_reads_are_counted_where_the_object_is() -> None:
+    """C11: 1 for an offset, at most N for a march, 0 in the background."""
     material = sample("bricks", 64)
     camera = LookAt((0.6, 1.2, 1.3), field_of_view=35.0)
     frame = drawn(Object(material, technique="steep", settings={"steps": 10}, scale=0.1), camera)

@@ -51,12 +51,12 @@ def ray_through(camera, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def uv_of_plane(camera, x, y, matrix, origin, tiling, shift) -> np.ndarray:
-    """Texture coordinates of the plane seen at a place of the picture, in float64."""
+    """Texture coordinates of the plane at a position of the picture, in float64."""
     start, direction = ray_through(camera, x, y)
     inverse = np.linalg.inv(matrix)
     start, direction = inverse @ (start - origin), inverse @ direction
-    met = start - direction * (start[2] / direction[2])
-    return np.array([0.5 + met[0], 0.5 - met[1]]) * tiling + shift
+    point = start - direction * (start[2] / direction[2])
+    return np.array([0.5 + point[0], 0.5 - point[1]]) * tiling + shift
 
 
 @pytest.mark.parametrize(
@@ -78,11 +78,11 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
     for x, y in [(20, 11), (15, 8), (24, 14), (21.5, 6.5), (17, 12)]:
         placed_at = placement(tiling, shift, matrix, tuple(origin))
         ray = primary_ray(camera, Vec2(x, y))
-        met = intersect(ray, placed_at, Variant())
-        if not met.found:
+        intersection = intersect(ray, placed_at, Variant())
+        if not intersection.found:
             continue
         found += 1
-        footprint = footprint_at(ray, placed_at, met, met.distance)
+        footprint = footprint_at(ray, placed_at, intersection, intersection.distance)
 
         def uv(x, y):
             return uv_of_plane(camera, x, y, matrix, origin, np.array(tiling), shift)
@@ -90,7 +90,7 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
         step = 1e-3
         dx = (uv(x + step, y) - uv(x - step, y)) / (2 * step)
         dy = (uv(x, y + step) - uv(x, y - step)) / (2 * step)
-        np.testing.assert_allclose(a(met.uv), uv(x, y), atol=1e-5)
+        np.testing.assert_allclose(a(intersection.uv), uv(x, y), atol=1e-5)
         size = max(np.abs(dx).max(), np.abs(dy).max())
         np.testing.assert_allclose(a(footprint.dx), dx, atol=2e-4 * size)
         np.testing.assert_allclose(a(footprint.dy), dy, atol=2e-4 * size)
@@ -98,28 +98,27 @@ def test_the_footprint_is_the_difference_between_neighbouring_pixels(lens, place
 
 
 @pytest.mark.parametrize("name", ["box", "sphere", "cylinder"])
-def test_the_footprint_on_solids_is_the_difference_too(name) -> None:
-    """Against the same shader's uv half a pixel to each side: 2 % where the surface is curved."""
+def test_the_footprint_on_solids_is_the_difference_of_the_shaders_uv(name) -> None:
+    """Within 2 % of the shader's uv half a pixel to each side, as the surface is curved."""
     camera = look_at((1.2, 1.0, 2.0), (0, 0, 0), size=(400, 300), field_of_view=40.0)
     where = placement((3.0, -2.0), (0.0, 0.0), TRANSFORM)
 
-    def met(x, y):
+    def intersection_at(x, y):
         return intersect(primary_ray(camera, Vec2(x, y)), where, Variant(shape=name))
 
     for x, y in [(200.5, 150.5), (190, 160), (215, 140)]:
-        middle = met(x, y)
+        middle = intersection_at(x, y)
         assert middle.found
         ray = primary_ray(camera, Vec2(x, y))
         footprint = footprint_at(ray, where, middle, middle.distance)
-        dx = a(met(x + 0.5, y).uv) - a(met(x - 0.5, y).uv)
-        dy = a(met(x, y + 0.5).uv) - a(met(x, y - 0.5).uv)
+        dx = a(intersection_at(x + 0.5, y).uv) - a(intersection_at(x - 0.5, y).uv)
+        dy = a(intersection_at(x, y + 0.5).uv) - a(intersection_at(x, y - 0.5).uv)
         size = max(np.abs(dx).max(), np.abs(dy).max())
         np.testing.assert_allclose(a(footprint.dx), dx, atol=0.02 * size)
         np.testing.assert_allclose(a(footprint.dy), dy, atol=0.02 * size)
 
 
-def test_along_the_surface_the_footprint_stays_finite() -> None:
-    """A ray in the plane itself."""
+def test_the_footprint_of_a_ray_in_the_plane_is_finite() -> None:
     moved = transferred(1.0, Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(0, 0, 0.001), Vec3(0, 0, 0.001))
     assert np.isfinite(a(moved)).all()
 
@@ -130,7 +129,7 @@ def test_along_the_surface_the_footprint_stays_finite() -> None:
         ((1 / 64, 0), (0, 1 / 16), 0.0),  # a texel for a pixel, both ways
         ((4 / 64, 0), (0, 1 / 16), 2.0),  # the longer side counts
         ((1 / 64, 0), (0, 8 / 16), 3.0),  # in rows, which are fewer
-        ((0, 8 / 16), (0, 0), 3.0),  # whichever way the picture is turned
+        ((0, 8 / 16), (0, 0), 3.0),  # for any rotation of the picture
         ((3 / 64, 4 / 16), (0, 0), math.log2(5)),  # as long as the diagonal
         ((-6 / 64, 0), (0, 0), math.log2(6)),
         ((0.1 / 64, 0), (0, 0.2 / 16), 0.0),  # never finer than the map
@@ -143,18 +142,18 @@ def test_the_level_of_detail_is_the_longer_side_in_texels(dx, dy, level) -> None
 
 
 def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
-    """G5: what the maps are read with does not depend on the relief, only their place does."""
+    """G5: the relief changes the uv at which maps are read, not the footprint."""
     from basrelief.engine import choose_device
     from basrelief.material import sample
     from basrelief.rendering.programs import program_of, values_of
     from basrelief.scene import Object, Orbit, Scene
 
-    spots = []
+    points = []
     wrapped = pixels.surface_at
 
-    def recording(spot, *rest):
-        spots.append(spot)
-        return wrapped(spot, *rest)
+    def recording(point, *rest):
+        points.append(point)
+        return wrapped(point, *rest)
 
     monkeypatch.setattr(pixels, "surface_at", recording)
     seen = {}
@@ -165,10 +164,10 @@ def test_the_footprint_is_that_of_the_undisplaced_uv(monkeypatch) -> None:
             program_of(obj.resolved),
             values_of(obj.resolved, scene, (32, 18), choose_device("cpu")),
         )
-        spots.clear()
+        points.clear()
         for place in [(16, 9), (12, 8), (19, 11)]:
             pixel_in_python(program, values, *place)
-        seen[technique] = list(spots)
+        seen[technique] = list(points)
     assert len(seen["flat"]) == len(seen["relief"]) == 3
     for still, moved in zip(seen["flat"], seen["relief"], strict=True):
         assert moved.footprint == still.footprint

@@ -92,23 +92,23 @@ def cast(surface, origin, direction):
 
 
 def kind_of(surface) -> str:
-    """The shape that a shader intersects."""
+    """Name of the shape that a shader intersects."""
     return surface.name.removeprefix("intersect_")
 
 
-def laid(surface, point):
-    """How the texture lies on a shape at a point of it."""
+def chart_at(surface, point):
+    """The chart of a shape at a point on it."""
     return chart(point.position, point.normal, Variant(shape=kind_of(surface)))
 
 
-def is_sound(surface, point):
-    """Every number finite, the normal of unit length, the derivatives of some."""
-    lies = laid(surface, point)
+def assert_finite(surface, point):
+    """Assert finite numbers, a unit normal and derivatives other than 0."""
+    surface_chart = chart_at(surface, point)
     assert np.isfinite([float(x) for x in leaf_values(point, ShapeIntersection)]).all()
-    assert np.isfinite([float(x) for x in leaf_values(lies, Chart)]).all()
+    assert np.isfinite([float(x) for x in leaf_values(surface_chart, Chart)]).all()
     assert np.linalg.norm(a(point.normal)) == pytest.approx(1, abs=1e-6)
-    assert np.linalg.norm(a(lies.along_u)) > 1e-5
-    assert np.linalg.norm(a(lies.along_v)) > 1e-5
+    assert np.linalg.norm(a(surface_chart.along_u)) > 1e-5
+    assert np.linalg.norm(a(surface_chart.along_v)) > 1e-5
 
 
 def derivative(form, u, v, du, dv, step=1e-5):
@@ -137,7 +137,7 @@ def test_the_shaders_are_in_the_subset_and_a_variant_has_its_own(surface):
         "sphere": "sphere_chart",
         "cylinder": "cylinder_chart",
     }
-    # a cap of the cylinder lies as a face of the box does
+    # a cap of the cylinder has the chart of a plane
     wanted = {charts[kind_of(surface)]} | (
         {"plane_chart"} if surface is intersect_cylinder else set()
     )
@@ -163,7 +163,7 @@ def names_in(function, variant):
 def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, turn, away, speed):
     surface, form = PATCHES[patch]
     if patch in ("cylinder top", "cylinder bottom"):
-        # keep to the disc
+        # inside the disc of the cap
         u, v = 0.5 + 0.69 / math.pi * (u - 0.5), 0.5 + 0.69 * (v - 0.5)
     position = np.array(form(u, v), np.float64)
     along_u, along_v = derivative(form, u, v, 1, 0), derivative(form, u, v, 0, 1)
@@ -174,17 +174,17 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
     point = cast(surface, position + view * away, -view * speed)
 
     assert point.found
-    # rounding of the ray's origin and direction, drawn out by the slant
+    # rounding of the ray's origin and direction, magnified at grazing angles
     near = 1e-6 * (1 + away) / cosine
     assert point.distance * speed == pytest.approx(away, abs=2 * near)
     np.testing.assert_allclose(a(point.position), position, atol=near)
     np.testing.assert_allclose(a(point.normal), normal, atol=4 * near)
-    lies = laid(surface, point)
-    np.testing.assert_allclose(a(lies.uv), (u, v), atol=3 * near)
-    np.testing.assert_allclose(a(lies.along_u), along_u, atol=20 * near)
-    np.testing.assert_allclose(a(lies.along_v), along_v, atol=20 * near)
-    assert np.cross(a(point.normal), a(lies.along_u)) @ -a(lies.along_v) > 0
-    is_sound(surface, point)
+    surface_chart = chart_at(surface, point)
+    np.testing.assert_allclose(a(surface_chart.uv), (u, v), atol=3 * near)
+    np.testing.assert_allclose(a(surface_chart.along_u), along_u, atol=20 * near)
+    np.testing.assert_allclose(a(surface_chart.along_v), along_v, atol=20 * near)
+    assert np.cross(a(point.normal), a(surface_chart.along_u)) @ -a(surface_chart.along_v) > 0
+    assert_finite(surface, point)
 
 
 @pytest.mark.parametrize(
@@ -211,27 +211,27 @@ def test_a_ray_aimed_at_a_point_finds_it_with_its_frame(patch, u, v, cosine, tur
         (intersect_cylinder, (-0.1, -2, 0.3), (0.5 - 0.1 / math.pi, 0.2)),
     ],
 )
-def test_axis_parallel_rays_meet_the_uv_of_the_conventions(surface, origin, uv):
+def test_axis_parallel_rays_have_the_uv_of_the_conventions(surface, origin, uv):
     direction = [-math.copysign(1, x) if abs(x) == 2 else 0.0 for x in origin]
     for zero in (0.0, -0.0):
         point = cast(surface, origin, [x or zero for x in direction])
         assert point.found
-        np.testing.assert_allclose(a(laid(surface, point).uv), uv, atol=1e-6)
-        is_sound(surface, point)
+        np.testing.assert_allclose(a(chart_at(surface, point).uv), uv, atol=1e-6)
+        assert_finite(surface, point)
 
 
 @pytest.mark.parametrize("surface", SHAPES)
 def test_no_ray_of_a_lattice_makes_a_nan_or_an_infinity(surface):
     places = (-1.0, -0.5, 0.0, 0.5, 1.0)
-    ways = [w for w in itertools.product((-1.0, 0.0, 1e-30, 1.0), repeat=3) if any(w)]
+    directions = [w for w in itertools.product((-1.0, 0.0, 1e-30, 1.0), repeat=3) if any(w)]
     origins = list(itertools.product(places, repeat=3))
-    for index, direction in enumerate(ways):
+    for index, direction in enumerate(directions):
         for origin in origins[index % 7 :: 7]:
-            is_sound(surface, cast(surface, origin, direction))
+            assert_finite(surface, cast(surface, origin, direction))
 
 
 @pytest.mark.parametrize("surface", SHAPES)
-def test_nothing_is_found_behind_the_ray_or_beside_the_shape(surface):
+def test_no_intersection_behind_the_ray_or_beside_the_shape(surface):
     rng = np.random.default_rng(7)
     for _ in range(30):
         away = rng.normal(size=3)
@@ -248,14 +248,14 @@ def test_nothing_is_found_behind_the_ray_or_beside_the_shape(surface):
 
 
 @pytest.mark.parametrize("surface", SOLIDS)
-def test_nothing_is_found_from_inside(surface):
+def test_no_intersection_from_inside(surface):
     rng = np.random.default_rng(8)
     for _ in range(40):
         start = rng.uniform(-0.28, 0.28, 3)
         assert not cast(surface, start, rng.normal(size=3)).found
 
 
-def test_the_plane_is_seen_from_the_front_and_within_its_edges_alone():
+def test_the_plane_is_intersected_only_from_the_front_and_within_its_edges():
     assert cast(intersect_plane, (0.2, 0.1, 1), (0, 0, -1)).found
     assert not cast(intersect_plane, (0.2, 0.1, -1), (0, 0, 1)).found
     assert not cast(intersect_plane, (0.2, 0.1, 1), (0, 0, 1)).found
@@ -266,7 +266,7 @@ def test_the_plane_is_seen_from_the_front_and_within_its_edges_alone():
 
 
 @pytest.mark.parametrize("surface", SOLIDS)
-def test_the_outline_is_where_it_should_be(surface):
+def test_the_outline_is_at_half_a_unit(surface):
     # at x = ±½, seen from afar along z, at the height of the centre
     for sign in (-1, 1):
         assert cast(surface, (sign * 0.4999, 0, 100), (0, 0, -1)).found
@@ -280,7 +280,7 @@ def test_a_grazing_ray_touches_the_sphere_near_its_edge():
     assert point.position.x == pytest.approx(-math.sqrt(0.25 - 0.4999**2), abs=1e-3)
 
 
-def test_far_away_the_sphere_and_the_cylinder_keep_their_digits():
+def test_far_intersections_with_sphere_and_cylinder_are_accurate():
     # the textbook's discriminant has an error of 0.1 here
     depth = math.sqrt(0.25 - 0.3**2 - 0.2**2)
     point = cast(intersect_sphere, (0.3, 0.2, 1000), (0, 0, -1))
@@ -309,13 +309,13 @@ def test_the_parameter_is_the_same_in_a_stretched_and_turned_object(surface):
 
 @pytest.mark.parametrize("surface", SHAPES)
 def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surface):
-    # a power of two, so that not a bit may differ
+    # a power of two, so that results are equal bit for bit
     origin, direction = (0.7, 0.9, 1.9), np.array((-0.27, -0.31, -0.8))
     one, four = cast(surface, origin, direction), cast(surface, origin, direction * 4)
     assert one.found
     assert one.distance == four.distance * 4
     assert (one.position, one.normal) == (four.position, four.normal)
-    assert laid(surface, one) == laid(surface, four)
+    assert chart_at(surface, one) == chart_at(surface, four)
 
 
 @pytest.mark.parametrize("away", [(0.0, 1e-5), (1e-6, 0.0), (0.0, 0.0), (-3e-4, 2e-4)])
@@ -323,17 +323,17 @@ def test_a_longer_direction_divides_the_parameter_and_changes_nothing_else(surfa
 def test_the_poles_of_the_sphere_have_a_frame(pole, away):
     point = cast(intersect_sphere, (away[0], 2 * pole, away[1]), (0, -pole, 0))
     assert point.found
-    is_sound(intersect_sphere, point)
-    lies = laid(intersect_sphere, point)
-    assert lies.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
-    assert a(lies.along_u) @ a(lies.along_v) == pytest.approx(0, abs=1e-5)
-    assert np.cross(a(point.normal), a(lies.along_u)) @ -a(lies.along_v) > 0
+    assert_finite(intersect_sphere, point)
+    surface_chart = chart_at(intersect_sphere, point)
+    assert surface_chart.uv.y == pytest.approx(0.5 - pole * 0.5, abs=1e-3)
+    assert a(surface_chart.along_u) @ a(surface_chart.along_v) == pytest.approx(0, abs=1e-5)
+    assert np.cross(a(point.normal), a(surface_chart.along_u)) @ -a(surface_chart.along_v) > 0
 
 
 @pytest.mark.parametrize("surface", [intersect_sphere, intersect_cylinder])
-def test_u_runs_to_its_ends_at_the_back_and_stays_within(surface):
+def test_u_is_0_and_1_at_the_seam_and_stays_within(surface):
     for x in (-1e-3, -1e-6, 1e-6, 1e-3):
-        u = laid(surface, cast(surface, (x, 0.1, -3), (0, 0, 1))).uv.x
+        u = chart_at(surface, cast(surface, (x, 0.1, -3), (0, 0, 1))).uv.x
         assert 0 <= u <= 1
         assert u == pytest.approx(0 if x < 0 else 1, abs=1e-3)
 
@@ -349,7 +349,7 @@ def test_no_ray_slips_through_an_edge(surface):
         view = edge * (1, 0, 1) + np.array((0.0, rng.uniform(0.1, 2.0), 0.0))
         point = cast(surface, edge + view * 5, -view)
         assert point.found
-        uv = laid(surface, point).uv
+        uv = chart_at(surface, point).uv
         assert 0 <= uv.x <= 1
         assert 0 <= uv.y <= 1
         np.testing.assert_allclose(a(point.position), edge, atol=1e-5)
@@ -364,16 +364,16 @@ def test_intervals_inside_the_slab_and_the_ball():
     through = sphere_interval(Vec3(0, 0.3, 2), Vec3(0, 0, -0.5))
     assert through.t_enter == pytest.approx(3.2, abs=1e-5)
     assert through.t_exit == pytest.approx(4.8, abs=1e-5)
-    leaving = sphere_interval(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
-    assert leaving.t_enter == pytest.approx(-4.8, abs=1e-5)
-    assert leaving.t_exit == pytest.approx(-3.2, abs=1e-5)
+    behind = sphere_interval(Vec3(0, 0.3, -2), Vec3(0, 0, -0.5))
+    assert behind.t_enter == pytest.approx(-4.8, abs=1e-5)
+    assert behind.t_exit == pytest.approx(-3.2, abs=1e-5)
 
 
-# --- where rays leave, and come into a shell around -----------------------------------------------
+# --- exits, and the shell around a shape ----------------------------------------------------------
 
 
 def size_of(surface, place):
-    """Half the width of the shape of the same kind that a place is on."""
+    """Half the width of the shape of this kind whose surface contains a place."""
     x, y, z = place
     if surface is intersect_box:
         return np.abs(place).max()
@@ -381,7 +381,7 @@ def size_of(surface, place):
 
 
 def rays_at(radius, count, seed):
-    """Rays from somewhere outside, at places of a ball."""
+    """Random rays from outside towards points in a ball."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         away = rng.normal(size=3)
@@ -392,24 +392,24 @@ def rays_at(radius, count, seed):
 
 @pytest.mark.parametrize("surface", SOLIDS)
 def test_a_ray_is_in_the_shape_until_it_leaves(surface):
-    met = 0
+    intersections = 0
     for origin, direction in rays_at(0.8, 60, 11):
         point = cast(surface, origin, direction)
         if not point.found:
             continue
-        met += 1
+        intersections += 1
         end = origin + direction * float(point.t_exit)
         assert size_of(surface, end) == pytest.approx(0.5, abs=1e-5)
         for share in (0.01, 0.5, 0.99):
             t = float(point.distance) * (1 - share) + float(point.t_exit) * share
             assert size_of(surface, origin + direction * t) < 0.5 + 1e-6
-    assert 20 < met < 60
+    assert 20 < intersections < 60
 
 
 @pytest.mark.parametrize("surface", [intersect_sphere, intersect_cylinder])
 @pytest.mark.parametrize("raised", [0.02, 0.3])
-def test_no_ray_is_longer_in_a_shell_before_it_meets_the_shape(surface, raised):
-    """On the side of a cylinder, around it, as on a sphere; all but along it that is the way."""
+def test_max_shell_distance_bounds_the_path_through_a_shell(surface, raised):
+    """For the side of a cylinder in the plane across its axis, as for a sphere."""
     longest = 0.0
     for offset in np.linspace(0.0, 0.4999, 40):
         origin, direction = (offset, 0.0, 3.0), (0.0, 0.0, -1.0)

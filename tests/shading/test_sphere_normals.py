@@ -1,4 +1,4 @@
-"""Normals on a sphere with a relief are those of a relief that is as deep on every tile."""
+"""Normals on a sphere: the relief has the same depth on every tile."""
 
 from __future__ import annotations
 
@@ -20,21 +20,23 @@ UNIT = Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1))
 
 
 def drawn_normal(latitude: float, along_u: float, along_v: float, variant: Variant) -> np.ndarray:
-    """The normal that is lit, of heights that rise by so much over a tile along u and v."""
+    """The shading normal for heights that rise by given amounts over a tile along u and v."""
     y, ring = np.sin(np.radians(latitude)), np.cos(np.radians(latitude))
     normal = Vec3(0.6 * ring, y, 0.8 * ring)
-    lies = sphere_chart(normal)
-    frame = tangent_frame(normal, lies.along_u / TILES[0], lies.along_v / TILES[1])
-    met = Intersection(
+    surface_chart = sphere_chart(normal)
+    frame = tangent_frame(
+        normal, surface_chart.along_u / TILES[0], surface_chart.along_v / TILES[1]
+    )
+    intersection = Intersection(
         True, 2.0, FAR, Vec2(0.0), frame, Vec3(0, 0, 1), ShapeRay(normal, -normal), 1.0
     )
-    # as normals are made from heights, for square texels and a range of SCALE tile widths
+    # the normal of heights with square texels and a range of SCALE tile widths
     leaning = Vec3(-SCALE * along_u, SCALE * along_v, 1.0)
     surface = Surface(Vec3(1.0), 1.0, leaning, 1.0, 1.0, 0.0, Vec3(0.0))
     none = Vec3(0.0)
     ray = CameraRay(normal * 3.0, -normal, none, none, none, none)
     placement = Placement(none, UNIT, Vec2(*TILES), Vec2(0.0), 1.0)
-    point = shading_point(ray, placement, met, surface, Vec3(0, 0, 1), 2.0, variant)
+    point = shading_point(ray, placement, intersection, surface, Vec3(0, 0, 1), 2.0, variant)
     return np.array([*point.normal], float)
 
 
@@ -47,8 +49,10 @@ def test_the_normal_is_that_of_the_displaced_sphere(latitude: float, slopes) -> 
     v0 = 0.5 - latitude / 180.0
 
     def displaced(u: float, v: float) -> np.ndarray:
-        turn, fall = 2 * np.pi * u, np.pi * v
-        out = np.array([np.sin(fall) * np.sin(turn), np.cos(fall), np.sin(fall) * np.cos(turn)])
+        azimuth, polar = 2 * np.pi * u, np.pi * v
+        out = np.array(
+            [np.sin(polar) * np.sin(azimuth), np.cos(polar), np.sin(polar) * np.cos(azimuth)]
+        )
         height = slopes[0] * (u - u0) * TILES[0] + slopes[1] * (v - v0) * TILES[1]
         return out * (0.5 + deep * height)
 
@@ -60,7 +64,7 @@ def test_the_normal_is_that_of_the_displaced_sphere(latitude: float, slopes) -> 
     np.testing.assert_allclose(got, wanted / np.linalg.norm(wanted), atol=2e-5)
 
 
-def test_without_a_relief_a_normal_map_leans_as_it_is_stored() -> None:
+def test_without_a_relief_the_normal_map_is_used_as_stored() -> None:
     flat = Variant(shape="sphere")
     steep, at_equator = (drawn_normal(latitude, 1.0, 0.0, flat) for latitude in (60.0, 0.0))
     outward = [np.array([0.6 * c, s, 0.8 * c]) for s, c in ((3**0.5 / 2, 0.5), (0.0, 1.0))]

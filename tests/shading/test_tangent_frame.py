@@ -22,7 +22,7 @@ from basrelief.shading.variant import Variant
 
 SHADERS = [tangent_frame, aspect, to_tangent, from_tangent, to_texture]
 
-# A place on each patch of each shape, as a ray that meets it from outside, not through its middle.
+# A ray from outside to each patch of each shape, not through its middle.
 RAYS = {
     "plane": ("plane", (0.2, 0.1, 2), (0, 0, -1)),
     "box right": ("box", (2, 0.1, 0.3), (-1, 0.05, 0)),
@@ -50,7 +50,7 @@ def columns(frame: TangentFrame) -> np.ndarray:
 
 @st.composite
 def patches(draw):
-    """A unit normal, ∂P/∂u and ∂P/∂v across it and across each other, and the handedness."""
+    """A unit normal, orthogonal ∂P/∂u and ∂P/∂v in its plane, and the handedness."""
     around, above, spin = (draw(st.floats(-3, 3)) for _ in range(3))
     normal = (np.cos(above) * np.sin(around), np.sin(above), np.cos(above) * np.cos(around))
     lean = (np.cos(spin), np.sin(spin), 1 - abs(np.sin(around)))
@@ -92,7 +92,7 @@ def test_frames_are_orthonormal_with_x_along_u_and_y_against_v(patch) -> None:
 
 
 @given(patches(), st.tuples(*[st.floats(-2, 2, width=32)] * 3))
-def test_the_transposed_frame_takes_vectors_to_tangent_space_and_back(patch, v) -> None:
+def test_to_tangent_and_from_tangent_are_inverse(patch, v) -> None:
     frame = frame_from(*patch[:3])
     taken = to_tangent(frame, Vec3(*v))
     np.testing.assert_allclose(a(taken), columns(frame).T @ np.array(v), atol=5e-6)
@@ -100,16 +100,16 @@ def test_the_transposed_frame_takes_vectors_to_tangent_space_and_back(patch, v) 
 
 
 @given(patches(), st.floats(-1, 1, width=32), st.floats(-1, 1, width=32))
-def test_a_move_of_the_point_is_a_move_of_its_texture_coordinates(patch, x, y) -> None:
-    """P moves by the tangent-space move, here in tile widths: solve ∂P/∂u du + ∂P/∂v dv for it."""
+def test_to_texture_converts_a_move_of_the_point_to_uv(patch, x, y) -> None:
+    """The move in tangent space, in tile widths, equals ∂P/∂u du + ∂P/∂v dv."""
     normal, along_u, along_v, _ = patch
     frame = frame_from(normal, along_u, along_v)
     got = a(to_texture(frame, Vec2(x, y) * frame.width))
-    wanted = solved(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
+    wanted = solved_move(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
     np.testing.assert_allclose(got, wanted, atol=1e-5 * max(1.0, float(aspect(frame))))
 
 
-def solved(frame: TangentFrame, along_u, along_v, move) -> np.ndarray:
+def solved_move(frame: TangentFrame, along_u, along_v, move) -> np.ndarray:
     """The move of texture coordinates, by least squares in float64."""
     tangent, bitangent, _ = columns(frame).T
     moved = tangent * move[0] + bitangent * move[1]
@@ -122,10 +122,10 @@ def solved(frame: TangentFrame, along_u, along_v, move) -> np.ndarray:
     st.floats(-1, 1, width=32),
     st.floats(-1, 1, width=32),
 )
-def test_on_a_slanted_tile_a_move_is_solved_too(patch, slant, x, y) -> None:
-    """∂P/∂v leans along ∂P/∂u by up to three times its length: mirrored or not, never square."""
+def test_moves_on_a_sheared_tile(patch, shear, x, y) -> None:
+    """∂P/∂v is sheared along ∂P/∂u by up to three times its length, mirrored or not."""
     normal, along_u, across, handedness = patch
-    along_v = across + unit(along_u) * np.linalg.norm(across) * slant
+    along_v = across + unit(along_u) * np.linalg.norm(across) * shear
     frame = frame_from(normal, along_u, along_v)
     matrix = columns(frame)
     np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=2e-6)
@@ -134,15 +134,15 @@ def test_on_a_slanted_tile_a_move_is_solved_too(patch, slant, x, y) -> None:
     size = np.linalg.norm(along_v)
     assert frame.width == pytest.approx(np.linalg.norm(along_u), rel=1e-5)
     assert frame.height == pytest.approx(np.linalg.norm(across), rel=1e-5, abs=2e-6 * size)
-    laid = matrix[:, 0] * float(frame.shear) - matrix[:, 1] * float(frame.height)
-    np.testing.assert_allclose(laid, along_v, atol=4e-6 * size)
+    rebuilt = matrix[:, 0] * float(frame.shear) - matrix[:, 1] * float(frame.height)
+    np.testing.assert_allclose(rebuilt, along_v, atol=4e-6 * size)
     got = a(to_texture(frame, Vec2(x, y) * frame.width))
-    wanted = solved(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
+    wanted = solved_move(frame, along_u, along_v, np.array([x, y]) * float(frame.width))
     most = max(1.0, float(aspect(frame))) * (1.0 + size / np.linalg.norm(along_u))
     np.testing.assert_allclose(got, wanted, atol=1e-5 * most)
 
 
-def test_a_slanted_mirrored_tile_worked_out_by_hand() -> None:
+def test_a_sheared_mirrored_tile_worked_out_by_hand() -> None:
     """4 wide along +y, 2 high along +x, leaning 3 along +y: seen from +z it is mirrored."""
     frame = tangent_frame(Vec3(0, 0, 1), Vec3(0, 4, 0), Vec3(2, 3, 0))
     assert a(frame.tangent).tolist() == [0.0, 1.0, 0.0]
@@ -168,14 +168,14 @@ def test_y_up_is_v_down() -> None:
     ("tiling", "handedness"),
     [((1, 1), 1), ((3, 2), 1), ((-3, 2), -1), ((3, -2), -1), ((-3, -2), 1)],
 )
-def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None:
-    """No shape is mirrored by itself; a negative tiling of one axis mirrors it, of both not."""
+def test_mirrored_tilings_flip_the_handedness(where, tiling, handedness) -> None:
+    """A negative tiling of one axis mirrors a shape; of both it does not."""
     name, origin, direction = RAYS[where]
-    met = intersect_shape(ShapeRay(Vec3(*origin), Vec3(*direction)), Variant(shape=name))
-    assert met.found
-    lies = chart(met.position, met.normal, Variant(shape=name))
-    along_u, along_v = a(lies.along_u) / tiling[0], a(lies.along_v) / tiling[1]
-    frame = frame_from(a(met.normal), along_u, along_v)
+    intersection = intersect_shape(ShapeRay(Vec3(*origin), Vec3(*direction)), Variant(shape=name))
+    assert intersection.found
+    surface_chart = chart(intersection.position, intersection.normal, Variant(shape=name))
+    along_u, along_v = a(surface_chart.along_u) / tiling[0], a(surface_chart.along_v) / tiling[1]
+    frame = frame_from(a(intersection.normal), along_u, along_v)
     matrix = columns(frame)
     np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=3e-6)
     assert np.linalg.det(matrix) == pytest.approx(handedness, abs=1e-5)
@@ -183,7 +183,7 @@ def test_mirrored_tilings_turn_the_handedness(where, tiling, handedness) -> None
     assert a(frame.bitangent) @ along_v < 0
 
 
-def test_a_derivative_that_leans_off_the_surface_is_laid_on_it() -> None:
+def test_a_derivative_is_projected_onto_the_surface() -> None:
     frame = tangent_frame(Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3(0, -3, 0))
     np.testing.assert_allclose(columns(frame), np.eye(3), atol=1e-6)
     assert (frame.width, frame.height, frame.shear) == (2.0, 3.0, 0.0)

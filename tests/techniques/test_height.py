@@ -16,7 +16,7 @@ from basrelief.lang.program import Program
 from basrelief.techniques.height import sharp
 
 SMALL = np.array([[0.0, 0.25, 1.0], [0.5, 0.125, 0.75]], np.float32)
-"""Two rows of three texels, no two alike."""
+"""Two rows of three different texels."""
 
 
 def index(i: int, count: int, edge: str) -> int:
@@ -55,8 +55,8 @@ def test_texel_centres_give_the_stored_heights(edge: str) -> None:
             assert read(field, *place) == pytest.approx(SMALL[row, column], abs=1e-6)
 
 
-def test_between_centres_it_is_bilinear() -> None:
-    """Worked out by hand: u is a third and v a half, between the first two columns and the rows."""
+def test_heights_between_centres_are_bilinear() -> None:
+    """Worked out by hand, between the first two columns and the two rows."""
     field = HeightField([SMALL], "clamp")
     assert read(field, 1 / 3, 0.25) == pytest.approx((0.0 + 0.25) / 2, abs=1e-6)
     assert read(field, 1 / 6, 0.5) == pytest.approx((0.0 + 0.5) / 2, abs=1e-6)
@@ -66,16 +66,16 @@ def test_between_centres_it_is_bilinear() -> None:
     assert read(field, u, v) == pytest.approx(0.25 * upper + 0.75 * lower, abs=1e-6)
 
 
-def test_the_edge_repeats_or_goes_on() -> None:
-    """At the corner (0, 0) four tiles meet; a map that goes on has its first texel there."""
-    wrapped, held = HeightField([SMALL], "wrap"), HeightField([SMALL], "clamp")
+def test_edges_wrap_or_clamp() -> None:
+    """At (0, 0) four tiles meet; a clamped map has its first texel there."""
+    wrapped, clamped = HeightField([SMALL], "wrap"), HeightField([SMALL], "clamp")
     corners = (SMALL[0, 0] + SMALL[0, 2] + SMALL[1, 0] + SMALL[1, 2]) / 4
     assert read(wrapped, 0, 0) == pytest.approx(corners)
     assert read(wrapped, 2, -1) == pytest.approx(corners)
-    assert read(held, 0, 0) == SMALL[0, 0]
-    assert read(held, 7, -3) == SMALL[0, 2]
-    assert read(held, -7, 3) == SMALL[1, 0]
-    assert read(held, 1 / 6, 1) == SMALL[1, 0]
+    assert read(clamped, 0, 0) == SMALL[0, 0]
+    assert read(clamped, 7, -3) == SMALL[0, 2]
+    assert read(clamped, -7, 3) == SMALL[1, 0]
+    assert read(clamped, 1 / 6, 1) == SMALL[1, 0]
 
 
 @given(
@@ -86,12 +86,12 @@ def test_the_edge_repeats_or_goes_on() -> None:
     st.sampled_from(["wrap", "clamp"]),
     st.integers(0, 2**32 - 1),
 )
-def test_it_is_the_reference_everywhere(
+def test_heights_equal_the_reference(
     columns: int, rows: int, u: float, v: float, edge: str, seed: int
 ) -> None:
     heights = np.random.default_rng(seed).random((rows, columns)).astype(np.float32)
     field = HeightField([heights], edge)  # type: ignore[arg-type]
-    # the place is rounded to 2⁻²⁴ of up to 3 × 7 texels, and heights differ by up to 1 a texel
+    # uv is rounded by 2⁻²⁴ of up to 3 × 7 texels, and heights differ by up to 1 per texel
     wanted = reference(heights, u, v, edge)
     assert read(field, u, v) == pytest.approx(wanted, abs=5e-6)
 
@@ -107,14 +107,14 @@ def test_a_single_texel_is_flat(u: float, v: float, edge: str) -> None:
 
 @struct
 class Read:
-    """What one pixel reads."""
+    """The height that a pixel reads."""
 
     height: float
 
 
 @shader
 def reading(at: IVec2, field: HeightField) -> Read:
-    """The field, a bit more than three tiles of it."""
+    """A little more than three tiles of the field."""
     uv = Vec2(float(at.x) * 0.0517 - 1.53, float(at.y) * 0.0917 - 1.21)
     return Read(sharp(field, uv))
 
@@ -149,8 +149,8 @@ def test_the_gpu_reads_the_same(edge: str) -> None:
         np.testing.assert_allclose(gpu[name], cpu[name], atol=3e-6)
 
 
-def test_sixteen_bits_are_kept() -> None:
-    """Neighbouring 16-bit codes stay apart, and so does what lies a thousandth between them."""
+def test_16_bit_heights_are_not_rounded() -> None:
+    """Neighbouring 16-bit codes, and a thousandth of the step between them, are distinguished."""
     codes = np.array([[40000, 40001]]) / 65535
     field = HeightField([codes], "clamp")
     low, high = (read(field, u, 0.5) for u in (0.25, 0.75))

@@ -1,4 +1,4 @@
-"""A technique of a user's own, from a file: it works like any other, and tells what is wrong."""
+"""User-defined techniques from a file: drawing, and error messages with file and line."""
 
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ def sink(field: HeightField, ray: Ray, settings: Sinking) -> Hit:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a material in `bumps`, where commands run."""
+def work_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder of the commands, with a material in `bumps`."""
     monkeypatch.chdir(tmp_path)
     write_heights(tmp_path / "bumps")
     return tmp_path
 
 
-def own(text: str, name: str = "my.py") -> None:
+def write_technique(text: str, name: str = "my.py") -> None:
     Path(name).write_text(text)
 
 
@@ -69,21 +69,21 @@ def drawn(technique: str, *arguments: str) -> np.ndarray:
 
 
 def line_of(text: str, part: str) -> int:
-    """The number of the line that has some text, from 1 on."""
+    """The number of the line that contains a text, from 1."""
     return next(n for n, line in enumerate(text.splitlines(), 1) if part in line)
 
 
-# --- it works -------------------------------------------------------------------------------------
+# --- use ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
-def test_it_draws_and_its_settings_turn_it(device: str, here: Path) -> None:
-    own(SINK)
+def test_a_technique_from_a_file_draws_and_takes_settings(device: str, work_folder: Path) -> None:
+    write_technique(SINK)
     flat = drawn("flat", "--device", "cpu")
     pictures = [
         drawn("my.py:sink", "--device", device, "--set", f"depth_steps={n}") for n in range(3)
     ]
-    # at the level itself the ray goes nowhere
+    # at the reference height nothing is displaced
     assert np.abs(pictures[0] - flat).max() < 1e-3
     assert np.abs(pictures[2] - drawn("my.py:sink", "--device", device)).max() == 0.0
     assert not (pictures[1] == pictures[2]).all()
@@ -92,21 +92,21 @@ def test_it_draws_and_its_settings_turn_it(device: str, here: Path) -> None:
     )
 
 
-def test_where_it_ends_is_known(here: Path) -> None:
-    """Half the range down: the uv are moved by half the ray's fall, for each pixel."""
-    own(SINK)
+def test_the_hit_is_that_of_the_closed_form(work_folder: Path) -> None:
+    """A hit at half the height range moves uv by half the ray's travel."""
+    write_technique(SINK)
     material = basrelief.load("bumps")
     ortho = basrelief.Orbit(0.0, 45.0, orthographic_height=1.0)
     options = {"scale": 0.2, "camera": ortho, "size": (9, 9), "device": choose_device("cpu")}
     flat = basrelief.render(material, technique="flat", **options)
     sunk = basrelief.render(material, technique="my.py:sink", **options)
     moved = (sunk.uv - flat.uv)[4, 4]
-    # seen at 45 degrees along the rows; a tile is as high as 6/8 of its width
+    # a view at 45 degrees; the tile's height is 6/8 of its width
     assert moved == pytest.approx([0.0, -0.5 * 0.2 / (6 / 8)], abs=1e-5)
 
 
-def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
-    own(SINK)
+def test_a_technique_can_be_called_as_a_function(work_folder: Path) -> None:
+    write_technique(SINK)
     sink = technique_from_file("my.py", "sink")
     assert sink.reference_height == 1.0
     assert sink.settings().depth_steps == 2
@@ -115,16 +115,16 @@ def test_it_is_called_as_the_plain_function_that_it_is(here: Path) -> None:
     assert hit == Hit(Vec2(0.625, 0.75), 0.5, 0.5, True, 0)
 
 
-def test_a_plain_shader_will_do(here: Path) -> None:
-    own(SINK.replace("@technique(reference_height=1.0)", "@shader"))
+def test_a_shader_without_the_mark_is_a_technique(work_folder: Path) -> None:
+    write_technique(SINK.replace("@technique(reference_height=1.0)", "@shader"))
     marked = drawn("my.py:sink", "--device", "cpu")
-    own(SINK, "other.py")
+    write_technique(SINK, "other.py")
     assert (marked == drawn("other.py:sink", "--device", "cpu")).all()
 
 
-def test_it_reads_what_the_library_bakes(here: Path) -> None:
-    """A march by cones of one's own: the library's, under another name."""
-    own(
+def test_a_technique_reads_a_bake_of_the_library(work_folder: Path) -> None:
+    """`cone` of the library under another name."""
+    write_technique(
         """\
 from basrelief.techniques import CONE_MAP, HeightField, Hit, Ray, Texture, technique
 from basrelief.techniques.cone import Cones, cone
@@ -140,50 +140,50 @@ def mine(field: HeightField, baked: Texture, ray: Ray, settings: Cones) -> Hit:
     assert not (drawn("flat", "--device", "cpu") == wanted).all()
 
 
-def test_a_bake_that_there_is_not_is_told(here: Path) -> None:
+def test_an_unknown_bake_is_refused(work_folder: Path) -> None:
     head = "from basrelief.techniques import *\nfrom basrelief.techniques import TECHNIQUES\n"
     by_name = '@technique(bake="cone_map")\ndef mine(field, baked, ray, settings): ...\n'
-    own(head + by_name)
+    write_technique(head + by_name)
     line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
     assert re.search(r"my\.py:3: `@technique\(bake=\"cone_map\"\)`: .*as CONE_MAP of", line), line
     other = 'MINE = Bake("heaps", ())\nmine = technique(bake=MINE)(TECHNIQUES["cone"])\n'
-    own(head + other)
+    write_technique(head + other)
     line = refused("render", "bumps", *DRAW, "--technique", "my.py:mine")
     assert "no function runs the bake heaps" in line
 
 
-def test_it_runs_once_and_leaves_nothing_beside_it(
-    here: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_file_runs_once_and_no_bytecode_is_written(
+    work_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
-    own(SINK + "\nwith open('runs', 'a') as file:\n    file.write('x')\n")
+    write_technique(SINK + "\nwith open('runs', 'a') as file:\n    file.write('x')\n")
     done("render", "bumps", *DRAW, "--technique", "my.py:sink", "-o", "a.png")
     assert Path("runs").read_text() == "x"
     assert sorted(os.listdir()) == ["a.png", "bumps", "my.py", "runs"]
 
 
-def test_the_file_means_what_it_means_elsewhere(here: Path) -> None:
-    """No `from __future__` but its own holds in it."""
-    own(SINK + "\ndef f(x: int) -> None: ...\nassert f.__annotations__['x'] is int\n")
+def test_the_file_is_compiled_without_future_imports(work_folder: Path) -> None:
+    """A `from __future__` of the library does not apply to it."""
+    write_technique(SINK + "\ndef f(x: int) -> None: ...\nassert f.__annotations__['x'] is int\n")
     assert technique_from_file("my.py", "sink").name == "sink"
 
 
-def test_a_change_is_seen_at_once(here: Path) -> None:
-    """Also one that keeps the size of the file, and its time as far as file systems tell."""
-    own(SINK)
+def test_a_change_is_seen_at_once(work_folder: Path) -> None:
+    """Also a change that keeps the file's size and modification time."""
+    write_technique(SINK)
     first = drawn("my.py:sink", "--device", "cpu")
     stat = Path("my.py").stat()
-    own(SINK.replace("1.0 - 0.25", "1.0 - 0.15"))
+    write_technique(SINK.replace("1.0 - 0.25", "1.0 - 0.15"))
     os.utime("my.py", ns=(stat.st_atime_ns, stat.st_mtime_ns))
     assert technique_from_file("my.py", "sink").function.__code__.co_consts.count(0.15) == 1
     os.utime("my.py")
     assert not (first == drawn("my.py:sink", "--device", "cpu")).all()
 
 
-def test_two_files_of_one_name(here: Path) -> None:
+def test_two_files_of_one_name(work_folder: Path) -> None:
     for folder, factor in (("one", "0.25"), ("two", "0.1")):
         Path(folder).mkdir()
-        own(SINK.replace("0.25", factor), f"{folder}/my.py")
+        write_technique(SINK.replace("0.25", factor), f"{folder}/my.py")
     one, two = (technique_from_file(f"{folder}/my.py", "sink") for folder in ("one", "two"))
     material = basrelief.load("bumps")
     options = {"size": (9, 9), "samples": 1, "device": choose_device("cpu")}
@@ -191,44 +191,45 @@ def test_two_files_of_one_name(here: Path) -> None:
     assert not (first == second).all()
 
 
-# --- it tells what is wrong -----------------------------------------------------------------------
+# --- messages -------------------------------------------------------------------------------------
 
 
-def told(text: str, name: str = "sink") -> str:
-    """The line with which a file is refused."""
-    own(text)
+def refusal(text: str, name: str = "sink") -> str:
+    """The error message for a file."""
+    write_technique(text)
     line = refused("render", "bumps", *DRAW, "--technique", f"my.py:{name}", "--device", "cpu")
     assert sorted(os.listdir()) == ["bumps", "my.py"]
     return line
 
 
-def test_no_file(here: Path) -> None:
+def test_a_missing_file(work_folder: Path) -> None:
     line = refused("render", "bumps", "--technique", "mine.py:sink")
-    assert line == "mine.py: there is no such file; --technique takes FILE.py:NAME"
+    assert line.startswith("mine.py: there is no such file")
+    assert "--technique takes FILE.py:NAME" in line
     Path("folder.py").mkdir()
     assert "there is no such file" in refused("render", "bumps", "--technique", "folder.py:sink")
     assert "FILE.py:NAME" in refused("render", "bumps", "--technique", "my.py")
 
 
 @pytest.mark.parametrize("name", ["sunk", "", "a:b", "sink.function"])
-def test_no_such_name(name: str, here: Path) -> None:
+def test_a_missing_name(name: str, work_folder: Path) -> None:
     if ":" not in name:
-        assert told(SINK, name) == f"my.py: it has no {name}; mark a technique with @technique()"
+        assert refusal(SINK, name) == f"my.py: it has no {name}; mark a technique with @technique()"
     else:
-        assert "there is no such file" in told(SINK, name)
+        assert "there is no such file" in refusal(SINK, name)
 
 
-def test_no_technique(here: Path) -> None:
+def test_a_name_that_is_not_a_technique(work_folder: Path) -> None:
     wanted = "my.py: it does not mark sink; mark a technique with @technique()"
-    assert told(SINK.replace("@technique(reference_height=1.0)\n", "")) == wanted
-    assert told("sink = 3") == wanted
-    assert told(SINK.replace("@technique(reference_height=1.0)", "@slot")) == wanted
+    assert refusal(SINK.replace("@technique(reference_height=1.0)\n", "")) == wanted
+    assert refusal("sink = 3") == wanted
+    assert refusal(SINK.replace("@technique(reference_height=1.0)", "@slot")) == wanted
 
 
-def test_a_syntax_error(here: Path) -> None:
+def test_a_syntax_error(work_folder: Path) -> None:
     text = SINK.replace("height = 1.0 - 0.25", "height = 1.0 - - * 0.25")
     line = line_of(text, "height = 1.0")
-    assert told(text) == (
+    assert refusal(text) == (
         f"my.py:{line}: `height = 1.0 - - * 0.25 * float(settings.depth_steps)`: "
         "the file fails to run: SyntaxError: invalid syntax"
     )
@@ -245,11 +246,11 @@ def test_a_syntax_error(here: Path) -> None:
         ("x = '\0'", "my.py: the file fails to run: SyntaxError: source code string cannot cont"),
     ],
 )
-def test_a_file_that_fails(text: str, what: str, here: Path) -> None:
-    assert what in told(text)
+def test_a_file_that_fails(text: str, what: str, work_folder: Path) -> None:
+    assert what in refusal(text)
 
 
-def test_a_file_that_is_no_text(here: Path) -> None:
+def test_a_file_that_is_not_text(work_folder: Path) -> None:
     Path("my.py").write_bytes(b"x = '\xff\xfe'\n")
     line = refused("render", "bumps", "--technique", "my.py:sink")
     assert line.startswith("my.py")
@@ -264,19 +265,19 @@ def test_a_file_that_is_no_text(here: Path) -> None:
         ("settings: Sinking) -> Hit", "settings: Sinking) -> float"),
     ],
 )
-def test_a_signature_that_does_not_fit(old: str, new: str, here: Path) -> None:
-    line = told(SINK.replace(old, new))
+def test_a_signature_that_does_not_fit(old: str, new: str, work_folder: Path) -> None:
+    line = refusal(SINK.replace(old, new))
     assert re.match(rf"(/.*/)?my\.py:{line_of(SINK, '@technique')}: sink\(", line)
     assert "does not fit the slot displace; its signature is (field: HeightField, baked:" in line
 
 
-def test_a_parameter_without_a_type(here: Path) -> None:
-    line = told(SINK.replace("ray: Ray,", "ray,"))
+def test_a_parameter_without_a_type(work_folder: Path) -> None:
+    line = refusal(SINK.replace("ray: Ray,", "ray,"))
     assert f"my.py:{line_of(SINK, '@technique')}: sink: the parameter ray has no type" in line
 
 
-def test_settings_that_are_no_record(here: Path) -> None:
-    line = told(SINK.replace("settings: Sinking", "settings: int"))
+def test_settings_that_are_not_a_record(work_folder: Path) -> None:
+    line = refusal(SINK.replace("settings: Sinking", "settings: int"))
     assert f"my.py:{line_of(SINK, '@technique')}: sink: its settings are no record; make" in line
 
 
@@ -291,11 +292,11 @@ def test_settings_that_are_no_record(here: Path) -> None:
         "import math",
     ],
 )
-def test_what_is_outside_the_subset(body: str, here: Path) -> None:
-    """File, line, the text, and more than that it is wrong."""
+def test_source_outside_the_subset(body: str, work_folder: Path) -> None:
+    """The message has the file, the line and the offending text."""
     wanted = "height = 1.0 - 0.25 * float(settings.depth_steps)"
     text = SINK.replace(wanted, body)
-    line = told(text)
+    line = refusal(text)
     assert f"my.py:{line_of(text, body)}: `" in line
     quoted = line.split("`")[1]
     assert quoted in body or quoted in "hit_at(ray, t_at(ray, height), True, 0)"
@@ -309,20 +310,20 @@ def test_what_is_outside_the_subset(body: str, here: Path) -> None:
         ("max_steps=9", "--set max_steps: there is no such setting here; there are depth_steps,"),
     ],
 )
-def test_its_settings_are_checked(setting: str, what: str, here: Path) -> None:
-    own(SINK)
+def test_settings_are_checked(setting: str, what: str, work_folder: Path) -> None:
+    write_technique(SINK)
     line = refused("render", "bumps", "--technique", "my.py:sink", "--set", setting)
     assert what in line
 
 
-# --- the documentation's --------------------------------------------------------------------------
+# --- the example of the documentation -------------------------------------------------------------
 
 
-def test_the_example_of_the_documentation(here: Path) -> None:
-    """It runs as it is written there, and one guess is the technique `offset`."""
+def test_the_example_of_the_documentation(work_folder: Path) -> None:
+    """It runs as written; with one guess it equals `offset`."""
     text = PAGE.read_text()
     (example,) = re.findall(r"^```python\n([^`]*@technique.*?)^```$", text, re.M | re.S)
-    own(example)
+    write_technique(example)
     material = basrelief.load("bumps")
     options = {"size": (20, 14), "samples": 1, "device": choose_device("cpu")}
     for guesses in (1, 4):
@@ -341,42 +342,44 @@ def test_the_example_of_the_documentation(here: Path) -> None:
 # --- from Python ----------------------------------------------------------------------------------
 
 
-def plain(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
-    """No mark."""
+def unmarked(field: HeightField, ray: Ray, settings: Nothing) -> Hit:
+    """A function without a decorator."""
     return Hit(ray.uv, 1.0, 0.0, True, 0)
 
 
 @technique()
 def without_settings(field: HeightField, ray: Ray) -> Hit:
-    """One parameter too few."""
+    """A technique that lacks a parameter."""
     return Hit(ray.uv, 1.0, 0.0, True, 0)
 
 
 @technique()
 def without_bake(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
-    """Of which table?"""
+    """A technique that does not name the bake of its table."""
     return Hit(ray.uv, stored(baked, IVec2(0, 0)).x, 0.0, True, 0)
 
 
 @pytest.mark.parametrize("use", ["render", "compare", "preset", "object"])
 @pytest.mark.parametrize(
-    ("given", "line"),
+    ("value", "line"),
     [
-        (plain, "plain is no technique; mark one with @technique()"),
+        (unmarked, "unmarked is no technique; mark one with @technique()"),
         (3.5, "3.5 is no technique; mark one with @technique()"),
         (without_settings, "does not fit the slot displace; its signature is (field: HeightField,"),
         (without_bake, "without_bake takes a table; say which, as @technique(bake=CONE_MAP)"),
     ],
 )
-def test_what_is_no_technique_is_refused_in_one_line(use: str, given: Any, line: str) -> None:
+def test_a_value_that_is_not_a_technique_is_refused_in_one_line(
+    use: str, value: Any, line: str
+) -> None:
     material = basrelief.sample("bricks", 16)
     calls = {
-        "render": lambda: basrelief.render(material, technique=given, size=(8, 8)),
-        "compare": lambda: basrelief.compare(material, techniques=[given]),
+        "render": lambda: basrelief.render(material, technique=value, size=(8, 8)),
+        "compare": lambda: basrelief.compare(material, techniques=[value]),
         "preset": lambda: basrelief.render(
-            material, preset="gamedev", technique=given, size=(8, 8)
+            material, preset="gamedev", technique=value, size=(8, 8)
         ),
-        "object": lambda: basrelief.Object(material, technique=given),
+        "object": lambda: basrelief.Object(material, technique=value),
     }
     with pytest.raises(BasreliefError) as caught:
         calls[use]()

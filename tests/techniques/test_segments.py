@@ -1,4 +1,4 @@
-"""Rays that are only a part of the way, that rise, or that are bent, against the oracle."""
+"""Rays that are segments, that rise or that are bent, against the oracle."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from basrelief.techniques.technique import Settings
 from helpers.rays import LATE, flat_ray, maps, scattered
 
 BLUR = 6e-7
-"""Heights that float32 cannot tell apart along a bent ray: some units in the last place of 1."""
+"""Difference of heights that float32 does not resolve along a bent ray."""
 BENDS = (-1.5, -0.2, 0.0, 0.2, 1.5)
 
 
@@ -40,7 +40,7 @@ BENDS = (-1.5, -0.2, 0.0, 0.2, 1.5)
 
 
 @pytest.mark.parametrize("bend", BENDS)
-def test_a_bent_ray_hangs_lower_by_a_quarter_of_its_bend(bend: float) -> None:
+def test_a_bent_ray_is_a_quarter_of_its_bend_lower_in_the_middle(bend: float) -> None:
     ray = Ray(Vec2(0.25, 0.5), Vec2(0.5, -0.25), 0.75, 0.5, 0.5, bend=bend)
     assert [*at(ray, 0.5)] == [0.5, 0.375]
     assert (float(height_at(ray, 0.0)), float(height_at(ray, 1.0))) == (0.75, 0.25)
@@ -49,7 +49,7 @@ def test_a_bent_ray_hangs_lower_by_a_quarter_of_its_bend(bend: float) -> None:
 
 @pytest.mark.parametrize("bend", BENDS)
 @pytest.mark.parametrize("drop", [-0.5, 0.0, 1.0])
-def test_from_nowhere_on_it_falls_faster_than_it_may(bend: float, drop: float) -> None:
+def test_max_descent_bounds_the_slope_of_the_rest_of_the_ray(bend: float, drop: float) -> None:
     ray = Ray(Vec2(0.0), Vec2(1.0), 1.0, drop, 0.5, bend=bend)
     t = np.linspace(0.0, 1.0, 101)
     height = 1.0 - drop * t - bend * t * (1 - t)
@@ -60,7 +60,7 @@ def test_from_nowhere_on_it_falls_faster_than_it_may(bend: float, drop: float) -
     assert falls.max() == pytest.approx(float(max_descent(ray, 0.0)), abs=0.05)
 
 
-def test_a_height_is_where_it_says() -> None:
+def test_t_at_inverts_height_at() -> None:
     ray = flat_ray((0.1, 0.2), (0.5, 0.25), reference_height=0.25)
     for height in (-0.5, 0.0, 0.25, 1.0, 1.5):
         assert float(height_at(ray, t_at(ray, height))) == pytest.approx(height, abs=1e-7)
@@ -68,13 +68,13 @@ def test_a_height_is_where_it_says() -> None:
     assert np.isfinite(t_at(level, 0.25))
 
 
-# --- the first hit, proven ------------------------------------------------------------------------
+# --- the first hit against the oracle -------------------------------------------------------------
 
 
 @struct
 class Segments:
-    """Rays that start anywhere and run any way, each component up to `reach` tiles; they begin and
-    end at any height, and are bent by up to `bend`, or by none at all if that is 0."""
+    """Random rays: travel up to `reach` tiles along each axis, start and end at any height, bend
+    between 0 and `bend`."""
 
     reach: float
     bend: float
@@ -82,15 +82,15 @@ class Segments:
 
 
 @struct
-class Traced:
-    """A ray and where it ends."""
+class TracedRay:
+    """A ray and its hit."""
 
     uv: Vec2
     travel: Vec2
     height: float
     drop: float
     bend: float
-    ended: Vec2
+    hit_uv: Vec2
     t: float
     found: bool
 
@@ -98,40 +98,40 @@ class Traced:
 @shader
 def traced(
     at: IVec2, rays: Segments, field: HeightField, baked: Texture, settings: Settings
-) -> Traced:
-    """One ray of many."""
+) -> TracedRay:
+    """A random ray, traced by the bound technique."""
     n = (at.y * 8192 + at.x) * 7 + rays.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1))
     travel = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * rays.reach
-    # near the tops, where there is most to pass by, as often as not
+    # more often near the top, where rays pass the most features
     height = 1.0 - scattered(n + 4) * scattered(n + 4)
     drop = height - scattered(n + 5)
     ray = Ray(uv, travel, height, drop, 0.5, bend=rays.bend * scattered(n + 6), share=0.5)
     hit = displace(field, baked, ray, settings)
-    return Traced(uv, travel, height, drop, ray.bend, hit.uv, hit.t, hit.found)
+    return TracedRay(uv, travel, height, drop, ray.bend, hit.uv, hit.t, hit.found)
 
 
 def planes_of(
     engine: Any, technique: Any, settings: Any, heights, edge: str, rays: Segments,
     size: tuple[int, int] = (128, 96),
 ) -> dict[str, np.ndarray]:  # fmt: skip
-    """Rays by name, flat, in float64, `t` and `found` among them."""
+    """The fields of traced rays by name, as flat arrays, floats in float64."""
     heights = np.asarray(heights, np.float32)
-    given = {
+    arguments = {
         "rays": rays,
         "field": HeightField([heights], edge, "columns" if technique is texel else "sharp"),
         "settings": settings,
     }
     if technique.bake is not None:
         make = {exact: baking.bounds, cone: baking.cone_map, relaxed_cone: baking.relaxed_cone_map}
-        given["baked"] = Texture([make[technique](heights, edge)], edge)
-    program = Program(traced, {displace: technique}, edge, given["field"].filter)
-    made = {name: plane.ravel() for name, plane in engine.run(program, given, size).items()}
+        arguments["baked"] = Texture([make[technique](heights, edge)], edge)
+    program = Program(traced, {displace: technique}, edge, arguments["field"].filter)
+    made = {name: plane.ravel() for name, plane in engine.run(program, arguments, size).items()}
     return {name: plane if name == "found" else plane.astype(float) for name, plane in made.items()}
 
 
-def firsts(rays: dict[str, np.ndarray], which: Any, heights: np.ndarray, edge: str) -> Any:
-    """The oracle's first hits of some of the rays."""
+def first_hits(rays: dict[str, np.ndarray], which: Any, heights: np.ndarray, edge: str) -> Any:
+    """First hits of some rays, by the oracle."""
     pairs = (
         np.stack([rays[f"{name}.x"], rays[f"{name}.y"]], -1)[which] for name in ("uv", "travel")
     )
@@ -140,21 +140,21 @@ def firsts(rays: dict[str, np.ndarray], which: Any, heights: np.ndarray, edge: s
 
 
 def assert_exact(rays: dict[str, np.ndarray], heights, edge: str) -> int:
-    """No ray is late, and those that say so have found the first hit; returns how many have."""
+    """Assert that no ray is late and that hits are the first; return the number of hits."""
     heights = np.asarray(heights, np.float32).astype(float)
-    wanted = firsts(rays, slice(None), heights, edge)
+    wanted = first_hits(rays, slice(None), heights, edge)
     texels = np.hypot(
         *(rays[f"travel.{c}"] * n for c, n in zip("xy", heights.shape[::-1], strict=True))
     )
     found = rays["found"] != 0
-    apart = (rays["t"] - wanted.t) * texels
-    off = np.flatnonzero((np.abs(apart) > LATE) | (found != wanted.found))
-    # what is left is a crest that only just rises above the ray, or only just does not
-    lower = firsts(rays, off, np.maximum(heights - BLUR, 0.0), edge)
-    higher = firsts(rays, off, np.minimum(heights + BLUR, 1.0), edge)
-    t, room = rays["t"][off], 2 * LATE / np.maximum(texels[off], 1.0)
-    blurred = (t <= lower.t + room) & (t >= higher.t - room)
-    assert blurred.all(), f"{(~blurred).sum()} of {len(t)}, worst {np.abs(apart).max():.3f} texels"
+    error = (rays["t"] - wanted.t) * texels
+    off = np.flatnonzero((np.abs(error) > LATE) | (found != wanted.found))
+    # the others pass or hit a crest that is within rounding of the ray
+    lower = first_hits(rays, off, np.maximum(heights - BLUR, 0.0), edge)
+    higher = first_hits(rays, off, np.minimum(heights + BLUR, 1.0), edge)
+    t, margin = rays["t"][off], 2 * LATE / np.maximum(texels[off], 1.0)
+    blurred = (t <= lower.t + margin) & (t >= higher.t - margin)
+    assert blurred.all(), f"{(~blurred).sum()} of {len(t)}, worst {np.abs(error).max():.3f} texels"
     assert len(off) <= 5e-4 * len(found)
     assert (rays["t"][~found] == 1.0).all()
     return int(found.sum())
@@ -168,12 +168,12 @@ def cpu() -> CpuEngine:
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("name", maps())
 def test_exact_is_never_late_on_a_segment(cpu, name, edge) -> None:
-    """B1 for bends of both signs; what misses is told from what is met."""
+    """B1 for bends of both signs, with and without a hit."""
     for bend in BENDS:
         for reach in (0.05, 1.0):
             rays = planes_of(cpu, exact, Nothing(), maps()[name], edge, Segments(reach, bend, 3))
-            met = assert_exact(rays, maps()[name], edge)
-            assert 0 < met < len(rays["t"])
+            hits = assert_exact(rays, maps()[name], edge)
+            assert 0 < hits < len(rays["t"])
 
 
 @pytest.mark.parametrize("name", ["odd noise", "posts", "bricks", "seams"])
@@ -196,26 +196,26 @@ def test_exact_is_never_late_on_a_segment_on_the_gpu(name) -> None:
 
 
 @pytest.mark.parametrize("bend", BENDS)
-def test_of_boxes_the_first_is_met(cpu, bend: float) -> None:
-    """Against many places along each ray: at none before is it within a box."""
+def test_texel_hits_the_first_column(cpu, bend: float) -> None:
+    """Checked at many positions: the ray is in no column before its hit."""
     heights = np.asarray(maps()["odd noise"], np.float32)
     rays = planes_of(cpu, texel, Nothing(), heights, "wrap", Segments(0.4, bend, 6), (24, 16))
     t = np.linspace(0.0, 1.0, 4001)
-    for k, met in enumerate(rays["t"]):
+    for k, t_hit in enumerate(rays["t"]):
         x, y = (
             np.floor((rays[f"uv.{c}"][k] + rays[f"travel.{c}"][k] * t) * n).astype(int) % n
             for c, n in zip("xy", heights.shape[::-1], strict=True)
         )
         height = rays["height"][k] - rays["drop"][k] * t - rays["bend"][k] * t * (1 - t)
         over = height - heights[y, x]
-        assert (over[t < met - 1e-5] > -1e-5).all()
+        assert (over[t < t_hit - 1e-5] > -1e-5).all()
         if rays["found"][k]:
-            # somewhere within the next box or two it is
-            assert (over[(t >= met) & (t < met + 0.02)] < 1e-4).any() or met > 0.999
+            # shortly after its hit the ray is inside a column
+            assert (over[(t >= t_hit) & (t < t_hit + 0.02)] < 1e-4).any() or t_hit > 0.999
         else:
-            assert met == 1.0
+            assert t_hit == 1.0
             end = [rays[f"uv.{c}"][k] + rays[f"travel.{c}"][k] for c in "xy"]
-            texels = (np.array([rays["ended.x"][k], rays["ended.y"][k]]) - end) * heights.shape[
+            texels = (np.array([rays["hit_uv.x"][k], rays["hit_uv.y"][k]]) - end) * heights.shape[
                 ::-1
             ]
             assert np.abs(texels).max() < 0.02
@@ -234,15 +234,15 @@ PARABOLAS = [
 """Height, drop and bend; the last begins above all heights."""
 
 
-def proven(heights: np.ndarray, ray: Ray) -> Hit:
-    """Where `exact` ends on a map whose border goes on."""
+def exact_hit(heights: np.ndarray, ray: Ray) -> Hit:
+    """The hit of `exact` on a clamped map."""
     heights = np.asarray(heights, np.float32)
     baked = Texture([baking.bounds(heights, "clamp")], "clamp")
     return exact(HeightField([heights], "clamp"), baked, ray, Nothing())
 
 
 def assert_first(hit: Hit, over: np.ndarray, t: np.ndarray) -> None:
-    """The hit is the first of many places at which the ray is not above the closed form."""
+    """Assert that the hit is the first position at which the ray is not above the closed form."""
     below = over <= 0.0
     assert bool(hit.found) == below.any()
     assert float(hit.t) == pytest.approx(t[np.argmax(below)] if below.any() else 1.0, abs=5e-6)
@@ -250,7 +250,7 @@ def assert_first(hit: Hit, over: np.ndarray, t: np.ndarray) -> None:
 
 @pytest.mark.parametrize(("height", "drop", "bend"), PARABOLAS)
 @pytest.mark.parametrize("along", [0.3, -0.3])
-def test_exact_meets_closed_forms_by_parabolas(height, drop, bend, along: float) -> None:
+def test_exact_on_bent_rays_equals_closed_forms(height, drop, bend, along: float) -> None:
     """A plane at ½; a ramp of 0.2 + 0.6 u; a step that rises by 0.7 between two texel centres."""
     t = np.linspace(0.0, 1.0, 1_000_001)
     path = height - drop * t - bend * t * (1 - t)
@@ -265,13 +265,13 @@ def test_exact_meets_closed_forms_by_parabolas(height, drop, bend, along: float)
     )
     ray = Ray(Vec2(0.45, 0.5), Vec2(along, 0.0), height, drop, 0.5, bend=bend)
     for heights, surface in forms:
-        assert_first(proven(heights, ray), path - surface, t)
+        assert_first(exact_hit(heights, ray), path - surface, t)
 
 
-# --- the parts of a way ---------------------------------------------------------------------------
+# --- a ray cut into segments ----------------------------------------------------------------------
 
 
-WAYS = [
+CASES = [
     pytest.param(steep, Steps(48), id="steep"),
     pytest.param(parallax_occlusion, March(48, 48), id="parallax_occlusion"),
     pytest.param(relief, Relief(48, 48, 8), id="relief"),
@@ -285,12 +285,12 @@ WAYS = [
 CUTS = (0.0, 0.25, 0.625, 1.0)
 
 
-def followed(technique: Any, settings: Any, heights: np.ndarray, ray: Ray) -> tuple[Hit, float]:
-    """Where a ray ends, and the t of the whole way, when it is cut into parts that go on."""
-    given: list[Any] = [HeightField([heights], "clamp")]
+def trace_parts(technique: Any, settings: Any, heights: np.ndarray, ray: Ray) -> tuple[Hit, float]:
+    """The hit of a ray that is traced as consecutive segments, and its t on the whole ray."""
+    arguments: list[Any] = [HeightField([heights], "clamp")]
     if technique.bake is not None:
         make = {exact: baking.bounds, cone: baking.cone_map, relaxed_cone: baking.relaxed_cone_map}
-        given.append(Texture([make[technique](heights, "clamp")], "clamp"))
+        arguments.append(Texture([make[technique](heights, "clamp")], "clamp"))
     start = 0.0
     for start, end in itertools.pairwise(CUTS):
         length = end - start
@@ -298,31 +298,31 @@ def followed(technique: Any, settings: Any, heights: np.ndarray, ray: Ray) -> tu
             at(ray, start), ray.travel * length, 1.0 - start, length, ray.cosine, share=length,
             scale=0.2,
         )  # fmt: skip
-        hit = technique(*given, part, settings)
+        hit = technique(*arguments, part, settings)
         if hit.found or float(hit.t) < 1.0:
             break
     return hit, start + length * float(hit.t)
 
 
-@pytest.mark.parametrize(("technique", "settings"), WAYS)
-def test_parts_that_go_on_end_where_the_whole_way_does(technique, settings) -> None:
-    """A hill, whose first hit the parts must not pass between them."""
+@pytest.mark.parametrize(("technique", "settings"), CASES)
+def test_consecutive_segments_have_the_hit_of_the_whole_ray(technique, settings) -> None:
+    """The hill must not be passed at a border between segments."""
     y, x = np.mgrid[0:32, 0:48]
     heights = (0.1 + 0.8 * np.exp(-(((x - 24) / 8) ** 2) - ((y - 14) / 9) ** 2)).astype(np.float32)
     for u in np.linspace(0.05, 0.6, 12):
         ray = flat_ray((u, 0.4), (0.5, 0.1), cosine=0.5)
         wanted = intersect_height_field(heights, [[u, 0.4]], [[0.5, 0.1]], "clamp").t[0]
-        hit, t = followed(technique, settings, heights, ray)
+        hit, t = trace_parts(technique, settings, heights, ray)
         assert hit.found
-        # a step of a march, a fine one of contact; more exact where it is cut or proven
+        # steep is exact to a step of the march, the others to a fine step or better
         within = {steep: 1 / 40}.get(technique, 4e-3)
         assert t == pytest.approx(wanted, abs=within)
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
-@pytest.mark.parametrize(("technique", "settings"), WAYS)
-def test_what_is_above_all_goes_on(technique, settings, share: float) -> None:
-    """Not found, and t = 1; a ray that ran out of steps has t < 1, and stays."""
+@pytest.mark.parametrize(("technique", "settings"), CASES)
+def test_a_segment_above_the_surface_ends_without_a_hit(technique, settings, share: float) -> None:
+    """No hit and t = 1, so that the next segment is traced."""
     heights = np.full((16, 16), 0.25, np.float32)
     field = [HeightField([heights])]
     if technique.bake is not None:
@@ -334,7 +334,7 @@ def test_what_is_above_all_goes_on(technique, settings, share: float) -> None:
     assert float(hit.height) == 0.5
 
 
-def test_out_of_steps_it_stays() -> None:
+def test_a_ray_out_of_steps_ends_before_t_1() -> None:
     heights = np.zeros((64, 64), np.float32)
     heights[:, ::8] = 0.9
     field, baked = HeightField([heights]), Texture([baking.cone_map(heights, "wrap")])
@@ -343,7 +343,7 @@ def test_out_of_steps_it_stays() -> None:
     assert 0.0 < float(hit.t) < 1.0
 
 
-def test_a_part_takes_its_share_of_the_steps_and_one_more_at_its_end() -> None:
+def test_a_segment_takes_its_share_of_the_steps_plus_one() -> None:
     heights = np.zeros((4, 4), np.float32)
     assert steep(HeightField([heights]), flat_ray((0.1, 0.2), (0.3, 0.0)), Steps(20)).reads == 20
     for share, steps in ((1.0, 21), (0.5, 11), (0.26, 7), (0.001, 2)):
@@ -351,7 +351,7 @@ def test_a_part_takes_its_share_of_the_steps_and_one_more_at_its_end() -> None:
         assert steep(HeightField([heights]), ray, Steps(20)).reads == steps
 
 
-def test_an_offset_reads_where_the_ray_meets_the_polygon() -> None:
+def test_an_offset_reads_at_the_intersection_with_the_polygon() -> None:
     heights = np.full((4, 4), 0.75, np.float32)
     hit = offset(
         HeightField([heights]), flat_ray((0.5, 0.5), (-0.2, 0.1), reference_height=0.5), Offset()

@@ -22,7 +22,7 @@ SHAPES = [(16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
 LEVELS = [
     np.random.default_rng(k).random(shape).astype(np.float32) for k, shape in enumerate(SHAPES)
 ]
-"""Levels that are not means of one another, so that each shows where it was read."""
+"""Levels with unrelated values, so that a read shows its level."""
 FIELD = HeightField(LEVELS, "wrap")
 
 
@@ -38,7 +38,7 @@ def between(uv, lod: float) -> float:
 
 @pytest.mark.parametrize("lod", [0.0, 0.3, 1.0, 1.75, 2.5, 4.0, 9.0])
 @pytest.mark.parametrize("fade", [0.0, 1.0, 4.0, 64.0])
-def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) -> None:
+def test_heights_are_mixed_with_a_lower_level_by_their_difference(lod, fade) -> None:
     """H4: mix(seen, lower, saturate(|seen − lower| · fade))."""
     for uv in ((0.13, 0.41), (0.77, 0.02), (-0.3, 1.6)):
         seen, lower = between(uv, lod), between(uv, lod + LOWER_LEVELS)
@@ -55,8 +55,8 @@ def test_a_height_gives_way_to_a_still_lower_one_by_their_difference(lod, fade) 
      ((0.0, 0.0), (0.0, 0.0), 1.0)],
 )  # fmt: skip
 @pytest.mark.parametrize("bias", [0.0, 1.5])
-def test_the_level_is_that_of_the_pixel_and_lower(dx, dy, texels: float, bias: float) -> None:
-    """H4: log2 of the longer side of the pixel in texels, at least 0, and the bias."""
+def test_the_lod_is_that_of_the_footprint_plus_the_bias(dx, dy, texels: float, bias: float) -> None:
+    """H4: log2 of the longer side of the footprint in texels, at least 0, plus the bias."""
     footprint = Footprint(Vec2(*dx), Vec2(*dy))
     found = height_lod(FIELD.with_filter("smooth"), footprint, Smoothing(mip_bias=bias))
     assert float(found) == pytest.approx(math.log2(texels) + bias, abs=1e-5)
@@ -73,7 +73,7 @@ def relief(material: Material, **options) -> Object:
     )
 
 
-def test_a_plane_of_one_height_stays_as_it_is() -> None:
+def test_a_constant_height_is_unchanged() -> None:
     material = uniform_material(height=0.5)
     level = Material("level", height=map_of(np.full((16, 16), 0.5)))
     for each in (material, level):
@@ -83,21 +83,21 @@ def test_a_plane_of_one_height_stays_as_it_is() -> None:
         np.testing.assert_allclose(smooth_.uv, sharp.uv, atol=1e-6)
 
 
-def test_close_by_it_is_the_finest_level() -> None:
-    """A pixel smaller than a texel, no bias, no fading: bit for bit the sharp heights."""
+def test_the_finest_level_is_read_nearby() -> None:
+    """Equal to sharp heights bit for bit, for pixels smaller than a texel without bias or fade."""
     near = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.2)
     obj = {"heights": "smooth", "smoothing": {"mip_bias": 0.0, "mip_fade": 0.0}}
     material = Material("rough", height=map_of(LEVELS[0]))
     smooth_, sharp = (drawn(relief(material, **o), camera=near) for o in (obj, {}))
     np.testing.assert_array_equal(smooth_.uv, sharp.uv)
     np.testing.assert_array_equal(smooth_.distance, sharp.distance)
-    # with a bias they are others
+    # with a bias they differ
     other = drawn(relief(material, heights="smooth"), camera=near)
     assert np.abs(other.uv - sharp.uv).max() > 0.01
 
 
 def test_far_away_a_checker_is_its_mean() -> None:
-    """What is finer than a pixel no longer scatters the coordinates; sharp heights do."""
+    """Details finer than a pixel scatter uv with sharp heights, but not with smooth ones."""
     checker = Material("checker", height=map_of((np.indices((64, 64)).sum(0) % 2).astype(float)))
     far = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=3.2)
     wanted, _ = on_plane(far, -0.1)
@@ -112,8 +112,8 @@ def test_far_away_a_checker_is_its_mean() -> None:
     assert spread["sharp"] > 0.02
 
 
-def test_a_self_shadow_reads_the_same_heights() -> None:
-    """A field that is level when read smooth throws no shadow, though it is rough when sharp."""
+def test_self_shadow_reads_smooth_heights() -> None:
+    """A field that is rough when sharp and level when smooth casts no shadow."""
     checker = Material("checker", height=map_of((np.indices((64, 64)).sum(0) % 2).astype(float)),
                        normal=map_of(np.full((1, 1, 3), (0.5, 0.5, 1.0))))  # fmt: skip
     far = LookAt((0.0, 0.0, 2.0), orthographic_height=3.2)
@@ -129,7 +129,7 @@ def test_a_self_shadow_reads_the_same_heights() -> None:
     assert not dark("smooth")
 
 
-def test_sharp_heights_have_no_code_for_smooth_ones() -> None:
+def test_sharp_heights_have_no_code_for_smooth_heights() -> None:
     material = sample("tiles", 16)
     sharp, smooth_ = (
         print_wgsl(program_of(Object(material, heights=kind).resolved).module, "wrap")

@@ -1,7 +1,7 @@
 """Techniques, run as plain Python on surfaces whose hit is known in closed form.
 
-A closed form stands in for the surface, and records the places that are read; the ray says at
-which of its heights each of them lies.
+A closed form replaces the height field and records the positions read; the ray's height at each is
+computed from the ray.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
 
 ROUNDING = 3e-6
-"""What float32 may add to texture coordinates and heights of about one."""
+"""Rounding error of float32 in texture coordinates and heights near 1."""
 
 MODULES = [
     importlib.import_module(f"basrelief.techniques.{name}")
@@ -86,7 +86,7 @@ UNBAKED = Texture([np.zeros((1, 1, 4), np.uint16)])
 
 @contextlib.contextmanager
 def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
-    """Let techniques read a closed form; yields the list of the places read."""
+    """Context in which techniques read a closed form; yields the list of positions read."""
     places: list[tuple[float, float]] = []
 
     def read(field: HeightField, ray: Ray, t: float) -> np.float32:
@@ -101,13 +101,13 @@ def surface(form: Surface) -> Iterator[list[tuple[float, float]]]:
 
 
 def ray_of(
-    uv=(0.31, 0.64), fall=(-0.25, 0.125), reference_height: float = 1.0, cosine: float = 0.5
+    uv=(0.31, 0.64), travel=(-0.25, 0.125), reference_height: float = 1.0, cosine: float = 0.5
 ) -> Ray:
-    return flat_ray(uv, fall, reference_height, cosine)
+    return flat_ray(uv, travel, reference_height, cosine)
 
 
 def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[float]]:
-    """The hit, and the ray's height at each place that was read."""
+    """The hit, and the ray's height at each position read."""
     with surface(form) as places:
         hit = technique(EMPTY, ray, settings)
     assert hit.reads == len(places)
@@ -115,7 +115,7 @@ def traced(technique, form: Surface, ray: Ray, settings) -> tuple[Hit, list[floa
 
 
 def height_on(ray: Ray, place) -> float:
-    """The ray's height at a place, which lies on it."""
+    """The ray's height at a position on it."""
     travel = np.array([*ray.travel], np.float64)
     moved = np.array(place) - np.array([*ray.uv], np.float64)
     t = moved @ travel / (travel @ travel)
@@ -130,7 +130,7 @@ def place_on(ray: Ray, height: float) -> np.ndarray:
 
 
 def assert_ends(hit: Hit, ray: Ray, height: float, tolerance: float = ROUNDING) -> None:
-    """The hit is where the ray has a height."""
+    """Assert that the hit is where the ray has a height."""
     assert hit.t == pytest.approx(1.0 - height, abs=tolerance)
     assert hit.height == pytest.approx(height, abs=tolerance)
     reach = max(abs(float(f)) for f in ray.travel)
@@ -142,7 +142,7 @@ def level_surface(height: float) -> Surface:
     return lambda u, v: height
 
 
-def everywhere(steps: int = 10):
+def all_techniques(steps: int = 10):
     """Every technique with settings that take `steps` steps."""
     return [
         pytest.param(technique, settings, id=technique.name)
@@ -168,11 +168,11 @@ MARCHING = [
 ]
 
 
-def test_everything_is_tested_here() -> None:
-    """But for those that read what is baked: `test_exact.py`, `test_cones.py`; and for `texel`,
-    which sees another field."""
-    apart = {texel, *(made for made in TECHNIQUES.values() if made.bake is not None)}
-    assert {p.values[0] for p in everywhere()} == set(TECHNIQUES.values()) - apart
+def test_every_technique_is_tested_here() -> None:
+    """Except those with a bake, in `test_exact.py` and `test_cones.py`, and `texel`, which hits
+    columns."""
+    tested_elsewhere = {texel, *(made for made in TECHNIQUES.values() if made.bake is not None)}
+    assert {p.values[0] for p in all_techniques()} == set(TECHNIQUES.values()) - tested_elsewhere
 
 
 # --- the ray --------------------------------------------------------------------------------------
@@ -180,7 +180,7 @@ def test_everything_is_tested_here() -> None:
 
 @pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
 def test_the_reference_height_is_the_height_on_the_polygon(reference_height: float) -> None:
-    ray = ray_of(uv=(0.25, 0.5), fall=(-0.5, 0.25), reference_height=reference_height)
+    ray = ray_of(uv=(0.25, 0.5), travel=(-0.5, 0.25), reference_height=reference_height)
     assert [*at(ray, t_at(ray, reference_height))] == [0.25, 0.5]
     np.testing.assert_allclose(
         [*at(ray, 0.0)], [0.25 + 0.5 * (1 - reference_height), 0.5 - 0.25 * (1 - reference_height)]
@@ -192,10 +192,10 @@ def test_the_reference_height_is_the_height_on_the_polygon(reference_height: flo
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
 @pytest.mark.parametrize("reference_height", [0.0, 0.5, 1.0])
-def test_marches_enter_at_the_top_plane_whatever_the_reference_height(
+def test_marches_start_at_the_top_for_every_reference_height(
     technique, steps, reference_height
 ) -> None:
-    """H6: below a reference height of 1 that is back along the ray, before the polygon."""
+    """H6: for a reference height below 1 the start is before the polygon."""
     ray = ray_of(reference_height=reference_height)
     with surface(level_surface(1.0)) as places:
         hit = technique(EMPTY, ray, steps(8))
@@ -204,7 +204,7 @@ def test_marches_enter_at_the_top_plane_whatever_the_reference_height(
     assert_ends(hit, ray, 1.0)
 
 
-# --- the plane of one height: every technique knows the answer ------------------------------------
+# --- constant height ------------------------------------------------------------------------------
 
 
 @given(
@@ -212,12 +212,12 @@ def test_marches_enter_at_the_top_plane_whatever_the_reference_height(
     st.sampled_from([0.0, 0.5, 1.0]),
     st.tuples(st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
 )
-def test_every_technique_finds_a_plane(tenths: int, reference_height: float, fall) -> None:
-    """At heights where a layer of ten lies; all but `flat` get there, steep by stopping on it."""
+def test_every_technique_finds_a_plane(tenths: int, reference_height: float, travel) -> None:
+    """At the height of each of ten layers; `steep` stops on it, `flat` stays on the polygon."""
     height = tenths / 10
-    assume(max(map(abs, fall)) > 0.01)
-    ray = ray_of(fall=fall, reference_height=reference_height)
-    for technique, settings in ((p.values[0], p.values[1]) for p in everywhere(10)):
+    assume(max(map(abs, travel)) > 0.01)
+    ray = ray_of(travel=travel, reference_height=reference_height)
+    for technique, settings in ((p.values[0], p.values[1]) for p in all_techniques(10)):
         # just above the layer, so that rounding cannot put it below
         hit, _ = traced(technique, level_surface(height + 1e-5), ray, settings)
         if technique is flat:
@@ -255,7 +255,7 @@ def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
 @pytest.mark.parametrize("count", [1, 2, 7, 10, 100])
 def test_a_march_reads_at_one_less_k_nths_and_ends_at_the_last(technique, steps, count) -> None:
-    """C11: nothing is met on a surface at the very bottom; N reads, and the last position."""
+    """C11: no hit on a surface at height 0; N reads, and the last position remains."""
     ray = ray_of(reference_height=0.5)
     hit, read = traced(technique, level_surface(0.0), ray, steps(count))
     np.testing.assert_allclose(read, [1 - k / count for k in range(count)], atol=1e-5)
@@ -265,7 +265,7 @@ def test_a_march_reads_at_one_less_k_nths_and_ends_at_the_last(technique, steps,
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
-def test_a_march_reads_no_further_than_it_must(technique, steps) -> None:
+def test_a_march_stops_at_its_hit(technique, steps) -> None:
     hit, read = traced(technique, level_surface(0.66), ray_of(), steps(10))
     np.testing.assert_allclose(read, [1.0, 0.9, 0.8, 0.7, 0.6], atol=1e-5)
     assert hit.reads == 5
@@ -276,18 +276,18 @@ def test_by_default_steep_takes_ten_steps() -> None:
 
 
 @pytest.mark.parametrize("count", [0, -3, MAX_READS + 1, 2**31 - 1])
-def test_a_march_takes_one_step_at_least_and_not_endlessly_many(count: int) -> None:
+def test_the_steps_of_a_march_are_clamped_to_1_and_max_reads(count: int) -> None:
     hit, _ = traced(steep, level_surface(0.0), ray_of(), Steps(count))
     assert hit.reads == (1 if count < 1 else MAX_READS)
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
-def test_a_thin_ridge_is_missed_by_few_steps_and_met_by_many(technique, steps) -> None:
+def test_few_steps_miss_a_thin_ridge_and_many_hit_it(technique, steps) -> None:
     def ridge(u: float, v: float) -> float:
         return 0.8 if abs(u - 0.47) < 0.01 else 0.0
 
-    # the ray passes the ridge at the height 0.4
-    ray = ray_of(uv=(0.77, 0.5), fall=(-0.5, 0.1))
+    # the ray crosses the ridge at height 0.4
+    ray = ray_of(uv=(0.77, 0.5), travel=(-0.5, 0.1))
     few, _ = traced(technique, ridge, ray, steps(4))
     many, _ = traced(technique, ridge, ray, steps(64))
     assert not few.found
@@ -300,53 +300,53 @@ def test_a_thin_ridge_is_missed_by_few_steps_and_met_by_many(technique, steps) -
 
 @st.composite
 def ramps(draw):
-    """A plane at an angle, h = c + a·u + b·v, a ray, and the height at which the two meet."""
+    """A ramp h = c + a·u + b·v, a ray, the height of its hit, and the slope along the ray."""
     slope_u, slope_v = (draw(st.floats(-1.5, 1.5)) for _ in range(2))
-    uv, fall = (tuple(draw(st.floats(-0.6, 0.6)) for _ in range(2)) for _ in range(2))
-    assume(max(map(abs, fall)) > 0.05)
+    uv, travel = (tuple(draw(st.floats(-0.6, 0.6)) for _ in range(2)) for _ in range(2))
+    assume(max(map(abs, travel)) > 0.05)
     reference_height = draw(st.sampled_from([0.0, 0.5, 1.0]))
-    met = draw(st.floats(0.12, 0.95))
-    ray = ray_of(uv, fall, reference_height)
-    u, v = place_on(ray, met)
+    height = draw(st.floats(0.12, 0.95))
+    ray = ray_of(uv, travel, reference_height)
+    u, v = place_on(ray, height)
 
     def ramp(x: float, y: float) -> float:
-        return met + slope_u * (x - u) + slope_v * (y - v)
+        return height + slope_u * (x - u) + slope_v * (y - v)
 
-    # as the ray falls by one the surface rises by this along it: they meet once, not at grazing
+    # rise of the surface while the ray falls by 1; above −1 there is one hit
     rising = slope_u * float(ray.travel.x) + slope_v * float(ray.travel.y)
     assume(rising > -0.9)
-    return ramp, ray, met, rising
+    return ramp, ray, height, rising
 
 
 @given(ramps(), st.integers(10, 50))
-def test_parallax_occlusion_meets_a_ramp_exactly(ramp, steps: int) -> None:
-    """C12, G6: the chord of a ramp is the ramp itself, whatever the steps."""
-    form, ray, met, _ = ramp
+def test_parallax_occlusion_is_exact_on_a_ramp(ramp, steps: int) -> None:
+    """C12, G6: the chord of a ramp is the ramp itself, for any number of steps."""
+    form, ray, height, _ = ramp
     hit, _ = traced(parallax_occlusion, form, ray, March(steps, steps))
     assert hit.found
-    assert_ends(hit, ray, met, 5e-5)
+    assert_ends(hit, ray, height, 5e-5)
 
 
 @given(ramps(), st.integers(10, 50))
 def test_steep_is_less_than_a_step_below_a_ramp(ramp, steps: int) -> None:
-    form, ray, met, _ = ramp
+    form, ray, height, _ = ramp
     hit, _ = traced(steep, form, ray, Steps(steps))
     assert hit.found
-    assert met - 1 / steps - 1e-4 <= float(hit.height) <= met + 1e-4
+    assert height - 1 / steps - 1e-4 <= float(hit.height) <= height + 1e-4
     assert_ends(hit, ray, float(hit.height))
 
 
 @given(ramps(), st.integers(10, 50), st.integers(0, 12))
 def test_relief_is_within_its_last_halving_of_a_ramp(ramp, steps: int, halvings: int) -> None:
-    form, ray, met, _ = ramp
+    form, ray, height, _ = ramp
     hit, _ = traced(relief, form, ray, Relief(steps, steps, halvings))
     assert hit.found
-    assert abs(float(hit.height) - met) <= 1 / steps / 2**halvings + 1e-4
+    assert abs(float(hit.height) - height) <= 1 / steps / 2**halvings + 1e-4
     assert_ends(hit, ray, float(hit.height))
 
 
 @given(ramps())
-def test_an_offset_takes_the_height_where_the_ray_comes_in(ramp) -> None:
+def test_an_offset_reads_the_height_at_the_polygon(ramp) -> None:
     form, ray, _, _ = ramp
     hit, _ = traced(offset, form, ray, Offset())
     start = place_on(ray, float(ray.reference_height))
@@ -358,12 +358,12 @@ def test_an_offset_takes_the_height_where_the_ray_comes_in(ramp) -> None:
     assert hit.reads == 1
 
 
-def test_a_real_height_field_is_met_as_its_closed_form_is() -> None:
-    """The same through texels: a ramp along u and v on a map that is neither square nor level."""
+def test_the_hit_on_a_height_field_equals_that_on_its_closed_form() -> None:
+    """A ramp along u and v, stored in a map that is not square."""
     columns, rows = 48, 20
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     field = HeightField([0.5 + 0.6 * (u - 0.5) - 0.3 * (v - 0.5)], "clamp")
-    ray = ray_of(uv=(0.6, 0.55), fall=(0.15, -0.2), reference_height=0.5)
+    ray = ray_of(uv=(0.6, 0.55), travel=(0.15, -0.2), reference_height=0.5)
     # 0.5 + 0.6 (u − ½) − 0.3 (v − ½) = h with (u, v) = (0.6 + 0.15 d, 0.55 − 0.2 d), d = 0.5 − h
     d = (0.5 - (0.5 + 0.6 * 0.1 - 0.3 * 0.05)) / (1 + 0.6 * 0.15 + 0.3 * 0.2)
     hit = parallax_occlusion(field, ray, March(10, 10))
@@ -378,9 +378,9 @@ def cliff(u: float, v: float) -> float:
     return 0.9 if u < 0.5 else 0.125
 
 
-def test_a_ray_towards_the_cliff_meets_its_wall() -> None:
-    """It passes u = ½ at the height 0.6, between foot and top."""
-    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+def test_a_ray_towards_the_cliff_hits_its_wall() -> None:
+    """It crosses u = ½ at height 0.6, between the wall's foot and top."""
+    ray = ray_of(uv=(0.7, 0.4), travel=(-0.5, 0.25))
     hit, _ = traced(relief, cliff, ray, Relief(16, 16, 10))
     assert hit.found
     assert_ends(hit, ray, 0.6, 1 / 16 / 2**10 + 1e-5)
@@ -391,8 +391,8 @@ def test_a_ray_towards_the_cliff_meets_its_wall() -> None:
     assert_ends(cut, ray, 0.625 - 0.0625 * 0.5 / (0.5 + 0.3375), 1e-5)
 
 
-def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
-    ray = ray_of(uv=(0.45, 0.4), fall=(0.5, 0.25))
+def test_a_ray_away_from_the_cliff_hits_the_ground_behind_it() -> None:
+    ray = ray_of(uv=(0.45, 0.4), travel=(0.5, 0.25))
     hit, _ = traced(relief, cliff, ray, Relief(64, 64, 10))
     assert_ends(hit, ray, 0.125, 1e-4)
     assert float(hit.uv.x) == pytest.approx(0.45 + 0.5 * 0.875, abs=1e-4)
@@ -400,7 +400,7 @@ def test_a_ray_away_from_the_cliff_meets_the_ground_behind_it() -> None:
 
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2), st.floats(0, 1))
 def test_interpolation_factors_stay_within_the_step(high, ground, before, low, step) -> None:
-    """The chord lies between the last two layers, whatever the surface does."""
+    """The chord's hit lies between the last two layers for every surface."""
     t = chord(LastStep(1.0 - high + step, high - step - low, 1.0 - high, high - before, step, 2))
     assert high - step - 1e-5 <= 1.0 - float(t) <= high + 1e-5
 
@@ -417,15 +417,15 @@ def test_interpolation_factors_stay_within_the_step(high, ground, before, low, s
     ],
 )
 def test_the_search_halves_the_range(height: float, wanted: list[float]) -> None:
-    """C13: the last step from 1 to ½, then its middle; a quarter or three; …"""
+    """C13: the last step is from 1 to ½; then its middle is read, then the middle of a half, …"""
     hit, read = traced(relief, level_surface(height), ray_of(), Relief(2, 2, 4))
     assert read == pytest.approx(wanted, abs=1e-5)
     assert hit.reads == 6
 
 
 @pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_step_to_halve_there_is_no_search(height: float) -> None:
-    """Nothing met: the last layer. Met at once: the top, and not what is above it."""
+def test_without_a_step_to_halve_relief_reads_no_more(height: float) -> None:
+    """Without a hit the last layer remains; a hit on the first read is at the top."""
     hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, 5))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
     assert_ends(hit, ray_of(), read[-1])
@@ -439,7 +439,7 @@ def test_the_search_starts_in_the_middle_of_the_last_step() -> None:
 
 
 def test_without_a_search_relief_is_steep() -> None:
-    """Interpolation is off when searching: 0 halvings leave the layer itself."""
+    """`relief` does not interpolate: 0 halvings leave the layer itself."""
     hit, _ = traced(relief, level_surface(0.66), ray_of(), Relief(10, 10, 0))
     assert_ends(hit, ray_of(), 0.6)
 
@@ -448,20 +448,20 @@ def test_without_a_search_relief_is_steep() -> None:
 
 
 @given(ramps(), st.integers(10, 50), st.integers(0, 6))
-def test_secant_meets_a_ramp_at_the_first_cut(ramp, steps: int, cuts: int) -> None:
-    form, ray, met, _ = ramp
+def test_secant_is_exact_on_a_ramp(ramp, steps: int, cuts: int) -> None:
+    form, ray, height, _ = ramp
     hit, _ = traced(secant, form, ray, Secant(steps, steps, cuts))
     assert hit.found
-    assert_ends(hit, ray, met, 5e-5)
+    assert_ends(hit, ray, height, 5e-5)
 
 
-def test_the_first_cut_reads_where_the_chord_meets_the_ray() -> None:
+def test_the_first_split_reads_where_the_chord_crosses_the_ray() -> None:
     """h = u²: layers at ½ (surface 0.09) and 0 (0.64); ½ − ½ · 0.41 ÷ 1.05 is read, u = 0.4952."""
-    ray = ray_of(uv=(-0.2, 0.5), fall=(1.0, 0.0))
+    ray = ray_of(uv=(-0.2, 0.5), travel=(1.0, 0.0))
     hit, read = traced(secant, lambda u, v: u * u, ray, Secant(2, 2, 0))
     assert read == pytest.approx([1.0, 0.5])
     assert not hit.found
-    ray = ray_of(uv=(0.0, 0.5), fall=(0.8, 0.0))
+    ray = ray_of(uv=(0.0, 0.5), travel=(0.8, 0.0))
     # 1, ⅔, ⅓: surfaces 0, (0.8 ÷ 3)², (1.6 ÷ 3)²; the last is below none, so four steps: ¼ is
     hit, read = traced(secant, lambda u, v: u * u, ray, Secant(4, 4, 1))
     over, under = 0.5 - 0.4**2, 0.6**2 - 0.25
@@ -471,22 +471,22 @@ def test_the_first_cut_reads_where_the_chord_meets_the_ray() -> None:
 
 
 @pytest.mark.parametrize(("cuts", "within"), [(0, 2e-2), (1, 3e-3), (2, 3e-4), (4, 2e-6)])
-def test_on_a_sine_each_cut_comes_nearer(cuts: int, within: float) -> None:
-    """h = ½ + 0.4 sin 2πu along a ray whose meeting is found in float64 by bisection."""
+def test_secant_converges_on_a_sine(cuts: int, within: float) -> None:
+    """h = ½ + 0.4 sin 2πu along a ray whose hit is found in float64 by bisection."""
 
     def sine(u: float, v: float) -> float:
         return 0.5 + 0.4 * math.sin(2 * math.pi * u)
 
     for start in np.linspace(0.0, 1.0, 23):
-        ray = ray_of(uv=(start, 0.5), fall=(0.2, 0.0))
-        met = met_by(sine, ray)
+        ray = ray_of(uv=(start, 0.5), travel=(0.2, 0.0))
+        height = first_height(sine, ray)
         hit, _ = traced(secant, sine, ray, Secant(16, 16, cuts))
         assert hit.found
-        assert float(hit.height) == pytest.approx(met, abs=within)
+        assert float(hit.height) == pytest.approx(height, abs=within)
 
 
-def met_by(form: Surface, ray: Ray, layers: int = 4096) -> float:
-    """The ray's height where it first meets a closed form: a fine march, then halvings."""
+def first_height(form: Surface, ray: Ray, layers: int = 4096) -> float:
+    """Height of the first hit on a closed form, by a fine march and bisection."""
     high, low = 1.0, 0.0
     for k in range(1, layers + 1):
         low = 1.0 - k / layers
@@ -499,10 +499,10 @@ def met_by(form: Surface, ray: Ray, layers: int = 4096) -> float:
     return low
 
 
-def test_at_a_wall_the_end_that_stays_counts_half() -> None:
-    """The wall is at the height 0.6 of a step from 0.625 to 0.5625; without the Illinois trick six
-    cuts, all from above, would leave 0.6147."""
-    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+def test_secant_at_a_wall_uses_the_illinois_rule() -> None:
+    """The wall is at height 0.6 in the step from 0.625 to 0.5625; without the Illinois rule six
+    splits, all from above, would leave 0.6147."""
+    ray = ray_of(uv=(0.7, 0.4), travel=(-0.5, 0.25))
     errors = []
     for cuts in (2, 6, 12):
         hit, _ = traced(secant, cliff, ray, Secant(16, 16, cuts))
@@ -512,7 +512,7 @@ def test_at_a_wall_the_end_that_stays_counts_half() -> None:
 
 
 @pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_step_to_cut_nothing_more_is_read(height: float) -> None:
+def test_without_a_step_to_split_secant_reads_no_more(height: float) -> None:
     hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 5))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
     assert_ends(hit, ray_of(), read[-1])
@@ -522,8 +522,8 @@ def test_without_a_step_to_cut_nothing_more_is_read(height: float) -> None:
 # --- contact refinement ---------------------------------------------------------------------------
 
 
-def test_contact_goes_back_a_layer_and_on_in_finer_ones() -> None:
-    """Five layers: 1, 0.8, 0.6, 0.4 is below 0.53; then from 0.6 on by 0.04."""
+def test_contact_refines_the_last_layer_in_finer_ones() -> None:
+    """Five layers: 1, 0.8, 0.6, then 0.4 is below 0.53; then from 0.6 in steps of 0.04."""
     hit, read = traced(contact, level_surface(0.53), ray_of(), Contact(5, 5))
     assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52], abs=1e-6)
     assert_ends(hit, ray_of(), 0.52)
@@ -539,16 +539,16 @@ def test_contact_does_not_read_its_coarse_layer_again() -> None:
 
 @given(ramps(), st.integers(10, 40))
 def test_contact_is_within_a_fine_step_of_a_ramp(ramp, steps: int) -> None:
-    form, ray, met, _ = ramp
+    form, ray, height, _ = ramp
     hit, _ = traced(contact, form, ray, Contact(steps, steps))
     assert hit.found
-    assert met - 1 / steps**2 - 1e-4 <= float(hit.height) <= met + 1e-4
+    assert height - 1 / steps**2 - 1e-4 <= float(hit.height) <= height + 1e-4
     assert hit.reads <= 2 * steps - 1
     assert_ends(hit, ray, float(hit.height))
 
 
 @pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_layer_before_there_is_no_contact(height: float) -> None:
+def test_without_a_previous_layer_there_is_no_refinement(height: float) -> None:
     hit, read = traced(contact, level_surface(height), ray_of(), Contact(4, 4))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
     assert_ends(hit, ray_of(), read[-1])
@@ -556,9 +556,9 @@ def test_without_a_layer_before_there_is_no_contact(height: float) -> None:
 
 
 @pytest.mark.parametrize(("technique", "record"), [(secant, Secant), (contact, Contact)])
-def test_at_a_wall_they_end_where_it_stands(technique, record) -> None:
-    """Contact within a fine step of 0.6, by 16 + 16 reads where steep takes 256."""
-    ray = ray_of(uv=(0.7, 0.4), fall=(-0.5, 0.25))
+def test_secant_and_contact_find_a_wall(technique, record) -> None:
+    """`contact` is within 1/256 of the wall with 16 + 16 reads; `steep` would need 256."""
+    ray = ray_of(uv=(0.7, 0.4), travel=(-0.5, 0.25))
     hit, _ = traced(technique, cliff, ray, record(16, 16))
     assert hit.found
     assert float(hit.height) == pytest.approx(0.6, abs=1 / 16 / 4)
@@ -574,7 +574,7 @@ def test_at_a_wall_they_end_where_it_stands(technique, record) -> None:
     [(1.0, 4), (0.5, 12), (0.25, 16), (0.0, 20), (1.0000001, 4), (-0.3, 20), (2.0, 4)],
 )
 def test_steps_follow_the_angle(cosine: float, steps: int) -> None:
-    """G4: lerp(max, min, V·N), 4 to 20, never beyond."""
+    """G4: lerp(max, min, V·N), clamped to 4 … 20."""
     assert steps_by_angle(ray_of(cosine=cosine), 4, 20) == steps
     hit, _ = traced(parallax_occlusion, level_surface(0.0), ray_of(cosine=cosine), March(4, 20))
     assert hit.reads == steps
@@ -599,7 +599,7 @@ def field_of_size(columns: int, rows: int) -> HeightField:
 
 
 @pytest.mark.parametrize(
-    ("columns", "rows", "fall", "per_texel", "steps"),
+    ("columns", "rows", "travel", "per_texel", "steps"),
     [
         (256, 256, (0.5, 0.0), 1.0, 128),
         (256, 64, (0.0, 0.5), 1.0, 32),
@@ -609,12 +609,12 @@ def field_of_size(columns: int, rows: int) -> HeightField:
         (256, 256, (0.5, 0.0), 2.0, 256),
     ],
 )
-def test_steps_by_texels_are_the_texels_passed_over(columns, rows, fall, per_texel, steps) -> None:
-    """G8: half the map of 256 is 128 texels, and the most that is ever read."""
+def test_steps_by_texels_equal_the_texels_crossed(columns, rows, travel, per_texel, steps) -> None:
+    """G8: half of a map of 256 texels takes 128 steps."""
     field = field_of_size(columns, rows)
     settings = March(4, 20, per_texel)
-    assert step_count(field, ray_of(fall=fall), settings) == steps
-    hit = parallax_occlusion(field, ray_of(fall=fall), settings)
+    assert step_count(field, ray_of(travel=travel), settings) == steps
+    hit = parallax_occlusion(field, ray_of(travel=travel), settings)
     assert hit.reads == steps
 
 
@@ -632,12 +632,14 @@ VIEWS = [
 def relief_ray_of(
     view, kind: str, scale: float, reference_height: float = 0.5, bias=0.42, aspect=1.0
 ) -> Ray:
-    """The ray that the whole pixel makes of a view vector in tangent space."""
-    met, depth = meeting(view, aspect), ReliefParameters(scale, reference_height, bias)
-    return relief_ray(met, depth, scale, 0.0, 0.0, Variant(projection=kind))
+    """The ray that `relief_ray` makes of a view vector in tangent space."""
+    parameters = ReliefParameters(scale, reference_height, bias)
+    return relief_ray(
+        intersection_of(view, aspect), parameters, scale, 0.0, 0.0, Variant(projection=kind)
+    )
 
 
-def meeting(view, aspect: float = 1.0) -> Intersection:
+def intersection_of(view, aspect: float = 1.0) -> Intersection:
     up, u = Vec3(0, 0, 1), Vec3(1, 0, 0)
     frame = TangentFrame(u, Vec3(0, 1, 0), up, 1.0, 1 / aspect, 0.0)
     return Intersection(
@@ -651,13 +653,13 @@ def test_the_offset_is_that_of_kaneko(view, height: float) -> None:
     """W1, W2, C7: maximum height · (h − ½) · V.xy ÷ V.z; v runs against y."""
     most = 0.05
     ray = relief_ray_of(view, "full", most)
-    hit, _ = traced_anywhere(offset, height, ray, Offset())
+    hit, _ = trace_level(offset, height, ray, Offset())
     x, y, z = view
     wanted = np.array([0.31, 0.64]) + most * (height - 0.5) * np.array([x, -y]) / z
     np.testing.assert_allclose([*hit.uv], wanted, atol=1e-6)
 
 
-def traced_anywhere(technique, height: float, ray: Ray, settings) -> tuple[Hit, int]:
+def trace_level(technique, height: float, ray: Ray, settings) -> tuple[Hit, int]:
     with surface(level_surface(height)) as places:
         hit = technique(EMPTY, ray, settings)
     return hit, len(places)
@@ -665,11 +667,11 @@ def traced_anywhere(technique, height: float, ray: Ray, settings) -> tuple[Hit, 
 
 @pytest.mark.parametrize("view", VIEWS[1:])
 def test_a_high_texel_moves_towards_the_viewer_in_the_picture(view) -> None:
-    """What is high is seen nearer to the viewer, so its texture is fetched from further there."""
+    """A high texel is seen nearer to the viewer, so uv moves towards the viewer."""
     ray = relief_ray_of(view, "full", 0.1)
-    high, _ = traced_anywhere(offset, 1.0, ray, Offset())
-    low, _ = traced_anywhere(offset, 0.0, ray, Offset())
-    middle, _ = traced_anywhere(offset, 0.5, ray, Offset())
+    high, _ = trace_level(offset, 1.0, ray, Offset())
+    low, _ = trace_level(offset, 0.0, ray, Offset())
+    middle, _ = trace_level(offset, 0.5, ray, Offset())
     toward = np.array([view[0], -view[1]])
     start = np.array([0.31, 0.64])
     assert (np.array([*high.uv]) - start) @ toward > 0
@@ -679,17 +681,17 @@ def test_a_high_texel_moves_towards_the_viewer_in_the_picture(view) -> None:
 
 @pytest.mark.parametrize("most", [0.0, 0.01, 0.02, 1.0])
 def test_each_component_of_the_offset_is_clamped(most: float) -> None:
-    """W3: ±most for u and v apart, whatever their direction; (0.03, −0.015) unclamped."""
-    ray = ray_of(uv=(0.5, 0.5), fall=(-0.06, 0.03), reference_height=0.5)
+    """W3: u and v are clamped to ±most separately; unclamped they are (0.03, −0.015)."""
+    ray = ray_of(uv=(0.5, 0.5), travel=(-0.06, 0.03), reference_height=0.5)
     for height, sign in ((1.0, 1), (0.0, -1)):
-        hit, _ = traced_anywhere(offset, height, ray, Offset(most))
+        hit, _ = trace_level(offset, height, ray, Offset(most))
         wanted = np.clip(sign * np.array([0.03, -0.015]), -most, most)
         np.testing.assert_allclose(np.array([*hit.uv]) - 0.5, wanted, atol=1e-7)
 
 
 @pytest.mark.parametrize("view", VIEWS)
 def test_projections(view) -> None:
-    """C6, C8: by V.z, by V.z and a bias, and not at all."""
+    """C6, C8: divided by V.z, by V.z + bias, and not divided."""
     x, y, z = view
     v = Vec3(*view)
     np.testing.assert_allclose([*projection.full(v, 0.42)], [x / z, y / z], rtol=1e-6)
@@ -700,7 +702,7 @@ def test_projections(view) -> None:
 
 
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.01, 1)), st.floats(0.1, 10))
-def test_the_true_projection_needs_no_unit_vector_and_a_bias_does(view, times: float) -> None:
+def test_only_a_biased_projection_needs_a_unit_vector(view, times: float) -> None:
     """W1."""
     once, more = Vec3(*view), Vec3(*(c * times for c in view))
     np.testing.assert_allclose(
@@ -712,7 +714,7 @@ def test_the_true_projection_needs_no_unit_vector_and_a_bias_does(view, times: f
     assert projection.biased(more, 0.42) != projection.biased(once, 0.42)
 
 
-def test_limiting_divides_by_nothing() -> None:
+def test_the_limited_projection_does_not_divide() -> None:
     """C6, in the code that runs on the GPU."""
 
     @shader
@@ -730,7 +732,7 @@ def test_limiting_divides_by_nothing() -> None:
 
 @pytest.mark.parametrize("view", [(1.0, 0.0, 0.0), (0.6, 0.8, 0.0), (0.6, 0.8, -1e-7)])
 @pytest.mark.parametrize("kind", ["full", "biased", "limited"])
-def test_along_the_surface_the_ray_stays_finite(view, kind: str) -> None:
+def test_the_ray_of_a_view_along_the_surface_is_finite(view, kind: str) -> None:
     ray = relief_ray_of(view, kind, 0.1, bias=0.0)
     assert np.isfinite([*ray.travel]).all()
 
@@ -747,16 +749,18 @@ def test_the_limit_is_the_length_of_the_view_on_the_surface(view, scale: float) 
 
 
 @pytest.mark.parametrize("aspect", [0.25, 1.0, 2.0])
-def test_the_scale_of_v_is_in_the_ray(aspect: float) -> None:
-    """W4: a move across the tile's height is more of v the lower the tile is."""
+def test_the_travel_along_v_is_scaled_by_the_aspect(aspect: float) -> None:
+    """W4: the lower the tile, the more of v a move across it takes."""
     ray = relief_ray_of((0.36, 0.48, 0.8), "full", 0.1, aspect=aspect)
     np.testing.assert_allclose(
         [*ray.travel], [-0.1 * 0.36 / 0.8, 0.1 * 0.48 / 0.8 * aspect], rtol=1e-6
     )
 
 
-def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full") -> ReliefHit:
-    """Where the whole pixel lets a view vector end that meets a relief."""
+def relief_hit(
+    technique, settings, view, relief: ReliefParameters, kind: str = "full"
+) -> ReliefHit:
+    """The hit of a view vector on a relief, by `trace_relief`."""
     variant = Variant(displaced=True, projection=kind)
     place = Placement(
         Vec3(0.0), Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)), Vec2(1.0), Vec2(0.0), 1.0
@@ -764,24 +768,26 @@ def ended(technique, settings, view, relief: ReliefParameters, kind: str = "full
     small = Footprint(Vec2(0.0), Vec2(0.0))
     with bound({displace: technique}):
         return trace_relief(
-            EMPTY, UNBAKED, meeting(view), small, place, relief, Smoothing(), settings, Shadowing(),
-            variant,
+            EMPTY, UNBAKED, intersection_of(view), small, place, relief, Smoothing(), settings,
+            Shadowing(), variant,
         )  # fmt: skip
 
 
-@pytest.mark.parametrize(("technique", "settings"), everywhere(20))
+@pytest.mark.parametrize(("technique", "settings"), all_techniques(20))
 @pytest.mark.parametrize(
     ("kind", "bias"), [("full", 0.42), ("biased", 0.0), ("biased", 0.42), ("limited", 0.42)]
 )
 @pytest.mark.parametrize("view", VIEWS)
 def test_the_projection_comes_before_every_technique(technique, settings, kind, bias, view) -> None:
-    """C9: on the plane of height 0.7 each ends at scale · (0.7 − reference_height) along the travel
-    chosen."""
+    """C9: on height 0.7 every technique ends at scale · (0.7 − reference height) along the
+    projected view."""
     x, y, z = view
     travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
     reference_height = technique.reference_height
     with surface(level_surface(0.7)):
-        end = ended(technique, settings, view, ReliefParameters(0.1, reference_height, bias), kind)
+        end = relief_hit(
+            technique, settings, view, ReliefParameters(0.1, reference_height, bias), kind
+        )
     height = reference_height if technique is flat else 0.7
     wanted = np.array([0.31, 0.64]) + 0.1 * (height - reference_height) * np.array([x, -y]) * travel
     np.testing.assert_allclose([*end.uv], wanted, atol=2e-5)
@@ -791,18 +797,18 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
     )
 
 
-def test_offset_limiting_is_the_default_of_the_technique_that_is_named_after_it() -> None:
+def test_default_projections_and_reference_heights() -> None:
     assert (offset.projection, offset_limited.projection) == ("full", "limited")
     assert (offset.reference_height, offset_limited.reference_height) == (0.5, 0.5)
     assert {t.reference_height for t in (steep, parallax_occlusion, relief)} == {1.0}
     assert {t.projection for t in (steep, parallax_occlusion, relief)} == {"full"}
 
 
-@pytest.mark.parametrize(("technique", "settings"), everywhere())
-def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
+@pytest.mark.parametrize(("technique", "settings"), all_techniques())
+def test_scale_0_reads_no_height(technique, settings) -> None:
     """C2."""
     with surface(level_surface(0.7)) as places:
-        end = ended(technique, settings, VIEWS[3], ReliefParameters(0.0, 0.5, 0.42))
+        end = relief_hit(technique, settings, VIEWS[3], ReliefParameters(0.0, 0.5, 0.42))
     assert places == []
     assert end.reads == 0
     assert end.distance == 2.0
@@ -814,7 +820,7 @@ def test_with_no_depth_not_one_height_is_read(technique, settings) -> None:
 
 @shader
 def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -> Hit:
-    """One ray a pixel, each coming from elsewhere."""
+    """A different ray for each pixel."""
     x = float(at.x) * 0.11 - 1.3
     y = float(at.y) * 0.17 - 0.9
     travel = Vec2(y, x) * 0.21
@@ -823,7 +829,7 @@ def tracing(at: IVec2, field: HeightField, baked: Texture, settings: Settings) -
     return displace(field, baked, ray, settings)
 
 
-@pytest.mark.parametrize(("technique", "settings"), everywhere(9))
+@pytest.mark.parametrize(("technique", "settings"), all_techniques(9))
 def test_the_cpu_computes_the_same_bits_as_python(technique, settings) -> None:
     field = HeightField([np.random.default_rng(7).random((11, 17)) ** 2], "wrap")
     bindings = {displace: technique}

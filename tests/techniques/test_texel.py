@@ -1,4 +1,4 @@
-"""texel: heights as boxes, against closed forms and a float64 list of all walls on each way."""
+"""`texel`, heights as columns, against closed forms and all walls along each ray in float64."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ MAPS = {
     "top": np.ones((3, 5)),
 }
 CORNERS = 0.004
-"""The share of rays that pass an edge closer than float32 can tell."""
+"""The share of rays that pass an edge within the rounding of float32."""
 
 
 @struct
-class Boxed:
-    """A ray, where it ends, and which way the side there faces."""
+class TracedRay:
+    """A ray, its hit, and the normal of the side that is hit."""
 
     uv: Vec2
-    fall: Vec2
-    met: Vec2
+    travel: Vec2
+    hit_uv: Vec2
     height: float
     found: bool
     reads: int
@@ -54,38 +54,40 @@ class Boxed:
 
 
 @shader
-def columns(at: IVec2, fan: Fan, field: HeightField) -> Boxed:
-    """One ray of many."""
+def trace_columns(at: IVec2, fan: Fan, field: HeightField) -> TracedRay:
+    """A random ray, traced by `texel`."""
     n = (at.y * 8192 + at.x) * 4 + fan.seed * 7919
     uv = Vec2(scattered(n), scattered(n + 1)) * 3.0 - 1.0
-    fall = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
-    hit = texel(field, Ray(uv, fall, 1.0, 1.0, 0.5), Nothing())
-    side = side_normal(field, hit.uv, hit.height, fall)
-    return Boxed(uv, fall, hit.uv, hit.height, hit.found, hit.reads, side)
+    travel = (Vec2(scattered(n + 2), scattered(n + 3)) * 2.0 - 1.0) * fan.reach
+    hit = texel(field, Ray(uv, travel, 1.0, 1.0, 0.5), Nothing())
+    side = side_normal(field, hit.uv, hit.height, travel)
+    return TracedRay(uv, travel, hit.uv, hit.height, hit.found, hit.reads, side)
 
 
-def boxed_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dict[str, np.ndarray]:
-    program = Program(columns, edge=edge)
+def traced_rays(engine: Any, heights: np.ndarray, edge: str, reach: float) -> dict[str, np.ndarray]:
+    program = Program(trace_columns, edge=edge)
     values = {"fan": Fan(reach, 3), "field": HeightField([heights], edge)}
     planes = {k: v.ravel() for k, v in engine.run(program, values, (64, 64)).items()}
     pairs = {
         name: np.stack([planes[f"{name}.x"], planes[f"{name}.y"]], -1).astype(float)
-        for name in ("uv", "fall", "met", "side")
+        for name in ("uv", "travel", "hit_uv", "side")
     }
     return {**pairs, **{k: planes[k] for k in ("height", "found", "reads")}}
 
 
-def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
+def assert_first_column(engine: Any, heights: np.ndarray, edge: str, reach: float) -> None:
     heights = np.asarray(heights, np.float32)
-    got = boxed_rays(engine, heights, edge, reach)
-    wanted = intersect_columns(heights, got["uv"], got["fall"], edge)
+    got = traced_rays(engine, heights, edge, reach)
+    wanted = intersect_columns(heights, got["uv"], got["travel"], edge)
     texels = np.array(heights.shape[::-1])
     late = np.abs((1.0 - got["height"]) - wanted.t)
-    moved = np.abs((got["met"] - wanted.uv) * texels).max(axis=1)
+    shifted = np.abs((got["hit_uv"] - wanted.uv) * texels).max(axis=1)
     rotated = (got["side"] != wanted.side).any(axis=1)
-    wrong = (late > 1e-5) | (moved > INSET + 1e-3) | rotated
+    wrong = (late > 1e-5) | (shifted > INSET + 1e-3) | rotated
     assert got["found"].all()
-    assert wrong.mean() <= CORNERS, f"{wrong.mean():.3%} wrong, {rotated.mean():.3%} of them turned"
+    assert wrong.mean() <= CORNERS, (
+        f"{wrong.mean():.3%} wrong, {rotated.mean():.3%} of them rotated"
+    )
 
 
 # --- against all walls ----------------------------------------------------------------------------
@@ -94,85 +96,89 @@ def assert_boxes(engine: Any, heights: np.ndarray, edge: str, reach: float) -> N
 @pytest.mark.parametrize("reach", [0.05, 0.8, 4.0])
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("name", MAPS)
-def test_every_ray_meets_its_first_box(name: str, edge: str, reach: float) -> None:
-    assert_boxes(CpuEngine(), MAPS[name], edge, reach)
+def test_every_ray_hits_its_first_column(name: str, edge: str, reach: float) -> None:
+    assert_first_column(CpuEngine(), MAPS[name], edge, reach)
 
 
 @pytest.mark.gpu
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 @pytest.mark.parametrize("name", ["steps", "portrait"])
-def test_every_ray_meets_its_first_box_on_the_gpu(name: str, edge: str) -> None:
+def test_every_ray_hits_its_first_column_on_the_gpu(name: str, edge: str) -> None:
     from basrelief.engine import choose_device
 
-    assert_boxes(choose_device("gpu"), MAPS[name], edge, 0.8)
+    assert_first_column(choose_device("gpu"), MAPS[name], edge, 0.8)
 
 
-def test_the_ruler_can_fail() -> None:
-    """Boxes are not met where the bilinear surface is, nor beyond the edge where tiles repeat."""
+def test_the_reference_distinguishes_edges() -> None:
+    """Clamped and repeated columns differ, so a wrong edge would fail the tests above."""
     heights = MAPS["steps"].astype(np.float32)
-    got = boxed_rays(CpuEngine(), heights, "wrap", 0.8)
-    other = intersect_columns(heights, got["uv"], got["fall"], "clamp")
+    got = traced_rays(CpuEngine(), heights, "wrap", 0.8)
+    other = intersect_columns(heights, got["uv"], got["travel"], "clamp")
     assert (np.abs((1.0 - got["height"]) - other.t) > 1e-5).mean() > 0.1
 
 
 # --- closed forms ---------------------------------------------------------------------------------
 
 WALL = np.array([[0.0, 0.0, 0.75, 0.75], [0.0, 0.0, 0.75, 0.75]], np.float32)
-"""Low on the left, high on the right: a wall at u = ½, 4 × 2 texels."""
+"""Low on the left, high on the right, with a wall at u = ½; 4 × 2 texels."""
 
 
-def ended(heights: np.ndarray, uv, fall, edge: str = "clamp", reference_height: float = 1.0):
+def hit_and_side(
+    heights: np.ndarray, uv, travel, edge: str = "clamp", reference_height: float = 1.0
+):
     field = HeightField([heights], edge)
-    ray = flat_ray(uv, fall, reference_height)
+    ray = flat_ray(uv, travel, reference_height)
     hit = texel(field, ray, Nothing())
     side = side_normal(field, hit.uv, hit.height, ray.travel)
     return hit, tuple(float(n) for n in side)
 
 
 @given(st.floats(0.02, 0.24), st.floats(0.05, 0.95))
-def test_a_wall_is_met_at_the_height_that_the_ray_has_there(height: float, v: float) -> None:
-    """From the left at u = ¼, so as to be at `height` at u = ½: it faces back along u."""
-    hit, side = ended(WALL, (0.25, v), (0.25 / (1 - height), 0.0))
+def test_the_hit_on_a_wall_has_the_height_of_the_ray(height: float, v: float) -> None:
+    """A ray from u = ¼ that has `height` at u = ½; the wall faces −u."""
+    hit, side = hit_and_side(WALL, (0.25, v), (0.25 / (1 - height), 0.0))
     assert float(hit.height) == pytest.approx(height, abs=1e-6)
     assert float(hit.uv.x) == pytest.approx(0.5 + INSET / 4, abs=1e-6)
     assert side == (-1.0, 0.0)
     assert hit.reads == 2
 
 
-def test_the_top_is_met_beyond_the_wall_and_is_level() -> None:
-    """At u = ½ the ray is still at 0.8, and falls to 0.75 a little further."""
-    hit, side = ended(WALL, (0.25, 0.5), (1.25, 0.1))
+def test_the_hit_on_a_top_is_level() -> None:
+    """At u = ½ the ray has height 0.8; a little further it reaches the top at 0.75."""
+    hit, side = hit_and_side(WALL, (0.25, 0.5), (1.25, 0.1))
     assert float(hit.height) == 0.75
     assert float(hit.uv.x) == pytest.approx(0.25 + 1.25 * 0.25, abs=1e-6)
     assert side == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("fall", "side"),
+    ("travel", "side"),
     [((0.5, 0.0), (-1, 0)), ((-0.5, 0.0), (1, 0)), ((0.0, 0.5), (0, -1)), ((0.0, -0.5), (0, 1))],
 )
-def test_a_post_is_seen_from_four_sides(fall, side) -> None:
+def test_each_side_of_a_post_faces_the_ray(travel, side) -> None:
     post = np.zeros((5, 5), np.float32)
     post[2, 2] = 1.0
-    start = np.array([0.5, 0.5]) - np.array(fall) * 0.6
-    hit, faces = ended(post, start, fall)
-    # half a texel before the middle: 0.1 of the way of a tile's half
+    start = np.array([0.5, 0.5]) - np.array(travel) * 0.6
+    hit, faces = hit_and_side(post, start, travel)
+    # the side is half a texel before the middle: 0.4 after the start, in t
     assert float(hit.height) == pytest.approx(1.0 - (0.6 - 0.2), abs=1e-6)
     assert faces == side
 
 
 @pytest.mark.parametrize("reference_height", [0.0, 0.5])
-def test_the_reference_height_is_where_the_ray_meets_the_polygon(reference_height: float) -> None:
-    """The same ray, told from another of its heights."""
-    one, _ = ended(WALL, (0.25, 0.5), (0.4, 0.1))
+def test_the_reference_height_is_where_the_ray_intersects_the_polygon(
+    reference_height: float,
+) -> None:
+    """The same ray, given by its intersection at another height."""
+    one, _ = hit_and_side(WALL, (0.25, 0.5), (0.4, 0.1))
     uv = (0.25 + 0.4 * (1 - reference_height), 0.5 + 0.1 * (1 - reference_height))
-    other, _ = ended(WALL, uv, (0.4, 0.1), reference_height=reference_height)
+    other, _ = hit_and_side(WALL, uv, (0.4, 0.1), reference_height=reference_height)
     np.testing.assert_allclose([*other.uv, other.height], [*one.uv, one.height], atol=1e-6)
 
 
-@pytest.mark.parametrize("fall", [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (1e-30, -1e-30)])
-def test_straight_down_it_is_the_box_below(fall) -> None:
-    hit, side = ended(MAPS["steps"], (5 / 16, 9 / 16), fall)
+@pytest.mark.parametrize("travel", [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (1e-30, -1e-30)])
+def test_straight_down_the_hit_is_the_column_below(travel) -> None:
+    hit, side = hit_and_side(MAPS["steps"], (5 / 16, 9 / 16), travel)
     assert float(hit.height) == np.float32(MAPS["steps"][9, 5])
     assert side == (0.0, 0.0)
     assert hit.reads == 1
@@ -180,12 +186,12 @@ def test_straight_down_it_is_the_box_below(fall) -> None:
 
 def test_the_cpu_computes_the_same_bits_as_python() -> None:
     field = HeightField([MAPS["portrait"]], "wrap")
-    program = Program(columns, edge="wrap")
+    program = Program(trace_columns, edge="wrap")
     values = {"fan": Fan(0.8, 3), "field": field}
     planes = CpuEngine().run(program, values, (9, 7))
     for x, y in [(0, 0), (8, 6), (3, 2), (5, 5)]:
-        one = columns(IVec2(x, y), Fan(0.8, 3), field)
-        assert [planes[name][y, x] for name, _ in program.planes] == [*leaf_values(one, Boxed)]
+        one = trace_columns(IVec2(x, y), Fan(0.8, 3), field)
+        assert [planes[name][y, x] for name, _ in program.planes] == [*leaf_values(one, TracedRay)]
 
 
 # --- in a picture ---------------------------------------------------------------------------------
@@ -200,7 +206,7 @@ TOWN = np.array(
         [0, 3, 3, 0, 0, 0, 0],
     ]
 ) / 8  # fmt: skip
-"""Five texels by seven, alike from no two sides."""
+"""5 × 7 texels, different from every side."""
 FROM = {
     "below": LookAt((0.3, -1.2, 1.3), (0.0, -0.05, -0.1), (0, 0, 1), orthographic_height=0.9),
     "the left, above": LookAt((-1.3, 0.8, 0.9), (0.1, 0.0, -0.1), (0, 0, 1), field_of_view=30.0),
@@ -220,38 +226,38 @@ def lamp(towards) -> Any:
     return directional(np.degrees(np.arctan2(x, z)), np.degrees(np.arctan2(y, np.hypot(x, z))))
 
 
-def fall_of(direction: np.ndarray) -> np.ndarray:
-    """How far rays move over the unit plane while they fall through all of the relief."""
+def travel_of(direction: np.ndarray) -> np.ndarray:
+    """Travel of rays over the unit plane while they fall through the height range."""
     return direction[..., :2] * [1, -1] * SCALE / -direction[..., 2:]
 
 
 def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]:
-    """The picture in float64, and where there is anything: the cosine on the side that is met."""
+    """Cosines on the sides that are hit, in float64, and the mask of pixels with a hit."""
     uv, _ = on_plane(camera)
     _, directions = rays(camera)
     shape = uv.shape[:2]
-    start, fall = uv.reshape(-1, 2), fall_of(directions).reshape(-1, 2)
-    hits = intersect_columns(TOWN, start, fall, "clamp")
+    start, travel = uv.reshape(-1, 2), travel_of(directions).reshape(-1, 2)
+    hits = intersect_columns(TOWN, start, travel, "clamp")
     normals = np.column_stack([hits.side * [1, -1], 1 - np.abs(hits.side).sum(1)])
     light = unit(towards)
     shade = np.maximum(normals @ light, 0.0)
     if shadows:
-        # the way back from the light, from where it comes in at the top
-        back = np.broadcast_to(fall_of(-light), fall.shape)
+        # the ray of the light, from where it enters at the top
+        back = np.broadcast_to(travel_of(-light), travel.shape)
         before = hits.uv + hits.side * 1e-6
-        met = intersect_columns(TOWN, before - back * hits.t[:, None], back, "clamp")
-        shade = shade * (met.t >= hits.t - 1e-5)
-    # within the polygon's outline, and where the ray ends too
+        lit_columns = intersect_columns(TOWN, before - back * hits.t[:, None], back, "clamp")
+        shade = shade * (lit_columns.t >= hits.t - 1e-5)
+    # both the polygon and the hit are within the outline
     places = np.concatenate([start, hits.uv], axis=1)
-    there = (places >= 0).all(1) & (places <= 1).all(1)
-    return shade.reshape(shape), there.reshape(shape)
+    visible = (places >= 0).all(1) & (places <= 1).all(1)
+    return shade.reshape(shape), visible.reshape(shape)
 
 
 @pytest.mark.parametrize("shadows", [False, True])
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("camera", FROM)
-def test_sides_are_lit_as_walls_and_throw_shadows(camera: str, light: str, shadows: bool) -> None:
-    """Every pixel but those at edges: the cosine of the met side, 0 in the shadow of a box."""
+def test_sides_are_lit_as_walls_and_cast_shadows(camera: str, light: str, shadows: bool) -> None:
+    """For every pixel not at an edge: the cosine on the side that is hit, 0 in shadow."""
     frame = drawn(
         town(),
         camera=FROM[camera],
@@ -262,24 +268,24 @@ def test_sides_are_lit_as_walls_and_throw_shadows(camera: str, light: str, shado
         shadowing={"shadow_offset": 0.0},
         background=(0.0, 0.0, 0.0),
     )
-    shade, there = lit(FROM[camera], LIGHTS[light], shadows)
-    assert (frame.hit != there).mean() < 0.005
-    both = frame.hit & there
-    apart = np.abs(frame.color[:, :, 0] - shade)[both]
+    shade, visible = lit(FROM[camera], LIGHTS[light], shadows)
+    assert (frame.hit != visible).mean() < 0.005
+    both = frame.hit & visible
+    error = np.abs(frame.color[:, :, 0] - shade)[both]
     assert both.sum() > 1000
-    assert (apart > 2e-3).mean() < 0.01, f"{(apart > 2e-3).mean():.2%} of the pixels"
+    assert (error > 2e-3).mean() < 0.01, f"{(error > 2e-3).mean():.2%} of the pixels"
 
 
-def test_the_normals_of_the_heights_do_not_bend_the_tops() -> None:
-    """They are those of the bilinear surface; a normal map of the material's own is kept."""
+def test_tops_do_not_use_the_normals_of_the_heights() -> None:
+    """Baked normals belong to the bilinear surface; a normal map of the material is still used."""
     assert "maps_normal" not in values_of(town().resolved, Scene((town(),)), (8, 8), CpuEngine())
     own = replace(town().material, normal=map_of(np.full((2, 2, 3), (0.6, 0.5, 0.9))))
     obj = replace(town(), material=own)
     assert "maps_normal" in values_of(obj.resolved, Scene((obj,)), (8, 8), CpuEngine())
 
 
-def test_colours_are_whole_texels_near_by() -> None:
-    """Two colours side by side: no pixel shows a mixture, though the map is bilinear otherwise."""
+def test_colours_are_whole_texels_nearby() -> None:
+    """No pixel blends two adjacent colours, as the bilinear map of other techniques does."""
     colors = np.zeros((1, 4, 3))
     colors[0, ::2] = 0.8
     material = Material("pair", base_color=map_of(colors), height=map_of([[0.5, 0.5, 0.5, 0.5]]))
@@ -295,8 +301,8 @@ def test_colours_are_whole_texels_near_by() -> None:
     assert len(shades["steep"]) > 10
 
 
-def test_it_costs_other_techniques_nothing() -> None:
-    """What is a box's is in no program but that of boxes."""
+def test_other_techniques_have_no_code_of_columns() -> None:
+    """Functions of columns are only in programs of `texel`."""
     names = (
         "side_normal(", "column_top_at(", "column_top(", "grid_line(", "pixelated(",
         "shading_normal(normal: vec3f, relief_normal: vec3f",

@@ -1,4 +1,4 @@
-"""The checks of the viewer's JavaScript can fail, and its types fit the data of pages."""
+"""The checks of the viewer's JavaScript find planted faults, and its types fit pages' data."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def check(folder: Path, name: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    """A folder with a copy of the JavaScript and of the configuration of its checks."""
+    """A folder with copies of the JavaScript and of the configuration of its checks."""
     modules = REPOSITORY / "node_modules"
     if shutil.which("npm") is None or not modules.is_dir():
         pytest.skip("Node.js or the packages of package-lock.json are missing; run scripts/test")
@@ -107,7 +107,7 @@ def plant_data(copy: Path, name: str, data: dict[str, Any]) -> None:
 
 
 def test_types_fit_the_data(copy: Path, data_of: Callable[..., dict[str, Any]]) -> None:
-    """With all that a page can show, and with as little as possible."""
+    """For a page with everything it can show, and for a minimal page."""
     full = Object(
         sample("bricks", 64),
         shape="sphere",

@@ -37,7 +37,7 @@ def library() -> ProgramLibrary:
 def by_page(
     browser: Any, library: ProgramLibrary, entry: str, choices: list[dict[str, Any]]
 ) -> list[str]:
-    """The programs of an entry as `link.js` links them, one for each set of choices."""
+    """The programs of an entry, linked by `link.js`, one for each set of choices."""
     source = (files("basrelief.viewer") / "web" / "link.js").read_bytes()
     address = f"data:text/javascript;base64,{base64.b64encode(source).decode()}"
     page = browser.new_page()
@@ -47,7 +47,7 @@ def by_page(
         page.close()
 
 
-def test_the_page_links_what_the_library_links(browser: Any, library: ProgramLibrary) -> None:
+def test_the_page_links_the_librarys_programs(browser: Any, library: ProgramLibrary) -> None:
     picked = random_programs(60, 6)
     texts = by_page(browser, library, "pixel", [choices for choices, _ in picked])
     for (_, program), text in zip(picked, texts, strict=True):
@@ -67,9 +67,7 @@ def test_a_bake_is_linked_too(
 
 
 @pytest.mark.parametrize("name", ["fog_mode", "map.edge"])
-def test_a_choice_that_a_page_lacks_is_an_error(
-    browser: Any, library: ProgramLibrary, name: str
-) -> None:
+def test_a_missing_choice_is_an_error(browser: Any, library: ProgramLibrary, name: str) -> None:
     ((choices, _),) = random_programs(1, 6)
     del choices[name]
     with pytest.raises(Exception, match=f"the page chooses no {name}"):
@@ -77,9 +75,7 @@ def test_a_choice_that_a_page_lacks_is_an_error(
 
 
 @pytest.mark.parametrize("name", ["torus", "constructor"])
-def test_what_a_page_cannot_bind_is_an_error(
-    browser: Any, library: ProgramLibrary, name: str
-) -> None:
+def test_an_unknown_technique_is_an_error(browser: Any, library: ProgramLibrary, name: str) -> None:
     ((choices, _),) = random_programs(1, 6)
     with pytest.raises(Exception, match="the page has no Settings as undefined"):
         by_page(browser, library, "pixel", [{**choices, "technique": name}])

@@ -1,4 +1,4 @@
-"""The viewer in a notebook: settings are shared by page and Python."""
+"""The viewer in a notebook: page and Python share settings."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def made(material: Material) -> Viewer:
 
 @pytest.fixture
 def viewer(made: Viewer) -> Iterator[Viewer]:
-    """The viewer, afterwards as it was."""
+    """The viewer; its settings are restored afterwards."""
     before = {name: getattr(made, name) for name in SHARED}
     yield made
     made.unobserve_all()
@@ -119,17 +119,17 @@ def _drawn(what: Any) -> Frame:
     return render(what, size=SIZE, samples=1, device="cpu")
 
 
-# --- the side of Python --------------------------------------------------------------------------
+# --- in Python -----------------------------------------------------------------------------------
 
 
-def test_it_starts_as_the_scene_is(viewer: Viewer, material: Material) -> None:
+def test_a_viewer_starts_with_the_settings_of_its_scene(viewer: Viewer, material: Material) -> None:
     scene = Scene((Object(material, scale=0.08),), camera=Orbit(24.0, 32.0))
     assert (viewer.technique, viewer.scale, viewer.camera) == ("relief", 0.08, Orbit(24.0, 32.0))
     assert viewer.settings == {"min_steps": 8, "max_steps": 32, "search_steps": 5}
     assert np.array_equal(_drawn(viewer.scene()).color, _drawn(scene).color)
 
 
-def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None:
+def test_settings_are_in_the_scene(viewer: Viewer, material: Material) -> None:
     viewer.technique = "parallax_occlusion"
     viewer.settings = {"max_steps": 20}
     viewer.shape, viewer.shadows, viewer.shading_model = "cylinder", "soft", "phong"
@@ -160,7 +160,7 @@ def test_what_is_set_is_in_the_scene(viewer: Viewer, material: Material) -> None
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
 
 
-def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
+def test_all_other_settings_are_in_the_scene(material: Material) -> None:
     over = Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0)))
     obj = Object(material, layer=over, transform=placed(scale=(0.7, 1.0, 0.9)), scale=0.08)
     with no_stills():
@@ -195,13 +195,13 @@ def test_every_other_setting_is_in_the_scene_too(material: Material) -> None:
     viewer.surface = "standard"
     assert viewer.surface_parameters["roughness"] == 1.0
     assert viewer.all_surface_parameters["landscape"]["water_level"] == pytest.approx(0.6)
-    # another shape stands where it stands by itself, and what is switched off is not there
+    # another shape has its default transform; tilings and layer are switched off
     viewer.shape, viewer.apart, viewer.layer = "box", False, False
     box = viewer.scene().objects[0]
     assert (box.transform, box.tilings, box.layer) == (None, {}, None)
 
 
-def test_a_technique_and_a_shape_bring_what_is_theirs(viewer: Viewer) -> None:
+def test_a_technique_and_a_shape_set_their_defaults(viewer: Viewer) -> None:
     viewer.settings = {"max_steps": 64}
     viewer.camera = Orbit(24.0, 32.0, 3.0, (0.1, 0.2, 0.0))
     viewer.technique = "offset"
@@ -210,26 +210,26 @@ def test_a_technique_and_a_shape_bring_what_is_theirs(viewer: Viewer) -> None:
     assert (viewer.reference_height, viewer.settings["max_steps"]) == (1.0, 64)
     viewer.shape = "sphere"
     assert (viewer.tiling, viewer.camera) == ((4.0, 2.0), Orbit(24.0, 32.0))
-    # the page says all of it at once
+    # the page sends all settings in one message
     viewer.set_state(
         {"technique": "offset", "reference_height": 0.75, "shape": "box", "tiling": [3, 2]}
     )
     assert (viewer.reference_height, viewer.tiling) == (0.75, (3.0, 2.0))
 
 
-def test_a_light_that_is_put_out_keeps_its_colour(viewer: Viewer) -> None:
+def test_a_light_of_intensity_0_keeps_its_colour(viewer: Viewer) -> None:
     first, second = viewer.lights
     viewer.set_state({"lights": [{**first, "intensity": 0}, second]})
     assert viewer.lights[0]["color"] == [1.0, 0.96, 0.9]
     assert [*viewer.scene().lights[0].color] == [0.0, 0.0, 0.0]
 
 
-def test_one_light_will_do(viewer: Viewer) -> None:
+def test_lights_may_be_one_light(viewer: Viewer) -> None:
     viewer.lights = basrelief.directional(20.0, 50.0)
     assert [each["azimuth"] for each in viewer.lights] == [20.0]
 
 
-def test_what_is_read_is_a_copy(viewer: Viewer) -> None:
+def test_settings_are_returned_as_copies(viewer: Viewer) -> None:
     viewer.settings["max_steps"] = 99
     viewer.lights[0]["azimuth"] = 77.0
     viewer.surface_parameters["roughness"] = 0.1
@@ -249,7 +249,7 @@ def test_invalid_settings_of_the_page_are_sent_back(
     assert sent[-1] == ["fade"]
 
 
-def test_nothing_behind_stays_nothing(material: Material) -> None:
+def test_a_background_of_none_is_kept(material: Material) -> None:
     scene = Scene((Object(material),), background=None)
     with no_stills():
         viewer = Viewer(scene, texels=TEXELS, device="cpu")
@@ -272,7 +272,7 @@ def test_changes_are_observed(viewer: Viewer) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "line"),
     [
-        ("technique", "releif", r"technique is one of flat, offset, .*, not 'releif'"),
+        ("technique", "warp", r"technique is one of flat, offset, .*, not 'warp'"),
         ("shape", "cube", r"shape is one of plane, box, sphere, cylinder, not 'cube'"),
         ("scale", -1.0, r"scale is -1: give a number from 0 to 10"),
         ("reference_height", "half", r"reference_height is 'half': give a number"),
@@ -324,7 +324,7 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("show", "normals", r"show is one of color, reads, missed, depth, not 'normals'"),
     ],
 )
-def test_what_cannot_be_is_sent_state(viewer: Viewer, name: str, value: Any, line: str) -> None:
+def test_invalid_settings_are_refused(viewer: Viewer, name: str, value: Any, line: str) -> None:
     before = _sent_state(viewer)
     with pytest.raises(InputError, match=line):
         setattr(viewer, name, value)
@@ -340,12 +340,12 @@ def test_what_cannot_be_is_sent_state(viewer: Viewer, name: str, value: Any, lin
         ({"camera": LookAt((0.0, 0.0, 0.0))}, r"position and target are the same point"),
     ],
 )
-def test_what_makes_no_viewer_is_sent_state(options: dict[str, Any], line: str) -> None:
+def test_invalid_options_of_a_viewer_are_refused(options: dict[str, Any], line: str) -> None:
     with pytest.raises(InputError, match=line):
         Viewer("sample:bricks", **options)
 
 
-def test_without_heights_there_is_only_flat(material: Material) -> None:
+def test_a_material_without_heights_allows_only_flat(material: Material) -> None:
     with no_stills():
         bare = Viewer(Material("bare", base_color=material.base_color), device="cpu")
     assert bare.technique == "flat"
@@ -354,7 +354,7 @@ def test_without_heights_there_is_only_flat(material: Material) -> None:
             setattr(bare, name, value)
 
 
-def test_what_the_page_cannot_draw_is_sent_state(material: Material) -> None:
+def test_scenes_that_the_page_cannot_draw_are_refused(material: Material) -> None:
     two = Scene((Object(material), Object(material, shape="sphere")))
     with pytest.raises(InputError, match="has further objects, which the page does not draw"):
         Viewer(two)
@@ -362,7 +362,7 @@ def test_what_the_page_cannot_draw_is_sent_state(material: Material) -> None:
         Viewer(material, height=20)
 
 
-def test_without_anywidget_a_line_says_what_to_install() -> None:
+def test_without_anywidget_the_error_names_what_to_install() -> None:
     code = "import sys; sys.modules['anywidget'] = None; import basrelief.viewer.notebook"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False
@@ -370,10 +370,10 @@ def test_without_anywidget_a_line_says_what_to_install() -> None:
     assert result.stderr.splitlines()[-1].endswith("pip install 'basrelief[notebook]'")
 
 
-# --- both sides ----------------------------------------------------------------------------------
+# --- page and Python -----------------------------------------------------------------------------
 
 
-class Shown:
+class NotebookPage:
     """A viewer in a page that imitates a notebook, with its messages."""
 
     def __init__(self, browser: Any, viewer: Viewer) -> None:
@@ -401,13 +401,13 @@ class Shown:
         self.ready(1)
 
     def ready(self, count: int) -> None:
-        """Wait until so many views have drawn."""
+        """Wait until `count` views have drawn."""
         self.page.wait_for_function(
             """n => frames.length === n &&
               [...Array(n).keys()].every((k) => frames[k].viewer?.drawing?.frames?.done)""",
             arg=count,
         )
-        # one sample is enough, and leaves time for others
+        # one sample suffices and leaves time for other tests
         for number in range(count):
             self.frame(number).evaluate("viewer.drawing.frames.limit = 1")
 
@@ -419,7 +419,7 @@ class Shown:
         return self.frame(number).evaluate(f"viewer.state.{name}")
 
     def python(self, **settings: Any) -> None:
-        """Set attributes, and pass on what has changed."""
+        """Set attributes and send the changes to the page."""
         before = _sent_state(self.viewer)
         for name, value in settings.items():
             setattr(self.viewer, name, value)
@@ -430,7 +430,7 @@ class Shown:
         self.frame(number).wait_for_function(condition)
 
     def saved(self, condition: str) -> None:
-        """Wait until the page has said something, and pass it on to Python."""
+        """Wait for a condition and pass the page's messages to Python."""
         self.page.wait_for_function(condition)
         for news in self.page.evaluate("model.saved.splice(0)"):
             self.viewer.set_state(news)
@@ -451,15 +451,15 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def opened(browser: Any, made: Viewer) -> Iterator[Shown]:
-    shown = Shown(browser, made)
+def opened(browser: Any, made: Viewer) -> Iterator[NotebookPage]:
+    shown = NotebookPage(browser, made)
     yield shown
     shown.page.close()
 
 
 @pytest.fixture
-def shown(opened: Shown, viewer: Viewer) -> Iterator[Shown]:
-    """The page, as the viewer is at its start, and nobody at its picture."""
+def shown(opened: NotebookPage, viewer: Viewer) -> Iterator[NotebookPage]:
+    """The page with the viewer's initial settings, and without keyboard focus."""
     opened.frame().evaluate("document.activeElement.blur()")
     opened.page.evaluate("news => model.receive(news)", _sent_state(viewer))
     opened.wait("viewer.state.scale === 0.08 && viewer.state.technique === 'relief'")
@@ -468,7 +468,7 @@ def shown(opened: Shown, viewer: Viewer) -> Iterator[Shown]:
     assert opened.console == []
 
 
-def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
+def test_settings_go_both_ways(shown: NotebookPage, viewer: Viewer) -> None:
     assert shown.page.evaluate("model.saved") == []
 
     shown.python(technique="steep", scale=0.03, settings={"steps": 17}, camera=Orbit(40.0, 25.0))
@@ -477,7 +477,7 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
     assert shown.state("camera.azimuth") == 40
     assert shown.frame().get_by_label("Technique", exact=True).input_value() == "steep"
     assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
-    # the page has nothing to say to what it was told
+    # the page sends nothing back
     shown.page.wait_for_timeout(150)
     assert shown.page.evaluate("model.saved") == []
 
@@ -498,7 +498,7 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
     assert viewer.camera == Orbit(44.0, 25.0)
     assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
 
-    # another lens has another number
+    # each lens has its own number
     field = shown.frame().locator("input[name='camera.field_of_view']")
     seen_height = shown.frame().locator("input[name='camera.orthographic_height']")
     for lens, there in (
@@ -513,13 +513,13 @@ def test_settings_go_both_ways(shown: Shown, viewer: Viewer) -> None:
         assert field.count() + seen_height.count() == 1
         assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
 
-    # what the page holds to its range is so in Python too
+    # a value that the page clamps is clamped in Python too
     shown.python(camera=Orbit(44.0, -20.0))
     shown.saved("model.saved.length")
     assert viewer.camera == Orbit(44.0, 2.0)
 
 
-def test_two_views_show_the_same(shown: Shown, viewer: Viewer) -> None:
+def test_two_views_show_the_same(shown: NotebookPage, viewer: Viewer) -> None:
     shown.python(compare="offset", divider=0.25)
     shown.page.evaluate("void (window.closeSecond = show('two'))")
     shown.ready(2)
@@ -536,19 +536,19 @@ def test_two_views_show_the_same(shown: Shown, viewer: Viewer) -> None:
     assert len(shown.page.frames) == 2
 
 
-def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
+def test_the_page_adapts_to_the_notebook(shown: NotebookPage) -> None:
     frame = shown.page.locator("iframe").first
     assert frame.bounding_box()["height"] == 560
     shown.python(height=480)
     shown.page.wait_for_function("document.querySelector('iframe').offsetHeight === 480")
-    # it is as dark as what is behind it, whatever the colour is written in
+    # the colour scheme follows the background, in any notation of colours
     for color, dark in (("#111", True), ("color(srgb 1 1 1)", False), ("oklch(20% 0 0)", True)):
         shown.page.evaluate("color => { document.body.style.background = color }", color)
         query = "matchMedia('(prefers-color-scheme: dark)').matches"
         shown.wait(query if dark else f"!{query}")
-    # there is no address of its own to be copied
+    # there is no link to copy
     assert shown.frame().locator("#copy-link").count() == 0
-    # a person who scrolls through the notebook does not zoom what is passed
+    # scrolling over the page without focus does not zoom
     box = frame.bounding_box()
     shown.page.mouse.move(box["x"] + 50, box["y"] + 100)
     shown.page.mouse.wheel(0, 300)
@@ -562,8 +562,8 @@ def test_it_fits_in_with_the_notebook(shown: Shown) -> None:
 # --- in notebooks --------------------------------------------------------------------------------
 
 
-def smaller(text: str, *numbers: tuple[str, str]) -> str:
-    """An example as it stands, but for its numbers of texels and pixels, of which it draws many."""
+def with_smaller_numbers(text: str, *numbers: tuple[str, str]) -> str:
+    """An example with fewer texels and pixels."""
     for number, less in numbers:
         assert number in text
         text = text.replace(number, less)
@@ -573,7 +573,9 @@ def smaller(text: str, *numbers: tuple[str, str]) -> str:
 def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
     text = (EXAMPLES / "viewer.py").read_text("utf-8")
     example = tmp_path / "viewer.py"
-    example.write_text(smaller(text, ("256)", "64)"), ("(480, 270)", "(48, 27)")), "utf-8")
+    example.write_text(
+        with_smaller_numbers(text, ("256)", "64)"), ("(480, 270)", "(48, 27)")), "utf-8"
+    )
     with marimo(example, tmp_path) as address:
         page = browser.new_page(viewport={"width": 800, "height": 600})
         page.set_default_timeout(PATIENCE)
@@ -583,12 +585,12 @@ def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
         frame.wait_for_function("window.viewer?.drawing?.frames?.done")
         frame.evaluate("viewer.drawing.frames.limit = 1")
         assert frame.evaluate("[viewer.state.technique, viewer.state.scale]") == ["relief", 0.08]
-        # the page's, in Python
+        # changes of the page, in Python
         frame.locator("input[name=scale]").fill("0.031")
         page.get_by_text("scale 0.031").wait_for()
         frame.get_by_label("Technique", exact=True).select_option("steep")
         page.get_by_text("steep, scale 0.031").wait_for()
-        # Python's, in the page
+        # changes of Python, in the page
         page.get_by_label("The technique, from Python:").select_option("offset")
         frame.wait_for_function(
             "viewer.state.technique === 'offset' && viewer.state.reference_height === 0.5"
@@ -598,13 +600,13 @@ def test_the_example_runs_in_marimo(browser: Any, tmp_path: Path) -> None:
 
 
 def test_the_jupyter_example_runs() -> None:
-    """Its code, without a notebook around it."""
+    """The code of its cells, without a notebook server."""
     notebook = json.loads((EXAMPLES / "viewer.ipynb").read_text("utf-8"))
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     assert all(cell["outputs"] == [] for cell in cells)
     code = "\n".join("".join(cell["source"]) for cell in cells)
     known: dict[str, Any] = {}
     fewer = ('"sample:cobbles", ', '"sample:cobbles", texels=64, ')
-    exec(smaller(code, fewer, ("(960, 540)", "(48, 27)")), known)
+    exec(with_smaller_numbers(code, fewer, ("(960, 540)", "(48, 27)")), known)
     known["viewer"].set_state({"scale": 0.02})
     assert known["label"].value == "scale 0.02"

@@ -1,4 +1,4 @@
-"""The viewer's page in a browser: what it draws is what the CPU engine draws, and it obeys."""
+"""The viewer's page in a browser: its pictures equal the CPU engine's, and its controls work."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def browser() -> Iterator[Any]:
         yield made
 
 
-class Seen:
+class OpenPage:
     """An open page with its console messages and network requests."""
 
     def __init__(
@@ -125,14 +125,14 @@ class Seen:
 
 
 @pytest.fixture(scope="module")
-def seen(browser: Any, page_file: Path) -> Iterator[Seen]:
-    made = Seen(browser, page_file)
+def seen(browser: Any, page_file: Path) -> Iterator[OpenPage]:
+    made = OpenPage(browser, page_file)
     yield made
     made.page.close()
 
 
 @pytest.fixture
-def fresh(seen: Seen) -> Iterator[Seen]:
+def fresh(seen: OpenPage) -> Iterator[OpenPage]:
     """The page after a reset, its panel folded; it must leave the console empty."""
     seen.page.evaluate(
         """() => {
@@ -153,15 +153,15 @@ def expected(material: Material, **options: Any) -> Frame:
     return render(scene, size=SIZE, samples=1, device="cpu")
 
 
-def test_the_adapter_is_the_software_one(seen: Seen) -> None:
+def test_the_adapter_is_the_software_one(seen: OpenPage) -> None:
     info = seen.page.evaluate(
         "[viewer.gpu.adapter.info.vendor, viewer.gpu.adapter.info.architecture]"
     )
     assert info == ["google", "swiftshader"]
 
 
-def test_it_loads_without_messages_and_network(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file)
+def test_the_page_loads_without_messages_and_requests(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file)
     seen.draw()
     assert seen.console == []
     assert seen.requests == [page_file.as_uri()]
@@ -177,7 +177,7 @@ def test_it_loads_without_messages_and_network(browser: Any, page_file: Path) ->
         ("import(elsewhere).catch(() => {})", "script-src-elem"),
     ],
 )
-def test_its_policy_refuses_the_network(seen: Seen, attempt: str, directive: str) -> None:
+def test_the_content_policy_refuses_requests(seen: OpenPage, attempt: str, directive: str) -> None:
     refused = seen.page.evaluate(
         """(attempt) => new Promise((refused) => {
           const hear = (event) => refused([event.violatedDirective, event.blockedURI]);
@@ -193,7 +193,9 @@ def test_its_policy_refuses_the_network(seen: Seen, attempt: str, directive: str
 
 
 @pytest.mark.parametrize("technique", TECHNIQUES)
-def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, technique: str) -> None:
+def test_a_technique_draws_the_cpus_picture(
+    fresh: OpenPage, material: Material, technique: str
+) -> None:
     made = TECHNIQUES[technique]
     fresh.state(
         technique=technique, reference_height=made.reference_height, projection=made.projection
@@ -204,22 +206,22 @@ def test_a_technique_is_the_cpus_picture(fresh: Seen, material: Material, techni
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("shadows", ["hard", "soft"])
-def test_shapes_and_shadows_are_the_cpus(
-    fresh: Seen, material: Material, shape: str, shadows: str
+def test_shapes_and_shadows_equal_the_cpus(
+    fresh: OpenPage, material: Material, shape: str, shadows: str
 ) -> None:
     obj = Object(material, shape=shape)
-    fresh.state(shape=shape, shadows=shadows, tiling=list(obj.tiles))
+    fresh.state(shape=shape, shadows=shadows, tiling=list(obj.resolved.tiling.tiles))
     assert_agree(expected(material, shape=shape, shadows=shadows), fresh.frame(), TEXELS)
 
 
 @pytest.mark.parametrize("projection", ["biased", "limited"])
-def test_projections_are_the_cpus(fresh: Seen, material: Material, projection: str) -> None:
+def test_projections_equal_the_cpus(fresh: OpenPage, material: Material, projection: str) -> None:
     fresh.state(projection=projection, bias=0.3, shading_model="phong", technique="steep")
     options = {"projection": projection, "bias": 0.3, "shading_model": "phong"}
     assert_agree(expected(material, technique="steep", **options), fresh.frame(), TEXELS)
 
 
-def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -> None:
+def test_the_canvas_shows_the_encoded_picture(fresh: OpenPage, material: Material) -> None:
     fresh.draw(samples=4)
     url = fresh.page.evaluate(
         "(viewer.drawing.frames.present(), viewer.canvas.toDataURL('image/png'))"
@@ -229,12 +231,12 @@ def test_the_canvas_shows_the_encoded_picture(fresh: Seen, material: Material) -
     obj = Object(material, scale=0.08)
     frame = render(Scene((obj,), camera=CAMERA), size=SIZE, samples=4, device="cpu")
     wanted = read_picture(_saved(encode_png(frame.color[:, :, :3]), "cpu.png")).pixels.astype(int)
-    apart = np.abs(shown - wanted).max(axis=-1)
-    assert (apart <= 2).mean() >= 0.995
+    error = np.abs(shown - wanted).max(axis=-1)
+    assert (error <= 2).mean() >= 0.995
     assert shown.std() > 10.0
 
 
-def test_missed_hits_are_those_of_the_measurement(fresh: Seen, material: Material) -> None:
+def test_missed_hits_equal_the_measured_errors(fresh: OpenPage, material: Material) -> None:
     fresh.state(technique="offset", reference_height=0.5, projection="full", show="missed")
     scene = Scene((Object(material, technique="offset", scale=0.08),), camera=CAMERA)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
@@ -249,10 +251,10 @@ def test_missed_hits_are_those_of_the_measurement(fresh: Seen, material: Materia
     ("technique", "projection", "edge"),
     [("offset", "limited", "wrap"), ("steep", "full", "clamp"), ("steep", "biased", "clip")],
 )
-def test_colours_of_missed_hits_are_those_of_render_show(
-    fresh: Seen, material: Material, technique: Any, projection: Any, edge: Any
+def test_colours_of_missed_hits_equal_those_of_render_show(
+    fresh: OpenPage, material: Material, technique: Any, projection: Any, edge: Any
 ) -> None:
-    """Passed by the overshoot along the true ray; tiles wrap only where they repeat."""
+    """A hit has passed by its overshoot along the true ray; only repeated tiles wrap."""
     choices = {"technique": technique, "projection": projection, "edge": edge}
     choices["reference_height"] = 1.0
     fresh.state(**choices, show="missed")
@@ -273,7 +275,7 @@ def test_colours_of_missed_hits_are_those_of_render_show(
         assert 0.1 < behind[wanted].mean() < 0.9
     assert (lost != wanted).mean() < 0.003
     assert (passed != behind)[wanted & lost].mean() < 0.003
-    # on the canvas in the colours of `render --show missed`, which dims what lies behind otherwise
+    # the canvas has the colours of `render --show missed`
     url = fresh.page.evaluate(
         "(viewer.drawing.frames.present(), viewer.canvas.toDataURL('image/png'))"
     )
@@ -285,8 +287,8 @@ def test_colours_of_missed_hits_are_those_of_render_show(
 
 
 @pytest.mark.parametrize("heights", ["smooth", "mip"])
-def test_missed_hits_are_against_the_finest_level(
-    fresh: Seen, material: Material, heights: Any
+def test_missed_hits_compare_with_the_finest_level(
+    fresh: OpenPage, material: Material, heights: Any
 ) -> None:
     changes = {"technique": "parallax_occlusion", "heights": heights, "show": "missed"}
     fresh.state(**changes, tiling=[10, 10])
@@ -306,7 +308,7 @@ def test_missed_hits_are_against_the_finest_level(
     assert figures["missed"] / figures["hits"] == pytest.approx(wanted, abs=0.01)
 
 
-def test_cameras_are_pythons(seen: Seen) -> None:
+def test_cameras_equal_pythons(seen: OpenPage) -> None:
     for camera in (
         Orbit(24.0, 32.0, 2.5, (0.1, -0.2, 0.3), 40.0),
         Orbit(-130.0, 89.0, 0.7),
@@ -320,7 +322,7 @@ def test_cameras_are_pythons(seen: Seen) -> None:
             np.testing.assert_allclose(found[name], value, rtol=2e-6, atol=1e-7, err_msg=name)
 
 
-def test_framing_is_pythons(seen: Seen, material: Material) -> None:
+def test_framing_equals_pythons(seen: OpenPage, material: Material) -> None:
     for shape in SHAPES:
         points = Object(material, shape=shape).resolved.bounding_points()
         camera = Orbit(24.0, 32.0)
@@ -330,7 +332,7 @@ def test_framing_is_pythons(seen: Seen, material: Material) -> None:
         assert found == pytest.approx(camera.framing(points, SIZE).distance, rel=1e-6)
 
 
-def test_smaller_levels_are_pythons(seen: Seen) -> None:
+def test_smaller_levels_equal_pythons(seen: OpenPage) -> None:
     rng = np.random.default_rng(5)
     heights = rng.integers(0, 65536, (13, 22)).astype(np.uint16)
     script = """async ([texels, height, width]) => {
@@ -377,20 +379,22 @@ LEANING = placed((0.1, 0.0, 0.05), scale=(1.2, 0.8, 0.9)) @ rotated("x", -70.0)
 
 
 @pytest.fixture(scope="module")
-def rich(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Seen, Material]]:
+def rich(
+    browser: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[OpenPage, Material]]:
     """A page of a material that has every map, and a second layer."""
     material = _rich_material()
     file = tmp_path_factory.mktemp("rich") / "page.html"
     obj = Object(material, layer=VARIATIONS["a layer"]["layer"], transform=LEANING)
     with no_stills():
         write_view(Scene((obj,), camera=CAMERA), file, device="cpu")
-    made = Seen(browser, file)
+    made = OpenPage(browser, file)
     yield made, material
     made.page.close()
 
 
 def _rich_material() -> Material:
-    """Gravel with holes, metal, and places that glow."""
+    """Gravel with holes, metal and emission."""
     v, u = np.mgrid[0:TEXELS, 0:TEXELS] / TEXELS
     hole = np.where((u - 0.3) ** 2 + (v - 0.6) ** 2 < 0.02, 0.2, 1.0)
     glow = np.stack([3.0 * (u > 0.75), 0.5 * v, np.zeros_like(u)], -1)
@@ -411,7 +415,9 @@ def _rich_material() -> Material:
 
 
 @pytest.mark.parametrize("variation", VARIATIONS)
-def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], variation: str) -> None:
+def test_every_option_draws_the_cpus_picture(
+    rich: tuple[OpenPage, Material], variation: str
+) -> None:
     seen, material = rich
     options = dict(VARIATIONS[variation])
     of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
@@ -424,7 +430,7 @@ def test_every_way_of_drawing_is_the_cpus(rich: tuple[Seen, Material], variation
     assert_agree(drawn, seen.frame(), TEXELS)
 
 
-def _shown_as(seen: Seen, scene: Scene) -> None:
+def _shown_as(seen: OpenPage, scene: Scene) -> None:
     """Show a scene in the page of another, with all settings that a page can change."""
     state = state_of(scene, scene.objects[0])
     seen.page.evaluate("viewer.reset()")
@@ -435,7 +441,7 @@ def _shown_as(seen: Seen, scene: Scene) -> None:
 # --- interaction ------------------------------------------------------------------------------
 
 
-def test_a_slider_draws_anew_and_compiles_nothing(fresh: Seen) -> None:
+def test_a_slider_redraws_without_compiling(fresh: OpenPage) -> None:
     before = fresh.frame().color
     compiled = fresh.page.evaluate("viewer.gpu.compiled")
     for name in ("settings.relief.max_steps", "scale", "lights.0.azimuth", "tiling.0"):
@@ -450,7 +456,7 @@ def test_a_slider_draws_anew_and_compiles_nothing(fresh: Seen) -> None:
     assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
 
 
-def test_a_number_is_typed_and_held_to_its_range(fresh: Seen) -> None:
+def test_a_typed_number_is_clamped_to_its_range(fresh: OpenPage) -> None:
     field = fresh.page.locator("input[name='settings.relief.search_steps']")
     field.fill("99")
     field.press("Tab")
@@ -458,13 +464,13 @@ def test_a_number_is_typed_and_held_to_its_range(fresh: Seen) -> None:
     assert field.input_value() == "24"
 
 
-def test_every_control_has_a_label(fresh: Seen) -> None:
+def test_every_control_has_a_label(fresh: OpenPage) -> None:
     script = """() => [...document.querySelectorAll("#panel :is(input, select)")]
       .filter((c) => !c.labels.length && !c.getAttribute("aria-label")).map((c) => c.outerHTML)"""
     assert fresh.page.evaluate(script) == []
 
 
-def test_keys_turn_zoom_move_and_frame(fresh: Seen) -> None:
+def test_keys_rotate_zoom_move_and_frame(fresh: OpenPage) -> None:
     fresh.page.locator("#canvas").focus()
     camera = "JSON.parse(JSON.stringify(viewer.state.camera))"
     fresh.page.keyboard.press("ArrowRight")
@@ -482,7 +488,7 @@ def test_keys_turn_zoom_move_and_frame(fresh: Seen) -> None:
     assert (framed["target"], framed["distance"]) == ([0, 0, 0], None)
 
 
-def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
+def test_the_mouse_rotates_and_the_wheel_zooms(fresh: OpenPage) -> None:
     box = fresh.page.locator("#canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     fresh.page.mouse.move(x, y)
@@ -496,7 +502,7 @@ def test_the_mouse_turns_and_the_wheel_zooms(fresh: Seen) -> None:
     fresh.page.wait_for_function("viewer.state.camera.distance !== null")
 
 
-def test_with_alt_the_mouse_turns_the_light(fresh: Seen) -> None:
+def test_the_mouse_with_alt_rotates_the_light(fresh: OpenPage) -> None:
     box = fresh.page.locator("#canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     before = fresh.page.evaluate("structuredClone(viewer.state)")
@@ -514,7 +520,7 @@ def test_with_alt_the_mouse_turns_the_light(fresh: Seen) -> None:
     assert state["lights"][1:] == before["lights"][1:]
 
 
-def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
+def test_the_camera_is_in_the_panel(fresh: OpenPage, material: Material) -> None:
     page = fresh.page
     fresh.draw()
     fresh.open("camera")
@@ -526,7 +532,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     distance.fill("1.5")
     wanted = Orbit(-40.0, 32.0, 1.5, field_of_view=50.0)
     assert_agree(expected(material, camera=wanted), fresh.frame(), TEXELS)
-    # the view height stays
+    # switching the projection keeps the view height
     page.get_by_label("Orthographic").check()
     assert page.evaluate("document.activeElement.name") == "orthographic"
     page.wait_for_function("viewer.drawing.state?.camera.orthographic_height !== null")
@@ -541,7 +547,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     page.get_by_label("Orthographic").uncheck()
     assert page.evaluate("viewer.state.camera.orthographic_height") is None
     assert page.get_by_label("field of view").last.is_visible()
-    # framed it shows the whole shape, and close by nothing is cut off
+    # framing shows the whole shape, and a close camera does not clip it
     page.get_by_label("camera elevation", exact=True).fill("40")
     page.get_by_label("Orthographic").check()
     page.locator("#frame").click()
@@ -566,7 +572,7 @@ def test_the_camera_is_in_the_panel(fresh: Seen, material: Material) -> None:
     assert page.evaluate("viewer.state.camera.distance") == pytest.approx(100.0 / 1.12)
 
 
-def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -> None:
+def test_one_finger_rotates_and_two_move_and_zoom(fresh: OpenPage) -> None:
     box = fresh.page.locator("#canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     wire = fresh.page.context.new_cdp_session(fresh.page)
@@ -578,7 +584,7 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
         if kind == "touchMove":
             changed = "before => JSON.stringify(viewer.state.camera) !== JSON.stringify(before)"
             fresh.page.wait_for_function(changed, arg=before)
-        # those of other fingers are told with the next frames
+        # events of further fingers arrive with the next frames
         camera: dict[str, Any] = fresh.page.evaluate(
             """async () => {
               for (let k = 0; k < 3; k++) await new Promise(requestAnimationFrame);
@@ -594,21 +600,21 @@ def test_touch_turns_with_one_finger_and_moves_and_zooms_with_two(fresh: Seen) -
     touch("touchEnd")
     touch("touchStart", (-20.0, 0.0), (20.0, 0.0))
     near = touch("touchMove", (-21.0, 0.0), (21.0, 0.0))["distance"]
-    apart = touch("touchMove", (-60.0, 0.0), (60.0, 0.0))
-    assert apart["distance"] < 0.5 * near
-    # both to the left: what is seen goes with them, and the camera to the right
+    error = touch("touchMove", (-60.0, 0.0), (60.0, 0.0))
+    assert error["distance"] < 0.5 * near
+    # both move left: the picture follows, so the camera moves right
     moved = touch("touchMove", (-100.0, 0.0), (20.0, 0.0))
     touch("touchEnd")
-    assert moved["distance"] == pytest.approx(apart["distance"], rel=0.02)
+    assert moved["distance"] == pytest.approx(error["distance"], rel=0.02)
     assert moved["azimuth"] == rotated["azimuth"]
     across = np.array([np.cos(np.radians(44.0)), 0.0, -np.sin(np.radians(44.0))])
-    assert np.dot(np.subtract(moved["target"], apart["target"]), across) > 0.01
+    assert np.dot(np.subtract(moved["target"], error["target"]), across) > 0.01
 
 
 def _type(page: Any, text: str) -> None:
     """Type into a menu at 20 keys a second by the events' timestamps.
 
-    By the real clock a slow machine would pause within a name, which starts a new one.
+    With real timestamps a slow machine would pause within a name, which starts a new one.
     """
     page.evaluate("() => { viewer.writing = 60_000; }")
     wire = page.context.new_cdp_session(page)
@@ -623,7 +629,7 @@ def _type(page: Any, text: str) -> None:
     page.evaluate("() => { viewer.writing = 800; }")
 
 
-def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
+def test_all_controls_are_reachable_by_keyboard(fresh: OpenPage) -> None:
     page = fresh.page
     page.locator("#canvas").focus()
     reached: list[str] = []
@@ -666,7 +672,7 @@ def test_all_is_within_reach_of_the_keyboard(fresh: Seen) -> None:
     ]
 
 
-def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: Material) -> None:
+def test_lights_are_added_changed_and_removed(fresh: OpenPage, material: Material) -> None:
     page = fresh.page
     page.get_by_role("button", name="Add light").click()
     page.get_by_label("Light 3", exact=True).select_option("spot")
@@ -680,7 +686,7 @@ def test_lights_are_added_turned_into_others_and_removed(fresh: Seen, material: 
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
 
-def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> None:
+def test_the_divider_separates_two_techniques(fresh: OpenPage, material: Material) -> None:
     fresh.page.get_by_label("Compare with").select_option("offset")
     left, right = fresh.frame("left"), fresh.frame("right")
     assert_agree(expected(material), left, TEXELS)
@@ -700,7 +706,7 @@ def test_the_divider_parts_two_techniques(fresh: Seen, material: Material) -> No
     assert alone == shown[1]
 
 
-def _changed(fresh: Seen) -> None:
+def _changed(fresh: OpenPage) -> None:
     fresh.state(
         technique="parallax_occlusion", shape="cylinder", shadows="soft", scale=0.06,
         reference_height=0.75, tiling=[2, 1.5], shift=[-0.25, 0.5], projection="biased", bias=0.2,
@@ -717,16 +723,16 @@ def _changed(fresh: Seen) -> None:
     )
 
 
-def test_what_is_copied_draws_the_same(
-    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch
+def test_copied_settings_draw_the_same_picture(
+    fresh: OpenPage, material: Material, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _changed(fresh)
     shown = fresh.frame()
     line = fresh.page.evaluate("viewer.text('python')")
-    given: dict[str, Any] = {}
-    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    copied: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
     exec(line, {"basrelief": basrelief})
-    drawn = render(material, size=SIZE, samples=1, device="cpu", **given)
+    drawn = render(material, size=SIZE, samples=1, device="cpu", **copied)
     assert_agree(drawn, shown, TEXELS)
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     assert words[:3] == ["basrelief", "render", "sample:bricks"]
@@ -754,7 +760,9 @@ def _parts(word: str) -> list[str]:
     return word.split("=", 1) if word.startswith("--") and "=" in word else [word]
 
 
-def test_without_lights_it_is_dark_in_a_command_too(fresh: Seen, material: Material) -> None:
+def test_a_copied_command_without_lights_draws_without_lights(
+    fresh: OpenPage, material: Material
+) -> None:
     for _ in range(2):
         fresh.page.get_by_role("button", name="Remove light 1").click()
     fresh.page.locator("#add-light").wait_for()
@@ -765,7 +773,7 @@ def test_without_lights_it_is_dark_in_a_command_too(fresh: Seen, material: Mater
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
 
-def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
+def test_a_slider_extends_to_its_value(fresh: OpenPage) -> None:
     fresh.state(scale=2.0, tiling=[50.0, -1.0])
     fresh.page.evaluate("viewer.changed(true)")
     slider = fresh.page.get_by_label("scale, slider", exact=True)
@@ -781,7 +789,7 @@ def test_a_slider_grows_to_what_it_holds(fresh: Seen) -> None:
     assert fresh.page.evaluate("viewer.state.tiling") == [50, -1]
 
 
-def test_the_divider_is_in_the_link(fresh: Seen) -> None:
+def test_the_divider_is_in_the_link(fresh: OpenPage) -> None:
     fresh.state(compare="offset")
     fresh.page.evaluate("viewer.changed(true)")
     fresh.page.get_by_label("Divider").fill("0.25")
@@ -789,17 +797,17 @@ def test_the_divider_is_in_the_link(fresh: Seen) -> None:
     assert '"divider":0.25' in fresh.page.evaluate("decodeURIComponent(location.hash)")
 
 
-def test_a_link_opens_as_it_was(fresh: Seen, browser: Any, page_file: Path) -> None:
+def test_a_link_restores_the_state(fresh: OpenPage, browser: Any, page_file: Path) -> None:
     _changed(fresh)
     link = fresh.page.evaluate("viewer.text('link')")
-    other = Seen(browser, page_file, "#" + link.split("#")[1])
+    other = OpenPage(browser, page_file, "#" + link.split("#")[1])
     assert other.page.evaluate("viewer.state") == fresh.page.evaluate("viewer.state")
     other.page.close()
 
 
-def test_a_link_that_is_nonsense_is_told(browser: Any, page_file: Path) -> None:
+def test_an_unreadable_link_is_reported(browser: Any, page_file: Path) -> None:
     for hash in ("#{", "#%7B%22technique%22%3A%22warp%22%2C%22scale%22%3A%22x%22%7D"):
-        seen = Seen(browser, page_file, hash)
+        seen = OpenPage(browser, page_file, hash)
         assert seen.page.evaluate("viewer.state.technique") == "relief"
         assert seen.page.evaluate("viewer.state.scale") == pytest.approx(0.08)
         assert ("cannot be read" in seen.text("#messages")) == (hash == "#{")
@@ -828,7 +836,7 @@ ODD: list[Any] = [
 
 @pytest.mark.parametrize("odd", ODD, ids=range(len(ODD)))
 def test_an_invalid_link_is_clamped(
-    fresh: Seen, material: Material, monkeypatch: pytest.MonkeyPatch, odd: Any
+    fresh: OpenPage, material: Material, monkeypatch: pytest.MonkeyPatch, odd: Any
 ) -> None:
     fresh.page.evaluate("odd => { location.hash = encodeURIComponent(JSON.stringify(odd)) }", odd)
     fresh.page.wait_for_function("viewer.hashesRead > 0")
@@ -840,11 +848,11 @@ def test_an_invalid_link_is_clamped(
     assert -1.0 < scene.objects[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))
     line = fresh.page.evaluate("viewer.text('python')")
-    given: dict[str, Any] = {}
-    monkeypatch.setattr(basrelief, "render", lambda what, **options: given.update(options))
+    copied: dict[str, Any] = {}
+    monkeypatch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
     monkeypatch.setattr("os.system", lambda line: pytest.fail(line))
     exec(line, {"basrelief": basrelief})
-    assert len(given["lights"]) == len(state["lights"]) if "lights" in given else True
+    assert len(copied["lights"]) == len(state["lights"]) if "lights" in copied else True
     words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
     assert "$(id)" not in " ".join(words)
     _scene_of_command(material, words[3:])
@@ -853,13 +861,13 @@ def test_an_invalid_link_is_clamped(
     fresh.page.evaluate("history.replaceState(null, '', location.pathname)")
 
 
-def test_the_buttons_copy(fresh: Seen) -> None:
+def test_the_buttons_copy(fresh: OpenPage) -> None:
     fresh.page.locator("#copy-python").click()
     fresh.page.wait_for_function("document.getElementById('copied').textContent !== ''")
     assert "basrelief.render(" in fresh.text("#copied")
 
 
-def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
+def test_a_picture_that_cannot_be_saved_is_reported(fresh: OpenPage) -> None:
     fresh.page.evaluate("() => { viewer.canvas.toBlob = (then) => then(null) }")
     fresh.page.locator("#save").click()
     fresh.page.get_by_text("The browser makes no picture of the canvas").wait_for()
@@ -867,7 +875,7 @@ def test_a_picture_that_cannot_be_saved_is_told(fresh: Seen) -> None:
     fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
 
 
-def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
+def test_missed_hits_are_reported_only_where_measured(fresh: OpenPage) -> None:
     fresh.state(technique="offset", show="missed", compare="exact", reference_height=0.5)
     fresh.draw()
     shares = re.search(r" missed ([0-9.]+) \| ([0-9.]+) %", fresh.text("#figures"))
@@ -890,7 +898,7 @@ def test_missed_hits_are_told_where_they_are_measured(fresh: Seen) -> None:
     fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
 
 
-def test_the_picture_is_saved(fresh: Seen) -> None:
+def test_the_picture_is_saved(fresh: OpenPage) -> None:
     fresh.draw()
     with fresh.page.expect_download() as waiting:
         fresh.page.locator("#save").click()
@@ -902,7 +910,7 @@ def test_the_picture_is_saved(fresh: Seen) -> None:
 
 
 @pytest.mark.parametrize("name", ["gamedev", "habrador-bricks", "halliwell", "wikibooks"])
-def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) -> None:
+def test_presets_equal_the_librarys(fresh: OpenPage, material: Material, name: str) -> None:
     fresh.page.get_by_label("Preset").select_option(name)
     scene = preset(name).scene(material, camera=CAMERA, shape="plane")
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
@@ -915,25 +923,25 @@ def test_presets_are_the_librarys(fresh: Seen, material: Material, name: str) ->
     assert fresh.text("#about-preset") == ""
 
 
-def test_a_preset_with_a_layer_is_greyed_where_the_page_has_none(
-    seen: Seen, browser: Any, tmp_path: Path
+def test_a_preset_with_a_layer_is_disabled_on_a_page_without_one(
+    seen: OpenPage, browser: Any, tmp_path: Path
 ) -> None:
-    def greyed(seen: Seen) -> list[str]:
+    def disabled(seen: OpenPage) -> list[str]:
         found: list[str] = seen.page.evaluate(
             "Object.entries(viewer.data.presets).flatMap(([name, { state }]) => state ? [] : name)"
         )
         return found
 
-    assert greyed(seen) == ["habrador"]
+    assert disabled(seen) == ["habrador"]
     why = seen.page.evaluate("viewer.data.presets.habrador.why")
     assert why == "it has a layer of stone; make a page with --preset habrador"
-    # a landscape with grass and stone, water and what is never reached
+    # a landscape with grass, stone and water
     noise = sample("noise", TEXELS)
     scene = preset("habrador").scene(noise, camera=CAMERA)
     with no_stills():
         write_view(scene, tmp_path / "page.html", device="cpu")
-    other = Seen(browser, tmp_path / "page.html")
-    assert greyed(other) == []
+    other = OpenPage(browser, tmp_path / "page.html")
+    assert disabled(other) == []
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), other.frame(), TEXELS)
     other.page.close()
 
@@ -944,7 +952,7 @@ from basrelief.techniques import Hit, Ray, height_under, hit_at, t_at, technique
 
 @struct
 class Halving:
-    share: float = setting(default=0.5, doc="how deep all is taken for", low=0.0, high=1.0)
+    share: float = setting(default=0.5, doc="where the height is read", low=0.0, high=1.0)
 
 @technique()
 def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
@@ -953,7 +961,7 @@ def steep(field: HeightField, ray: Ray, settings: Halving) -> Hit:
 """
 
 
-def test_a_users_technique_is_in_the_menu(
+def test_a_user_defined_technique_is_in_the_menu(
     browser: Any, tmp_path: Path, material: Material, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "own.py").write_text(OWN)
@@ -962,7 +970,7 @@ def test_a_users_technique_is_in_the_menu(
     scene = Scene((own,), camera=CAMERA)
     with no_stills():
         write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), device="cpu")
-    seen = Seen(browser, tmp_path / "page.html")
+    seen = OpenPage(browser, tmp_path / "page.html")
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, seen.frame(), TEXELS)
     # next to the library's technique of that name
@@ -978,7 +986,7 @@ def test_a_users_technique_is_in_the_menu(
 
 
 def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: Material) -> None:
-    seen = Seen(browser, page_file)
+    seen = OpenPage(browser, page_file)
     rng = np.random.default_rng(3)
     coarse = rng.integers(40, 216, (8, 8)).astype(np.uint8)
     codes = np.kron(coarse, np.ones((8, 8), np.uint8))
@@ -997,7 +1005,7 @@ def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: 
     seen.page.close()
 
 
-def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
+def test_a_dropped_file_that_is_not_a_picture_is_reported(fresh: OpenPage) -> None:
     before = fresh.frame().color
     file = _place("notes.txt")
     file.write_text("no picture")
@@ -1009,10 +1017,10 @@ def test_a_dropped_file_that_is_no_picture_is_told(fresh: Seen) -> None:
     assert np.array_equal(fresh.frame().color, before)
 
 
-def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Material) -> None:
+def test_a_picture_dropped_on_a_map_replaces_it(fresh: OpenPage, material: Material) -> None:
     rng = np.random.default_rng(8)
     codes = np.kron(rng.integers(20, 235, (8, 8, 1)), np.ones((8, 8, 1), int)).astype(np.uint8)
-    # its name says that it is turned over where it is roughness, and nothing where it is not
+    # by its name it is inverted as roughness, and as any other map unchanged
     file = write_data(_place("wall_gloss.png"), codes)
     row = fresh.page.locator(".map[data-slot=roughness]")
     _drop(fresh, file, on="roughness", event="dragover")
@@ -1028,7 +1036,7 @@ def test_a_picture_dropped_on_a_map_replaces_that_one(fresh: Seen, material: Mat
     fresh.page.wait_for_function("viewer.mapMessage.endsWith('used as heights')")
     swapped = replace(swapped, height=Map(codes, False, "dropped"))
     assert_agree(expected(swapped), fresh.frame(), TEXELS)
-    # the panel comes before the name
+    # choices of the panel override the name
     fresh.open("maps")
     fresh.page.get_by_label("White").select_option("height")
     with fresh.page.expect_file_chooser() as waiting:
@@ -1052,7 +1060,7 @@ GONE: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("slot", GONE)
-def test_a_map_can_be_removed(rich: tuple[Seen, Material], slot: str) -> None:
+def test_a_map_can_be_removed(rich: tuple[OpenPage, Material], slot: str) -> None:
     seen, material = rich
     _shown_as(seen, Scene((Object(material, scale=0.08, transform=LEANING),), camera=CAMERA))
     with_all = seen.frame().color
@@ -1082,10 +1090,10 @@ def test_a_map_can_be_removed(rich: tuple[Seen, Material], slot: str) -> None:
     seen.page.evaluate("viewer.reset()")
 
 
-def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material) -> None:
+def test_opacity_is_read_as_by_the_library(fresh: OpenPage, material: Material) -> None:
     v, u = np.mgrid[0:TEXELS, 0:TEXELS]
     pixels = np.stack([3 * u, 3 * v, 0 * u + 90, 0 * u], -1).astype(np.uint8)
-    # alpha that is the same everywhere says nothing
+    # uniform alpha is ignored
     _drop(fresh, write_data(_place("x_color.png"), pixels))
     fresh.page.wait_for_function("viewer.mapMessage.includes('x_color')")
     color = Map(np.ascontiguousarray(pixels[:, :, :3]), True, "dropped")
@@ -1100,7 +1108,7 @@ def test_opacity_is_read_as_the_library_reads_it(fresh: Seen, material: Material
     assert_agree(expected(replace(swapped, opacity=alpha)), fresh.frame(), TEXELS)
 
 
-def test_errors_stay(fresh: Seen) -> None:
+def test_errors_stay(fresh: OpenPage) -> None:
     files = []
     for k in range(5):
         files.append(_place(f"text{k}.txt"))
@@ -1108,14 +1116,14 @@ def test_errors_stay(fresh: Seen) -> None:
     wide = write_data(_place("wide_color.png"), np.full((8, 24, 3), 90, np.uint8))
     _drop(fresh, *files, wide)
     fresh.page.wait_for_function("viewer.mapMessage.includes('wide_color')")
-    said = fresh.text("#messages")
+    messages = fresh.text("#messages")
     for file in files:
-        assert f"{file.name}: its name matches no map" in said
-    assert "wide_color.png has other proportions" in said
+        assert f"{file.name}: its name matches no map" in messages
+    assert "wide_color.png has other proportions" in messages
     fresh.page.evaluate("document.getElementById('messages').replaceChildren()")
 
 
-def test_a_rebuild_waits_for_the_release_of_a_button(fresh: Seen) -> None:
+def test_a_rebuild_waits_for_the_release_of_a_button(fresh: OpenPage) -> None:
     page = fresh.page
     page.locator("select[name=technique]").focus()
     _type(page, "par")
@@ -1127,15 +1135,15 @@ def test_a_rebuild_waits_for_the_release_of_a_button(fresh: Seen) -> None:
     page.wait_for_timeout(80)
     page.mouse.up()
     page.wait_for_function("!document.getElementById('section-technique').open")
-    # and the panel is that of the technique
+    # the panel shows the settings of the technique
     own = page.locator("input[name='settings.parallax_occlusion.steps_per_texel']")
     own.wait_for(state="attached")
     fresh.open("technique")
     assert own.is_visible()
 
 
-def test_what_has_the_focus_is_not_behind_the_picture(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file, viewport={"width": 390, "height": 700})
+def test_the_focused_control_is_not_behind_the_picture(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file, viewport={"width": 390, "height": 700})
     page = seen.page
     page.evaluate(
         "document.querySelectorAll('#panel details').forEach((each) => { each.open = true; })"
@@ -1154,19 +1162,19 @@ def test_what_has_the_focus_is_not_behind_the_picture(browser: Any, page_file: P
     seen.page.close()
 
 
-def test_what_is_no_file_is_dropped_where_it_belongs(fresh: Seen) -> None:
+def test_dropped_text_is_left_to_the_browser(fresh: OpenPage) -> None:
     script = """() => {
       const dataTransfer = new DataTransfer();
       dataTransfer.setData("text/plain", "0.25");
       const target = document.querySelector("input[name=scale]");
       const how = { dataTransfer, bubbles: true, cancelable: true };
-      const kept = (name) => target.dispatchEvent(new DragEvent(name, how));
-      return [kept("dragover"), kept("drop"), document.body.className];
+      const untouched = (name) => target.dispatchEvent(new DragEvent(name, how));
+      return [untouched("dragover"), untouched("drop"), document.body.className];
     }"""
     assert fresh.page.evaluate(script) == [True, True, "with"]
 
 
-def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) -> None:
+def test_the_panel_shows_the_maps(rich: tuple[OpenPage, Material], fresh: OpenPage) -> None:
     seen, material = rich
     seen.page.evaluate("viewer.reset()")
     seen.open("maps")
@@ -1181,26 +1189,26 @@ def test_maps_are_seen_in_the_panel(rich: tuple[Seen, Material], fresh: Seen) ->
         ("roughness", "roughness"), ("metallic", "metallic"), ("emission", "emission"),
     ):  # fmt: skip
         map = getattr(material, name)
-        width, height, codes, told = evaluate(seen.page, script, slot)
+        width, height, codes, about = evaluate(seen.page, script, slot)
         found = codes.reshape(height, width, 4)[:, :, :3].astype(int)
         assert (width, height) == (88, 88)
-        assert f"{map.width} × {map.height}" in told
-        assert told.endswith(map.source)
+        assert f"{map.width} × {map.height}" in about
+        assert about.endswith(map.source)
         light = np.minimum(map.linear(), 1.0) if slot != "emission" else map.linear() / 3.0
         wanted = srgb_encode(light) if slot in ("base_color", "emission") else light
-        # each pixel of the picture is one texel of the map
+        # each pixel of the thumbnail is one texel of the map
         at = (2 * np.arange(88) + 1) * TEXELS // 176
-        apart = np.abs(found - 255.0 * wanted[at][:, at])
-        assert apart.max() <= 1.0, slot
+        error = np.abs(found - 255.0 * wanted[at][:, at])
+        assert error.max() <= 1.0, slot
     assert seen.page.locator(".map[data-slot=normal]").text_content().startswith("normals")
-    # a material without these
-    told = "slot => document.querySelector(`.map[data-slot=${slot}]`).textContent"
-    assert "none" in fresh.page.evaluate(told, "emission")
+    # a material without this map
+    script = "slot => document.querySelector(`.map[data-slot=${slot}]`).textContent"
+    assert "none" in fresh.page.evaluate(script, "emission")
     assert fresh.page.locator(".map[data-slot=emission] canvas").count() == 0
 
 
-def test_pictures_dropped_together_are_what_their_names_say(
-    fresh: Seen, material: Material
+def test_pictures_dropped_together_are_assigned_by_name(
+    fresh: OpenPage, material: Material
 ) -> None:
     rng = np.random.default_rng(5)
     folder = _place("wall").parent
@@ -1233,11 +1241,11 @@ def test_pictures_dropped_together_are_what_their_names_say(
     assert_agree(expected(material), fresh.frame(), TEXELS)
 
 
-def test_heights_dropped_on_a_page_without_any_are_drawn(browser: Any, tmp_path: Path) -> None:
+def test_heights_dropped_on_a_page_without_heights_are_drawn(browser: Any, tmp_path: Path) -> None:
     plain = Material("plain", base_color=sample("bricks", 32).base_color)
     with no_stills():
         write_view(Scene((Object(plain),)), tmp_path / "page.html", device="cpu")
-    seen = Seen(browser, tmp_path / "page.html")
+    seen = OpenPage(browser, tmp_path / "page.html")
     assert seen.page.evaluate("viewer.state.technique") == "flat"
     ramp = np.linspace(0, 255, 32).astype(np.uint8)[None, :, None].repeat(32, 0)
     _drop(seen, write_data(_place("plain_height.png"), ramp))
@@ -1258,7 +1266,7 @@ NAMES = [
 ]  # fmt: skip
 
 
-def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
+def test_names_are_parsed_as_by_the_library(seen: OpenPage) -> None:
     script = """async (names) => {
       const { meaningOf } = await import("view/names.js");
       return names.map((name) => meaningOf(name, viewer.data.names));
@@ -1275,7 +1283,7 @@ def test_names_are_read_as_the_library_reads_them(seen: Seen) -> None:
         assert found == wanted, name
 
 
-def _drop(seen: Seen, *files: Path, on: str = "", event: str = "drop") -> None:
+def _drop(seen: OpenPage, *files: Path, on: str = "", event: str = "drop") -> None:
     """Drop files on the page or on a map of its panel, or drag them over it."""
     contents = [[each.name, base64.b64encode(each.read_bytes()).decode()] for each in files]
     script = """([contents, on, event]) => {
@@ -1330,11 +1338,11 @@ PACE = """async () => {
 }"""
 
 
-def test_slow_frames_are_smaller_and_slow_answers_do_not_count(fresh: Seen) -> None:
+def test_slow_frames_are_smaller_and_latency_does_not_count(fresh: OpenPage) -> None:
     found = fresh.page.evaluate(PACE)
     whole, half, eighth = [1000, 500], [500, 250], [125, 63]
     assert found["sizes"] == [whole, half, eighth, eighth, whole, whole, [812, 406], whole]
-    # what is drawn in 33 ms, in fours, and no less than four; growing by four times at most
+    # rows drawn in 33 ms, a multiple of 4, at least 4; growing at most fourfold
     rows = [3300, 124, 4, 4, 16500, 16500, 328, 3300]
     assert found["rows"] == pytest.approx(rows, abs=4)
     assert found["at_once"] == [1, 1, 1, 1, 1, 7, 3, 1]
@@ -1382,16 +1390,14 @@ MOVING = """async ([width, height]) => {
 
 
 @pytest.mark.parametrize("clock", [True, False])
-def test_a_browser_that_answers_late_draws_no_less(
-    browser: Any, page_file: Path, clock: bool
-) -> None:
-    seen = Seen(browser, page_file, before=SLOW_ANSWERS + ("" if clock else NO_CLOCK))
+def test_a_browser_with_latency_draws_no_less(browser: Any, page_file: Path, clock: bool) -> None:
+    seen = OpenPage(browser, page_file, before=SLOW_ANSWERS + ("" if clock else NO_CLOCK))
     latency, at_rest, most, sent, samples, clocked = seen.page.evaluate(MOVING, SIZE)
     assert clocked == clock
     assert latency >= 149
-    # a sample is not cut into ever smaller parts: row by row there would be 720
+    # a sample is not cut into ever smaller parts; row by row there would be 720
     assert at_rest <= 60
-    # where it is known what they cost frames do not wait for one another
+    # frames of known cost do not wait for each other
     assert (most > 1) == clock
     assert sent > (6 if clock else 1)
     assert samples == 8
@@ -1399,24 +1405,24 @@ def test_a_browser_that_answers_late_draws_no_less(
     seen.page.close()
 
 
-def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
-    # another technique comes beside it while what the frame before took is read
+def test_figures_belong_to_the_picture_above_them(fresh: OpenPage) -> None:
+    # a second technique is added while the timing of the previous frame is read
     script = """async () => {
       const { frames } = viewer.drawing;
       await viewer.drawing.settled();
       // a slow page draws a smaller frame first, and the picture by rows, which would then be those
       // of two states
       frames.pace.speed = 1e-5;
-      const told = [];
-      const hear = viewer.report.bind(viewer);
-      viewer.report = (news) => { if (news.figures) told.push(news.figures); hear(news); };
+      const reports = [];
+      const report = viewer.report.bind(viewer);
+      viewer.report = (news) => { if (news.figures) reports.push(news.figures); report(news); };
       const stamped = frames.stamped.bind(frames);
       let once = true;
       frames.stamped = async () => {
         const clock = await stamped();
         if (once) {
           once = false;
-          // nothing is drawn of it yet
+          // the new state is not drawn yet
           frames.touched = () => {};
           viewer.state.compare = "offset";
           viewer.changed(true);
@@ -1430,17 +1436,17 @@ def test_figures_are_of_the_picture_that_they_stand_below(fresh: Seen) -> None:
       await viewer.draw(160, 90, 1);
       delete frames.stamped;
       delete viewer.report;
-      return told;
+      return reports;
     }"""
-    told = fresh.page.evaluate(script)
-    assert told[-1]["right"]["hits"] > 1000
-    # frames that are drawn while a machine is busy are smaller
-    pairs = [(each["left"]["hits"], each["right"]["hits"]) for each in told if each["right"]]
+    reports = fresh.page.evaluate(script)
+    assert reports[-1]["right"]["hits"] > 1000
+    # frames drawn while the machine is busy are smaller
+    pairs = [(each["left"]["hits"], each["right"]["hits"]) for each in reports if each["right"]]
     assert all(right > 0.5 * left > 0 for left, right in pairs)
 
 
-def test_what_is_left_again_while_it_compiles_is_in_no_picture(fresh: Seen) -> None:
-    """Its samples would be added to those of the picture before."""
+def test_a_state_that_is_replaced_while_it_compiles_is_not_drawn(fresh: OpenPage) -> None:
+    """Its samples would be added to those of the previous picture."""
     script = """async () => {
       const { drawing } = viewer;
       const wait = (ms) => new Promise((next) => setTimeout(next, ms));
@@ -1474,8 +1480,8 @@ def test_what_is_left_again_while_it_compiles_is_in_no_picture(fresh: Seen) -> N
 # --- failures ---------------------------------------------------------------------------------
 
 
-def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file)
+def test_a_program_that_does_not_compile_is_reported(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file)
     before = seen.frame().color
     seen.page.evaluate("""() => { viewer.data.programs.slots.displace.steep += "fn broken( {"; }""")
     seen.page.get_by_label("Technique", exact=True).select_option("steep")
@@ -1511,25 +1517,25 @@ def test_a_program_that_does_not_compile_is_told(browser: Any, page_file: Path) 
 
 REFUSING = """
 const { requestAdapter } = GPU.prototype;
-window.asked = 0;
+window.requests = 0;
 GPU.prototype.requestAdapter = function (...args) {
-  window.asked += 1;
-  if (window.asked <= TIMES) return Promise.reject(new DOMException("starting", "AbortError"));
+  window.requests += 1;
+  if (window.requests <= TIMES) return Promise.reject(new DOMException("starting", "AbortError"));
   return requestAdapter.apply(this, args);
 };
 """
 
 
-def test_a_device_that_comes_late_is_waited_for(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "2"))
-    assert seen.page.evaluate("asked") == 3
+def test_a_late_device_is_awaited(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file, before=REFUSING.replace("TIMES", "2"))
+    assert seen.page.evaluate("requests") == 3
     assert seen.frame().hit.any()
     assert seen.text("#messages") == ""
     seen.page.close()
 
 
-def test_without_an_adapter_there_are_the_stills(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file, before=REFUSING.replace("TIMES", "1e9"))
+def test_without_an_adapter_the_stills_are_shown(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file, before=REFUSING.replace("TIMES", "1e9"))
     assert "does not have or has not enabled" in seen.text("#without")
     assert "(starting)" in seen.text("#without")
     assert seen.page.locator("#stills img").first.is_visible()
@@ -1537,15 +1543,15 @@ def test_without_an_adapter_there_are_the_stills(browser: Any, page_file: Path) 
     seen.page.close()
 
 
-def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
-    seen = Seen(browser, page_file)
+def test_a_lost_device_is_reopened(browser: Any, page_file: Path) -> None:
+    seen = OpenPage(browser, page_file)
     before = seen.frame().color
     seen.page.evaluate("(window.lost = viewer.gpu).device.destroy()")
     seen.page.get_by_text("device was lost").wait_for()
     seen.page.wait_for_function("viewer.gpu !== lost && viewer.drawing.gpu === viewer.gpu")
     assert np.array_equal(seen.frame().color, before)
     seen.page.close()
-    # before there is a drawing too
+    # also before the first picture
     page = browser.new_page(viewport={"width": 760, "height": 400})
     page.set_default_timeout(PATIENCE)
     page.add_init_script(
@@ -1556,14 +1562,14 @@ def test_a_lost_device_is_opened_anew(browser: Any, page_file: Path) -> None:
           return device;
         };"""
     )
-    seen = Seen(SimpleNamespace(new_page=lambda **_: page), page_file)
+    seen = OpenPage(SimpleNamespace(new_page=lambda **_: page), page_file)
     assert "device was lost" in seen.text("#messages")
     assert np.array_equal(seen.frame().color, before)
     assert seen.page.evaluate("viewer.gpu.device !== lost")
     page.close()
 
 
-def test_without_webgpu_there_are_pictures_and_a_message(browser: Any, page_file: Path) -> None:
+def test_without_webgpu_the_page_shows_stills_and_a_message(browser: Any, page_file: Path) -> None:
     context = browser.new_context()
     context.add_init_script("delete Navigator.prototype.gpu")
     page = context.new_page()
@@ -1591,7 +1597,7 @@ def test_a_large_material_makes_a_page_of_12_mb(tmp_path: Path) -> None:
     assert (tmp_path / "page.html").stat().st_size <= LARGEST
 
 
-def test_a_file_that_is_not_ours_stays(tmp_path: Path, material: Material) -> None:
+def test_a_file_that_is_not_a_page_is_not_overwritten(tmp_path: Path, material: Material) -> None:
     file = tmp_path / "page.html"
     file.write_text("mine")
     with pytest.raises(InputError, match="not a page of the viewer"):

@@ -1,4 +1,4 @@
-"""What the page bakes, and what it makes of dropped pictures: as the library does."""
+"""Bakes and dropped pictures of the page, compared with the library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_viewer import CAMERA, SIZE, Seen, expected
+from test_viewer import CAMERA, SIZE, OpenPage, expected
 
 from basrelief import baking
 from basrelief.baking.tables import table
@@ -38,7 +38,7 @@ WEB = "src/basrelief/viewer/web"
 
 @pytest.fixture(scope="module")
 def material() -> Material:
-    """Bricks in which some texels glow, brighter than white."""
+    """Bricks with an emission map brighter than white."""
     glow = np.zeros((8, 8, 3), np.float32)
     glow[2, 5] = (3.0, 1.5, 0.25)
     return replace(sample("bricks", TEXELS), emission=Map(glow, False, "glow"))
@@ -59,18 +59,18 @@ def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> P
 
 
 @pytest.fixture(scope="module")
-def opened(browser: Any, page_file: Path) -> Iterator[Seen]:
-    made = Seen(browser, page_file)
+def opened(browser: Any, page_file: Path) -> Iterator[OpenPage]:
+    made = OpenPage(browser, page_file)
     yield made
     made.page.close()
 
 
 @pytest.fixture
-def seen(opened: Seen) -> Seen:
-    """The page as at its start, with its own maps and nothing baked.
+def seen(opened: OpenPage) -> OpenPage:
+    """The page after a reset, with its own maps and no bakes.
 
-    What was baked is kept by the page while its heights are the same, so it is given up here: which
-    tests ran before on the same page must not matter.
+    The page caches bakes while its heights are the same; they are cleared here, so that earlier
+    tests on the same page do not matter.
     """
     opened.page.evaluate(
         """async () => {
@@ -78,8 +78,8 @@ def seen(opened: Seen) -> Seen:
           gpu.limits = gpu.device.limits;
           viewer.drop = { channel: "luminance", polarity: "", green: "" };
           await viewer.reset();
-          // some tests give the drawing maps that the page knows nothing of, and other heights, be
-          // they the same, leave nothing baked
+          // some tests pass maps to the drawing directly; another heights object, even if equal,
+          // clears the bakes
           const { field, ...others } = viewer.original;
           await viewer.drawing.setMaps({ ...others, field: { ...field } });
           await viewer.drawing.setMaps(viewer.original);
@@ -92,7 +92,7 @@ def seen(opened: Seen) -> Seen:
 
 
 def noise(shape: tuple[int, int], seed: int = 7) -> np.ndarray:
-    """16-bit heights with slopes, steps and single texels, alike in no direction: (h, w)."""
+    """16-bit heights with slopes, steps and single texels, different along both axes: (h, w)."""
     rng = np.random.default_rng(seed)
     row, column = np.mgrid[: shape[0], : shape[1]] / np.array(shape).reshape(2, 1, 1)
     waves = 0.4 + 0.2 * np.sin(2 * np.pi * (row + 2 * column)) + 0.1 * np.cos(4 * np.pi * column)
@@ -109,7 +109,7 @@ def as_heights(codes: np.ndarray) -> np.ndarray:
 
 READ = """async ([texels, height, width, name, edge]) => {
   const { drawing, gpu } = viewer;
-  const { [name]: held, ...pictures } = viewer.pictures;
+  const { [name]: unused, ...pictures } = viewer.pictures;
   await drawing.setMaps({ ...pictures, field: { width, height, texels } });
   const table = await drawing.bakesFor(edge).table(name);
   return [table.width, table.height, await gpu.readTexture(table)];
@@ -120,7 +120,7 @@ STEPS = re.findall(r'case "(\w+)":', (REPOSITORY / WEB / "bakes.js").read_text()
 """The tables that the page can bake."""
 
 
-def test_the_page_bakes_what_it_is_not_given() -> None:
+def test_the_page_bakes_the_tables_that_it_does_not_contain() -> None:
     def names(bakes: Collection[Bake]) -> set[str]:
         mips = {f"mip_{bake.name}" for bake in bakes if bake.all_levels}
         return mips | {bake.name for bake in bakes}
@@ -128,14 +128,14 @@ def test_the_page_bakes_what_it_is_not_given() -> None:
     assert names(page._BAKED_BY_PAGES) <= set(STEPS) <= names(BAKES.values())
 
 
-def test_a_page_is_given_the_tables_that_it_does_not_bake(
+def test_a_page_contains_the_tables_that_it_does_not_bake(
     material: Material, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(page, "_BAKED_BY_PAGES", ())
     engine = choose_device("cpu")
     made = page._bakes(material, 10**7, engine)
     assert set(made) == set(BAKES)
-    # as many as there is room for
+    # as many as fit in the size limit
     first, *_ = made
     assert set(page._bakes(material, len(made[first]["content"]), engine)) == {first}
 
@@ -148,7 +148,7 @@ def test_a_page_is_given_the_tables_that_it_does_not_bake(
         *((name, "wrap") for name in STEPS if name not in BAKES),
     ],
 )
-def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, int]) -> None:
+def test_tables_equal_pythons(seen: OpenPage, name: str, edge: Any, shape: tuple[int, int]) -> None:
     codes = noise(shape)
     width, height, words = evaluate(seen.page, READ, [codes, *shape, name, edge])
     found = words.reshape(height, width, 4)
@@ -161,7 +161,7 @@ def test_tables_are_pythons(seen: Seen, name: str, edge: Any, shape: tuple[int, 
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_normals_are_pythons(seen: Seen) -> None:
+def test_normals_equal_pythons(seen: OpenPage) -> None:
     codes = noise((50, 37))
     script = """async ([texels, height, width, rise]) => {
       await viewer.drawing.setMaps({ ...viewer.pictures, field: { width, height, texels } });
@@ -171,8 +171,8 @@ def test_normals_are_pythons(seen: Seen) -> None:
     made = baking.normal_map(as_heights(codes), "wrap", 0.08)
     wanted = np.full((50, 37, 4), 65535)
     wanted[:, :, :3] = np.rint((made * 0.5 + 0.5) * 65535)
-    apart = np.abs(found.reshape(wanted.shape).astype(int) - wanted)
-    assert apart.max() <= 1
+    error = np.abs(found.reshape(wanted.shape).astype(int) - wanted)
+    assert error.max() <= 1
 
 
 MADE = "[...viewer.drawing.bakes.values()].flatMap((each) => [...each.tables.keys()])"
@@ -181,13 +181,13 @@ MADE = "[...viewer.drawing.bakes.values()].flatMap((each) => [...each.tables.key
 # --- dropped heights -----------------------------------------------------------------------------
 
 
-def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Material) -> None:
+def test_dropped_heights_are_drawn_with_every_bake(seen: OpenPage, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
-    said = seen.page.text_content("#map-message")
-    assert said == "heights.png: 64 × 64 with 16 bits per channel, used as heights"
-    held = evaluate(seen.page, "() => viewer.pictures.field.texels")
-    assert np.array_equal(held.reshape(codes.shape), codes)
+    message = seen.page.text_content("#map-message")
+    assert message == "heights.png: 64 × 64 with 16 bits per channel, used as heights"
+    stored = evaluate(seen.page, "() => viewer.pictures.field.texels")
+    assert np.array_equal(stored.reshape(codes.shape), codes)
     swapped = replace(material, height=Map(codes[:, :, None], False, "dropped"))
     for technique in ("exact", "cone", "relaxed_cone", "relief"):
         made = TECHNIQUES[technique]
@@ -209,10 +209,10 @@ def test_dropped_heights_are_drawn_with_every_bake(seen: Seen, material: Materia
         ("relaxed_cone", {"edge": "clamp"}),
     ],
 )
-def test_bakes_go_by_edge_and_levels(
-    seen: Seen, material: Material, technique: str, changes: dict[str, Any]
+def test_bakes_depend_on_edge_and_levels(
+    seen: OpenPage, material: Material, technique: str, changes: dict[str, Any]
 ) -> None:
-    # a far tile or two, so that the border and smaller levels are seen
+    # more than a tile, so that the border and smaller levels are visible
     far = {"tiling": [1.5, 1.5], "shift": [-0.2, 0.3]}
     seen.state(technique=technique, **changes, **far)
     wanted = expected(
@@ -222,13 +222,13 @@ def test_bakes_go_by_edge_and_levels(
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_only_what_takes_long_comes_baked(seen: Seen) -> None:
+def test_only_slow_bakes_are_in_the_page(seen: OpenPage) -> None:
     made = set(seen.page.evaluate("Object.keys(viewer.data.maps)"))
     assert made & set(BAKES) == {"relaxed_cone_map"}
 
 
 def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
-    seen: Seen, material: Material
+    seen: OpenPage, material: Material
 ) -> None:
     made = TECHNIQUES["exact"]
     seen.state(
@@ -247,8 +247,8 @@ def test_heights_may_be_dropped_while_a_baked_technique_is_shown(
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material) -> None:
-    # heights are dropped in the middle of their own bake, where its programs are made already
+def test_heights_may_be_dropped_while_a_bake_runs(seen: OpenPage, material: Material) -> None:
+    # heights are dropped during a bake, after its programs were compiled
     script = """async ([first, second]) => {
       const file = (text) =>
         new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], "heights.png");
@@ -271,7 +271,7 @@ def test_heights_may_be_dropped_while_a_bake_runs(seen: Seen, material: Material
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material) -> None:
+def test_missed_hits_are_found_on_dropped_heights(seen: OpenPage, material: Material) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.state(technique="offset", reference_height=0.5, projection="full", show="missed")
@@ -285,23 +285,23 @@ def test_missed_hits_are_found_on_dropped_heights(seen: Seen, material: Material
     assert share > 0.05
 
 
-def test_a_bake_is_kept_until_the_heights_change(seen: Seen) -> None:
+def test_a_bake_is_cached_until_the_heights_change(seen: OpenPage) -> None:
     assert seen.page.evaluate(MADE) == []
     seen.state(technique="exact")
     seen.draw()
     assert seen.page.evaluate(MADE) == ["bounds"]
-    table = "window.held = viewer.drawing.bakesFor('wrap').tables.get('bounds')"
+    table = "window.baked = viewer.drawing.bakesFor('wrap').tables.get('bounds')"
     seen.page.evaluate(f"() => {{ {table} }}")
     _drop(seen, "rough.png", encode_png(np.full((4, 4, 3), 0.5, np.float32)), slot="roughness")
     seen.state(technique="relief", compare="exact")
     seen.draw()
-    assert seen.page.evaluate("held === viewer.drawing.bakesFor('wrap').tables.get('bounds')")
+    assert seen.page.evaluate("baked === viewer.drawing.bakesFor('wrap').tables.get('bounds')")
     seen.state(compare="")
     _drop(seen, "heights.png", png(noise((32, 32))[:, :, None], 0, 16))
     assert seen.page.evaluate(MADE) == []
 
 
-def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
+def test_a_bake_that_is_no_longer_needed_is_cancelled(seen: OpenPage) -> None:
     codes = noise((256, 256))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.state(technique="relaxed_cone")
@@ -315,7 +315,7 @@ def test_a_bake_that_nobody_waits_for_is_left(seen: Seen) -> None:
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_a_bake_that_fails_is_told(seen: Seen) -> None:
+def test_a_failed_bake_is_reported(seen: OpenPage) -> None:
     shown = seen.frame().color
     seen.page.evaluate(
         """() => {
@@ -327,7 +327,7 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
           }
         }"""
     )
-    # beside the divider and as the truth it is left away, and the rest is drawn
+    # right of the divider and as the truth it is omitted, and the rest is drawn
     for changes in ({"compare": "exact"}, {"compare": "", "show": "missed"}):
         seen.page.evaluate("document.getElementById('messages').replaceChildren()")
         seen.state(**changes)
@@ -354,9 +354,9 @@ def test_a_bake_that_fails_is_told(seen: Seen) -> None:
 
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize(("type", "count"), [(0, 1), (2, 3), (4, 2), (6, 4)])
-def test_a_png_is_read_with_all_its_bits(seen: Seen, bits: int, type: int, count: int) -> None:
+def test_a_png_is_read_with_all_its_bits(seen: OpenPage, bits: int, type: int, count: int) -> None:
     rng = np.random.default_rng(type + bits)
-    # ramps and noise, so that every filter has something to do
+    # ramps and noise, so that every filter is used
     ramp = np.add.outer(np.arange(11), np.arange(7))[:, :, None] * 701
     codes = (ramp + rng.integers(0, 999, (11, 7, count))).astype(np.uint16)
     codes = codes if bits == 16 else (codes >> 8).astype(np.uint8)
@@ -369,7 +369,7 @@ def test_a_png_is_read_with_all_its_bits(seen: Seen, bits: int, type: int, count
     assert np.array_equal(found, wanted)
 
 
-def test_a_png_of_the_librarys_own_writer_is_read(seen: Seen, tmp_path: Path) -> None:
+def test_a_png_written_by_the_library_is_read(seen: OpenPage, tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
     pixels = rng.random((40, 31, 3)).astype(np.float32)
     content = encode_png(pixels, bits=16)
@@ -380,7 +380,7 @@ def test_a_png_of_the_librarys_own_writer_is_read(seen: Seen, tmp_path: Path) ->
     assert np.array_equal(_decoded(seen, content)[:, :, :3], wanted)
 
 
-def test_palettes_and_clear_colours_are_read(seen: Seen) -> None:
+def test_palettes_and_transparent_colours_are_read(seen: OpenPage) -> None:
     index = np.array([[0, 1, 2], [2, 1, 0]], np.uint8)[:, :, None]
     parts = {b"PLTE": bytes([9, 8, 7, 60, 50, 40, 255, 128, 0]), b"tRNS": bytes([0, 200])}
     found = _decoded(seen, png(index, 3, 8, parts))
@@ -391,7 +391,7 @@ def test_palettes_and_clear_colours_are_read(seen: Seen) -> None:
     assert found.tolist() == [[[300, 300, 300, 0], [40000, 40000, 40000, 65535]]]
 
 
-def test_a_clear_colour_beside_alpha_is_nothing(seen: Seen) -> None:
+def test_a_transparent_colour_besides_alpha_is_ignored(seen: OpenPage) -> None:
     grey = np.array([[[300, 7], [40000, 9]]], np.uint16)
     found = _decoded(seen, png(grey, 4, 16, {b"tRNS": struct.pack(">H", 300)}))
     assert found.tolist() == [[[300, 300, 300, 7], [40000, 40000, 40000, 9]]]
@@ -399,23 +399,23 @@ def test_a_clear_colour_beside_alpha_is_nothing(seen: Seen) -> None:
         _decoded(seen, png(np.ones((1, 2, 3), np.uint8), 2, 8, {b"tRNS": b"\0\1\0\1"}))
 
 
-def test_what_of_a_png_cannot_be_read_is_told(seen: Seen) -> None:
+def test_unreadable_pngs_are_reported(seen: OpenPage) -> None:
     whole = png(noise((8, 8))[:, :, None], 0, 16)
     before = seen.frame().color
-    for content, said in (
+    for content, message in (
         (whole[:60] + whole[90:], "this PNG is damaged"),
         (png(np.zeros((2, 8, 1), np.uint16), 0, 16, rows=8), "rows are missing"),
         (png(np.zeros((1, 40000, 1), np.uint8), 0, 8), "40000 × 1 is larger than this GPU takes"),
     ):
         seen.page.evaluate("document.getElementById('messages').replaceChildren()")
         _drop(seen, "broken.png", content, taken=False)
-        assert said in seen.text("#messages")
+        assert message in seen.text("#messages")
     assert np.array_equal(seen.frame().color, before)
     _drop(seen, "woven.png", png(np.full((1, 1, 1), 513, np.uint16), 0, 16, interlaced=1))
     assert "woven.png is interlaced: 8 of its 16 bits" in seen.text("#messages")
 
 
-def test_a_map_too_large_for_the_gpu_is_told(seen: Seen) -> None:
+def test_a_map_too_large_for_the_gpu_is_reported(seen: OpenPage) -> None:
     before = seen.frame().color
     content = png(noise((50, 37))[:, :, None], 0, 16)
     seen.page.evaluate("viewer.gpu.limits = { maxTextureDimension2D: 48 }")
@@ -432,14 +432,14 @@ def test_a_map_too_large_for_the_gpu_is_told(seen: Seen) -> None:
     assert seen.frame().hit.any()
 
 
-def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
+def test_a_map_that_the_gpu_refuses_is_reported_once(seen: OpenPage) -> None:
     before = seen.frame().color
     seen.page.evaluate("viewer.gpu.limits = { maxTextureDimension2D: 1e9 }")
     _drop(seen, "long.png", png(np.zeros((1, 40000, 1), np.uint8), 0, 8), taken=False)
     assert np.array_equal(seen.frame().color, before)
     assert seen.text("#messages").count("long.png:") == 1
     assert seen.page.locator("#messages p").count() == 1
-    # one of two: the other is given back
+    # if the second of two textures fails, the first is destroyed
     script = """async () => {
       const { drawing, gpu } = viewer;
       const made = [];
@@ -451,10 +451,11 @@ def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
         return made[0];
       };
       const one = { width: 1, height: 1, texels: new Uint16Array(4) };
-      const told = await drawing.setMaps({ ...viewer.pictures, normal: one, response: { ...one } })
+      const maps = { ...viewer.pictures, normal: one, response: { ...one } };
+      const message = await drawing.setMaps(maps)
         .catch((error) => error.message);
       delete gpu.texture;
-      return [told, made[0].gone];
+      return [message, made[0].gone];
     }"""
     assert seen.page.evaluate(script) == ["no room", True]
     assert np.array_equal(seen.frame().color, before)
@@ -464,13 +465,15 @@ def test_a_map_that_the_gpu_refuses_is_told_once(seen: Seen) -> None:
 # --- dropped maps --------------------------------------------------------------------------------
 
 
-def test_an_emission_map_brighter_than_white_is_the_cpus(seen: Seen, material: Material) -> None:
+def test_an_emission_map_brighter_than_white_equals_the_cpus(
+    seen: OpenPage, material: Material
+) -> None:
     wanted = expected(material)
     assert wanted.color.max() > 1.0
     assert_agree(wanted, seen.frame(), TEXELS)
 
 
-def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material: Material) -> None:
+def test_maps_of_different_sizes_are_drawn_as_by_python(seen: OpenPage, material: Material) -> None:
     rng = np.random.default_rng(11)
     codes = {
         "base_color": rng.integers(0, 256, (128, 128, 3)).astype(np.uint8),
@@ -496,7 +499,9 @@ def test_maps_of_other_sizes_are_drawn_as_python_draws_them(seen: Seen, material
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Material) -> None:
+def test_removing_the_normal_map_draws_normals_of_the_heights(
+    seen: OpenPage, material: Material
+) -> None:
     codes = noise((TEXELS, TEXELS))
     _drop(seen, "heights.png", png(codes[:, :, None], 0, 16))
     seen.open("maps")
@@ -507,7 +512,7 @@ def test_normals_are_made_of_the_heights_when_asked(seen: Seen, material: Materi
     assert seen.page.text_content("#map-message") == "Drawn without normals."
 
 
-def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> None:
+def test_a_slider_does_not_wait_for_normals(seen: OpenPage, material: Material) -> None:
     seen.page.evaluate(
         "(async () => { await viewer.removeMap('normal'); await viewer.draw(160, 90, 1); })()"
     )
@@ -515,8 +520,8 @@ def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> N
         """() => {
           const { drawing, gpu } = viewer;
           const read = gpu.readTexture.bind(gpu);
-          const held = new Promise((open) => { window.openReading = open; });
-          gpu.readTexture = (texture) => held.then(() => read(texture));
+          const opened = new Promise((open) => { window.openReading = open; });
+          gpu.readTexture = (texture) => opened.then(() => read(texture));
           window.framesBefore = drawing.frames.count;
           viewer.state.scale = 0.04;
           viewer.changed();
@@ -525,10 +530,10 @@ def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> N
     seen.page.wait_for_function("viewer.drawing.frames.count > framesBefore", timeout=20000)
     assert seen.page.evaluate("viewer.drawing.state.scale") == 0.04
     seen.page.evaluate("() => { openReading(); delete viewer.gpu.readTexture; }")
-    # once it rests they are those of the new scale
+    # afterwards the normals are those of the new scale
     plain = replace(material, normal=None)
     assert_agree(expected(plain, scale=0.04), seen.frame(), TEXELS)
-    # turned and turned back, and turned to where none are used
+    # changed and changed back, and changed to a scale without normals
     seen.page.evaluate("for (const n of [0.1, 0.04]) { viewer.state.scale = n; viewer.changed(); }")
     assert_agree(expected(plain, scale=0.04), seen.frame(), TEXELS)
     seen.state(scale=0)
@@ -537,7 +542,7 @@ def test_a_slider_does_not_wait_for_normals(seen: Seen, material: Material) -> N
     assert seen.page.locator("#messages p:not(.quiet)").count() == 0
 
 
-def test_smaller_levels_of_channels_are_pythons(seen: Seen) -> None:
+def test_smaller_levels_of_channels_equal_pythons(seen: OpenPage) -> None:
     rng = np.random.default_rng(9)
     script = """async ([texels, height, width]) => {
       const maps = await import("view/maps.js");
@@ -550,7 +555,7 @@ def test_smaller_levels_of_channels_are_pythons(seen: Seen) -> None:
             level = np.rint(textures.halved(level.astype(np.float32))).astype(np.uint16)
 
 
-def test_values_of_few_programs_are_kept(seen: Seen) -> None:
+def test_resources_of_at_most_ten_programs_are_cached(seen: OpenPage) -> None:
     for shadows in ("none", "hard"):
         for technique in ("flat", "offset", "steep", "relief", "parallax_occlusion"):
             seen.state(technique=technique, compare="offset", shadows=shadows)
@@ -560,17 +565,17 @@ def test_values_of_few_programs_are_kept(seen: Seen) -> None:
     assert seen.console == []
 
 
-def test_other_proportions_are_told(seen: Seen) -> None:
+def test_other_proportions_are_reported(seen: OpenPage) -> None:
     _drop(seen, "wide.png", png(noise((20, 60))[:, :, None], 0, 16))
     assert "wide.png has other proportions" in seen.text("#messages")
     assert seen.frame().hit.any()
 
 
-# --- help ----------------------------------------------------------------------------------------
+# --- helpers -------------------------------------------------------------------------------------
 
 
 def _drop(
-    seen: Seen, name: str, content: bytes, *, slot: str = "height", taken: bool = True
+    seen: OpenPage, name: str, content: bytes, *, slot: str = "height", taken: bool = True
 ) -> None:
     """Drop a file on a map of the page, and wait until it is taken or refused."""
     script = """async ([name, content, slot]) => {
@@ -579,11 +584,11 @@ def _drop(
       await viewer.drawing.settled();
       return viewer.mapMessage;
     }"""
-    said = seen.page.evaluate(script, [name, base64.b64encode(content).decode(), slot])
-    assert said.startswith(name) == taken
+    message = seen.page.evaluate(script, [name, base64.b64encode(content).decode(), slot])
+    assert message.startswith(name) == taken
 
 
-def _decoded(seen: Seen, content: bytes) -> np.ndarray:
+def _decoded(seen: OpenPage, content: bytes) -> np.ndarray:
     """The texels that the page reads from a PNG, (h, w, 4) uint16."""
     script = """async (bytes) => {
       const png = await import("view/png.js");
@@ -591,7 +596,7 @@ def _decoded(seen: Seen, content: bytes) -> np.ndarray:
       if (!png.isRead(header)) return null;
       return [header.height, header.width, await png.decoded(bytes, header)];
     }"""
-    given = np.frombuffer(content, np.uint8)
-    height, width, texels = evaluate(seen.page, script, given)
+    array = np.frombuffer(content, np.uint8)
+    height, width, texels = evaluate(seen.page, script, array)
     assert texels.dtype == np.uint16
     return texels.reshape(height, width, 4)

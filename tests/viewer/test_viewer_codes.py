@@ -1,6 +1,6 @@
-"""The codes of the page: PNGs decoded to the last bit, and light rounded as the library rounds it.
+"""Codes of the page: PNGs decoded to the last bit, and linear values rounded as by the library.
 
-Rounding is tested at values just beside halves, where another rule gives another code.
+Rounding is tested at values near halves, where another rule gives another code.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_viewer import Seen
+from test_viewer import OpenPage
 
 from basrelief.engine.cpu import CpuEngine
 from basrelief.images import read_picture, srgb_decode, srgb_encode, write_data
@@ -32,7 +32,7 @@ RNG = np.random.default_rng(23)
 
 @pytest.fixture(scope="module")
 def material() -> Material:
-    """Small maps, of other sizes than one another, of which one glows brighter than white."""
+    """Small maps of different sizes, with an emission map brighter than white."""
     rng = np.random.default_rng(6)
 
     def codes(*shape: int, kind: Any = np.uint16) -> np.ndarray:
@@ -51,13 +51,13 @@ def material() -> Material:
 
 
 @pytest.fixture(scope="module")
-def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Seen]:
-    """A page that is open; tests here leave its state as it is."""
+def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenPage]:
+    """An open page, whose state the tests here do not change."""
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     with no_stills():
         write_view(Scene((Object(material, scale=0.08),)), file, device="cpu")
     with chromium(SOFTWARE) as browser:
-        made = Seen(browser, file)
+        made = OpenPage(browser, file)
         yield made
         assert made.console == []
         made.page.close()
@@ -66,9 +66,9 @@ def seen(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 # --- PNG: predictors ------------------------------------------------------------------------------
 
 
-def decoded(seen: Seen, content: bytes, *, whole: bool = False) -> np.ndarray:
-    """The texels that the page reads, (h, w, 4) uint16: by its own decoder, or what it has for
-    dropped files, which leaves some to the browser."""
+def decoded(seen: OpenPage, content: bytes, *, whole: bool = False) -> np.ndarray:
+    """The texels that the page reads, (h, w, 4) uint16: by its own decoder, or as a dropped file,
+    for which it may use the browser's."""
     script = """async ([bytes, whole]) => {
       if (whole) {
         const { pictureOf } = await import("view/dropped.js");
@@ -80,8 +80,8 @@ def decoded(seen: Seen, content: bytes, *, whole: bool = False) -> np.ndarray:
       if (!png.isRead(header)) return null;
       return [header.height, header.width, await png.decoded(bytes, header)];
     }"""
-    given = [np.frombuffer(content, np.uint8), whole]
-    height, width, texels = evaluate(seen.page, script, given)
+    argument = [np.frombuffer(content, np.uint8), whole]
+    height, width, texels = evaluate(seen.page, script, argument)
     assert texels.dtype == np.uint16
     return texels.reshape(height, width, 4)
 
@@ -98,14 +98,14 @@ def as_texels(codes: np.ndarray) -> np.ndarray:
 
 
 def pictures(bits: int, count: int) -> dict[str, np.ndarray]:
-    """Samples for which the predictors' branches, ties and overflows all come up."""
+    """Samples that exercise all branches, ties and overflows of the predictors."""
     kind = np.uint8 if bits == 8 else np.uint16
     most = 2**bits - 1
     ramp = np.add.outer(3 * np.arange(7), 2 * np.arange(5))[:, :, None] * (most // 40)
     return {
         "noise": RNG.integers(0, most + 1, (7, 5, count)).astype(kind),
         "slopes": (ramp + RNG.integers(0, most // 50, (7, 5, count))).astype(kind),
-        # few values, so that left, above and upper left are often alike, or as near as each other
+        # few values, so that left, above and upper left are often equal or equally near
         "ties": (RNG.integers(0, 4, (16, 9, count)) * (most // 255)).astype(kind),
         # sums above 255
         "bright": (most - RNG.integers(0, most // 5, (7, 5, count))).astype(kind),
@@ -119,13 +119,13 @@ def pictures(bits: int, count: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("type", COLOR_TYPES)
 def test_every_predictor_is_decoded(
-    seen: Seen, filter: str, bits: int, type: str, tmp_path: Path
+    seen: OpenPage, filter: str, bits: int, type: str, tmp_path: Path
 ) -> None:
-    """In the first row too, above and to the left of which there is nothing."""
+    """Also in the first row and column, which have no neighbours above or to the left."""
     number, count = COLOR_TYPES[type]
     for name, codes in pictures(bits, count).items():
         content = png(codes, number, bits, filters=[FILTERS.index(filter)])
-        # what another decoder makes of the file
+        # the result of another decoder
         file = tmp_path / "made.png"
         file.write_bytes(content)
         np.testing.assert_array_equal(read_picture(file).pixels, codes, err_msg=name)
@@ -133,7 +133,7 @@ def test_every_predictor_is_decoded(
 
 
 @pytest.mark.parametrize("filter", FILTERS)
-def test_every_predictor_of_indices_is_decoded(seen: Seen, filter: str) -> None:
+def test_every_predictor_of_indices_is_decoded(seen: OpenPage, filter: str) -> None:
     index = RNG.integers(0, 5, (8, 7, 1)).astype(np.uint8)
     palette = RNG.integers(0, 256, (5, 3)).astype(np.uint8)
     clear = RNG.integers(0, 256, 3).astype(np.uint8)
@@ -147,9 +147,9 @@ def test_every_predictor_of_indices_is_decoded(seen: Seen, filter: str) -> None:
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
 def test_files_of_another_writer_are_decoded(
-    seen: Seen, kind: Any, count: int, tmp_path: Path
+    seen: OpenPage, kind: Any, count: int, tmp_path: Path
 ) -> None:
-    """OpenImageIO's, which chooses the filter of each row by itself."""
+    """Files of OpenImageIO, which chooses the filter of each row."""
     column, row = np.meshgrid(np.arange(37), np.arange(64))
     most = np.iinfo(kind).max
     # rows of noise, of slopes along each axis, and of one value
@@ -166,14 +166,14 @@ def test_files_of_another_writer_are_decoded(
 
 
 @pytest.mark.parametrize("pieces", [2, 5])
-def test_rows_may_be_packed_in_several_chunks(seen: Seen, pieces: int) -> None:
+def test_rows_may_be_packed_in_several_chunks(seen: OpenPage, pieces: int) -> None:
     codes = RNG.integers(0, 65536, (9, 6, 3)).astype(np.uint16)
     content = png(codes, 2, 16, pieces=pieces)
     assert content.count(b"IDAT") == pieces
     np.testing.assert_array_equal(decoded(seen, content), as_texels(codes))
 
 
-def test_a_row_of_an_unknown_filter_is_told(seen: Seen) -> None:
+def test_a_row_of_an_unknown_filter_is_reported(seen: OpenPage) -> None:
     codes = RNG.integers(0, 256, (3, 2, 1)).astype(np.uint8)
     with pytest.raises(Exception, match="this PNG is damaged: a row has an unknown filter"):
         decoded(seen, png(codes, 0, 8, filters=[0, 0, 5]))
@@ -181,7 +181,7 @@ def test_a_row_of_an_unknown_filter_is_told(seen: Seen) -> None:
 
 @pytest.mark.parametrize("filter", FILTERS)
 @pytest.mark.parametrize("bits", [1, 2, 4])
-def test_few_bits_are_read_by_the_browser(seen: Seen, bits: int, filter: str) -> None:
+def test_few_bits_are_read_by_the_browser(seen: OpenPage, bits: int, filter: str) -> None:
     codes = RNG.integers(0, 2**bits, (5, 7, 1)).astype(np.uint8)
     content = png(codes, 0, bits, filters=[FILTERS.index(filter)])
     wanted = as_texels((codes * (255 // (2**bits - 1))).astype(np.uint8))
@@ -191,7 +191,7 @@ def test_few_bits_are_read_by_the_browser(seen: Seen, bits: int, filter: str) ->
 # --- rounding: maps -------------------------------------------------------------------------------
 
 
-def test_halves_are_rounded_to_even(seen: Seen) -> None:
+def test_halves_are_rounded_to_even(seen: OpenPage) -> None:
     whole = np.array([0.0, 1.0, 2.0, 7.0, 254.0, 255.0, 65534.0])
     values = np.concatenate(
         [whole, whole + 0.5, np.nextafter(whole + 0.5, 0.0), np.nextafter(whole + 0.5, 1e9)]
@@ -200,8 +200,8 @@ def test_halves_are_rounded_to_even(seen: Seen) -> None:
     assert seen.page.evaluate(script, values.tolist()) == np.rint(values).tolist()
 
 
-def test_the_maps_of_a_page_are_the_librarys(seen: Seen, material: Material) -> None:
-    """To the last bit, channels of other sizes brought to the largest."""
+def test_the_maps_of_a_page_equal_the_librarys(seen: OpenPage, material: Material) -> None:
+    """Equal to the last bit, with channels of different sizes resized to the largest."""
     script = """() => Object.entries(viewer.pictures).map(
       ([name, { width, height, texels }]) => [name, [height, width, texels]])"""
     found = dict(evaluate(seen.page, script))
@@ -232,8 +232,10 @@ LEVELS = """async ([texels, height, width, cutOut]) => {
 
 @pytest.mark.parametrize("shape", [(96, 128), (13, 22), (9, 7), (1, 6), (5, 1)])
 @pytest.mark.parametrize("cut_out", [False, True])
-def test_smaller_levels_are_rounded_as_the_librarys(seen: Seen, shape: Any, cut_out: bool) -> None:
-    """Of a cut-out, whose colours count as much as they show, as well."""
+def test_smaller_levels_are_rounded_as_by_the_library(
+    seen: OpenPage, shape: Any, cut_out: bool
+) -> None:
+    """Also for a cut-out, whose colours are weighted by opacity."""
     color = RNG.integers(0, 65536, (*shape, 3)).astype(np.uint16)
     opacity = RNG.integers(0, 65536, (*shape, 1)).astype(np.uint16)
     opacity[: shape[0] // 2] = RNG.choice([0, 1, 65535], (shape[0] // 2, shape[1], 1))
@@ -248,10 +250,10 @@ def test_smaller_levels_are_rounded_as_the_librarys(seen: Seen, shape: Any, cut_
         np.testing.assert_array_equal(texels.reshape(height, width, 4), level)
 
 
-def test_quarters_are_rounded_to_even(seen: Seen) -> None:
-    """Four texels whose sum is one, two or three more than a multiple of four, dark and bright."""
+def test_quarters_are_rounded_to_even(seen: OpenPage) -> None:
+    """Sums of four texels that are 1, 2 or 3 more than a multiple of 4, dark and bright."""
     sums = np.array([*range(13), *range(4 * 65535 - 12, 4 * 65535 + 1)])
-    # each sum as four codes that are not alike
+    # each sum as four different codes
     parts = np.stack([sums // 4 + (sums % 4 > k) for k in (2, 0, 1, 3)], -1).clip(0, 65535)
     assert np.array_equal(parts.sum(-1), sums)
     level = np.repeat(parts.reshape(-1, 2, 2).transpose(1, 0, 2).reshape(2, -1)[:, :, None], 4, 2)
@@ -268,17 +270,17 @@ REPLACED = """async ([texels, height, width, slot, choices]) => {
 }"""
 
 
-def replaced(seen: Seen, pixels: np.ndarray, slot: str, **choices: str) -> np.ndarray:
+def replaced(seen: OpenPage, pixels: np.ndarray, slot: str, **choices: str) -> np.ndarray:
     """The map that the page makes of a dropped picture of (h, w, 4) 16-bit codes."""
-    given = [pixels, *pixels.shape[:2], slot, choices]
-    height, width, count, texels = evaluate(seen.page, REPLACED, given)
+    argument = [pixels, *pixels.shape[:2], slot, choices]
+    height, width, count, texels = evaluate(seen.page, REPLACED, argument)
     return texels.reshape(height, width, count)
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
 @pytest.mark.parametrize("slot", ["base_color", "emission"])
-def test_every_code_of_srgb_is_the_light_of_the_library(seen: Seen, kind: Any, slot: str) -> None:
-    """All codes of 8 and of 16 bits, each channel in an order of its own."""
+def test_every_srgb_code_is_decoded_as_by_the_library(seen: OpenPage, kind: Any, slot: str) -> None:
+    """All codes of 8 and 16 bits, in a different order for each channel."""
     codes = np.arange(np.iinfo(kind).max + 1).astype(kind)
     side = 16 if kind == np.uint8 else 256
     pixels = np.stack([codes, codes[::-1], np.roll(codes, 77)], -1).reshape(side, side, 3)
@@ -288,15 +290,15 @@ def test_every_code_of_srgb_is_the_light_of_the_library(seen: Seen, kind: Any, s
     np.testing.assert_array_equal(found, texture.levels[0])
 
 
-def beside_halves(values: np.ndarray, apart: float = 0.02, within: float = 0.1) -> np.ndarray:
-    """Which values lie close beside a half, but not on it."""
+def beside_halves(values: np.ndarray, least: float = 0.02, most: float = 0.1) -> np.ndarray:
+    """Mask of the values close to a half, but not on it."""
     away = np.abs(values - np.floor(values) - 0.5)
-    return (away > apart) & (away < within)
+    return (away > least) & (away < most)
 
 
 @pytest.mark.parametrize("polarity", ["height", "depth"])
-def test_luminance_is_rounded_to_the_nearest_code(seen: Seen, polarity: str) -> None:
-    """0.2126 r + 0.7152 g + 0.0722 b, at colours for which that lies beside a half."""
+def test_luminance_is_rounded_to_the_nearest_code(seen: OpenPage, polarity: str) -> None:
+    """0.2126 r + 0.7152 g + 0.0722 b, for colours with a value near a half."""
     colors = RNG.integers(0, 65536, (4000, 3))
     bright = colors @ np.array([0.2126, 0.7152, 0.0722])
     near = beside_halves(bright)
@@ -309,7 +311,7 @@ def test_luminance_is_rounded_to_the_nearest_code(seen: Seen, polarity: str) -> 
     np.testing.assert_array_equal(found, wanted if polarity == "height" else 65535 - wanted)
 
 
-def test_one_channel_is_taken_as_it_is(seen: Seen) -> None:
+def test_one_channel_is_copied_unchanged(seen: OpenPage) -> None:
     pixels = RNG.integers(0, 65536, (4, 5, 4)).astype(np.uint16)
     for k, channel in enumerate("rgba"):
         found = replaced(seen, pixels, "height", channel=channel, polarity="height")
@@ -323,10 +325,10 @@ def test_one_channel_is_taken_as_it_is(seen: Seen) -> None:
 @pytest.mark.parametrize(
     ("small", "large"), [((4, 6), (6, 9)), ((3, 5), (9, 15)), ((12, 8), (9, 6))]
 )
-def test_maps_of_other_sizes_are_rounded_as_the_librarys(
-    seen: Seen, small: Any, large: Any
+def test_maps_of_different_sizes_are_rounded_as_by_the_library(
+    seen: OpenPage, small: Any, large: Any
 ) -> None:
-    """Bilinear, the rows first: 4 texels brought to 6 meet halves."""
+    """Bilinear, rows first; resizing 4 texels to 6 gives halves."""
     size = np.maximum(small, large)
     picture = RNG.integers(0, 65536, (*small, 4)).astype(np.uint16)
     other = RNG.integers(0, 65536, (*large, 4)).astype(np.uint16)
@@ -344,7 +346,7 @@ def test_maps_of_other_sizes_are_rounded_as_the_librarys(
     assert (height, width) == tuple(size)
     found = texels.reshape(height, width, 4)
     for channel, pixels in ((0, picture), (1, other)):
-        # one of the library's of the same size, in which nothing is brought to another
+        # a map of the library of the same size, without resizing
         whole = Map(np.zeros((*size, 1), np.uint16), False, "made up")
         maps = {"occlusion": Map(pixels[:, :, 1:2], False, "made up"), "roughness": whole}
         texture = textures.response(Material("made up", **maps), "wrap")
@@ -373,9 +375,13 @@ PRESENT = """async ([width, height, sums, words, view]) => {
 
 
 def presented(
-    seen: Seen, tmp_path: Path, sums: np.ndarray, planes: np.ndarray | None = None, **view: Any
+    seen: OpenPage,
+    tmp_path: Path,
+    sums: np.ndarray,
+    planes: np.ndarray | None = None,
+    **view: Any,
 ) -> np.ndarray:
-    """The 8-bit codes, (h, w, 3), of a picture by its added up colours, (h, w, 4), and planes,
+    """The 8-bit codes, (h, w, 3), of a picture from its summed colours, (h, w, 4), and planes,
     (9, h, w) words."""
     height, width = sums.shape[:2]
     words = np.zeros((9, height, width), np.uint32) if planes is None else planes
@@ -387,9 +393,9 @@ def presented(
 
 @pytest.mark.parametrize("samples", [1, 4])
 def test_light_on_the_canvas_is_the_nearest_code_of_srgb(
-    seen: Seen, tmp_path: Path, samples: int
+    seen: OpenPage, tmp_path: Path, samples: int
 ) -> None:
-    """On both sides of every half, from the straight part of the curve to white and beyond."""
+    """On both sides of every half, from the linear part of the curve to beyond white."""
     codes = RNG.permutation(np.stack([np.roll(np.arange(255), k) for k in (0, 80, 171)], -1))
     below = np.stack([codes + 0.46, codes + 0.54], 0).reshape(30, 17, 3)
     light = srgb_decode(below / 255.0)
@@ -407,7 +413,7 @@ def heated(index: np.ndarray) -> np.ndarray:
 
 
 def assert_heated(found: np.ndarray, place: np.ndarray) -> None:
-    """Colours are those of the nearest place in the heat map, where the next ones differ."""
+    """Assert the colours of the nearest entry of the heat map, where its neighbours differ."""
     right = np.rint(place)
     wrong = np.where(place > right, right + 1, right - 1)
     differ = np.abs(heated(right) - heated(wrong)).max(-1) > 1.5
@@ -415,8 +421,8 @@ def assert_heated(found: np.ndarray, place: np.ndarray) -> None:
     assert np.abs(found - heated(right))[differ].max() < 0.6
 
 
-def test_reads_are_the_nearest_colour_of_the_heat_map(seen: Seen, tmp_path: Path) -> None:
-    """The share of the most, 0 to 1, as 0 to 255; more is the last, and no object is dark grey."""
+def test_reads_have_the_nearest_colour_of_the_heat_map(seen: OpenPage, tmp_path: Path) -> None:
+    """The fraction of the most reads, 0 to 1, as 0 to 255, clamped; the background is dark grey."""
     most = 1000
     reads = np.arange(most + 1)
     place = reads * 255.0 / most
@@ -434,8 +440,8 @@ def test_reads_are_the_nearest_colour_of_the_heat_map(seen: Seen, tmp_path: Path
     assert found[127].tolist() == [round(255.0 * float(srgb_encode(np.array(0.03))))] * 3
 
 
-def test_depths_are_the_nearest_colour_of_the_heat_map(seen: Seen, tmp_path: Path) -> None:
-    """The nearest is pale, the furthest dark."""
+def test_depths_have_the_nearest_colour_of_the_heat_map(seen: OpenPage, tmp_path: Path) -> None:
+    """The nearest depth is pale, the furthest dark."""
     place = np.concatenate([np.arange(0, 254, 4) + 0.44, np.arange(0, 254, 4) + 0.56])
     nearest, furthest = 2.0, 4.5
     depth = (nearest + (1.0 - place / 255.0) * (furthest - nearest)).astype(np.float32)
@@ -448,8 +454,8 @@ def test_depths_are_the_nearest_colour_of_the_heat_map(seen: Seen, tmp_path: Pat
     assert_heated(found.reshape(-1, 3), place)
 
 
-def test_figures_are_those_of_all_rows(seen: Seen) -> None:
-    """Of more rows than one group of invocations has, of pixels that show the object alone."""
+def test_figures_are_those_of_all_rows(seen: OpenPage) -> None:
+    """With more rows than a workgroup has; only pixels of the object count."""
     height, width = 70, 5
     hit = RNG.random((height, width)) < 0.6
     reads = RNG.integers(1, 100, (height, width))
@@ -478,7 +484,7 @@ def test_figures_are_those_of_all_rows(seen: Seen) -> None:
 # --- rounding: normals that the page makes --------------------------------------------------------
 
 
-def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: Seen) -> None:
+def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: OpenPage) -> None:
     """With slopes s and t along u and v: (−s, t, 1) ÷ √(1 + s² + t²), as (x ÷ 2 + ½) · 65535."""
     script = """async ([texels, height, width, rise]) => {
       const { drawing } = viewer;
@@ -496,7 +502,7 @@ def test_normals_of_heights_are_rounded_to_the_nearest_code(seen: Seen) -> None:
     t = (heights[2:, 1:-1] - heights[:-2, 1:-1]) / 2.0
     normals = np.stack([-s, t, np.ones_like(s)], -1) / np.sqrt(1.0 + s**2 + t**2)[..., None]
     exact = (normals * 0.5 + 0.5) * 65535.0
-    # in 32 bits a code is known to a hundredth
+    # float32 computes a code to within a hundredth
     known = np.abs(exact - np.floor(exact) - 0.5) > 0.05
     assert beside_halves(exact, 0.05, 0.2).sum() > 100
     np.testing.assert_array_equal(found[:, :, :3][known], np.rint(exact)[known])
@@ -515,15 +521,15 @@ THUMBNAIL = """async ([texels, height, width, count, channels, light]) => {
 
 
 def thumbnail(
-    seen: Seen, texels: np.ndarray, channels: list[int], light: bool = False
+    seen: OpenPage, texels: np.ndarray, channels: list[int], light: bool = False
 ) -> np.ndarray:
-    given = [texels.astype(np.uint16), *texels.shape, channels, light]
-    height, width, data = evaluate(seen.page, THUMBNAIL, given)
+    argument = [texels.astype(np.uint16), *texels.shape, channels, light]
+    height, width, data = evaluate(seen.page, THUMBNAIL, argument)
     return data.reshape(height, width, 4)
 
 
-def test_a_thumbnail_shows_the_nearest_codes(seen: Seen) -> None:
-    """16-bit codes of data as they are, and of light as sRGB; 88 texels a side, one a pixel."""
+def test_a_thumbnail_shows_the_nearest_codes(seen: OpenPage) -> None:
+    """16-bit codes of data unchanged, linear colours as sRGB; 88 texels a side, one a pixel."""
     column, row = np.meshgrid(np.arange(88), np.arange(3))
     low = 257 * (2 * column + row) + 128
     # 128 ÷ 257 is below a half, 129 ÷ 257 above
@@ -534,7 +540,7 @@ def test_a_thumbnail_shows_the_nearest_codes(seen: Seen) -> None:
     assert (found[:, :, 3] == 255).all()
     grey = thumbnail(seen, data, [1])
     np.testing.assert_array_equal(grey[:, :, :3], np.repeat(np.rint(data[:, :, 1:2] / 257.0), 3, 2))
-    # from middle codes on the codes of light are dense enough to lie beside halves
+    # from the middle on, linear codes are dense enough to lie near halves
     codes = np.stack([60 + 2 * column + k * row for k in (0, 3, 7)], -1)
     light = np.stack([srgb_decode((codes + part) / 255.0) for part in (0.47, 0.53)]) * 65535.0
     for each, wanted in zip(
@@ -548,15 +554,15 @@ def test_a_thumbnail_shows_the_nearest_codes(seen: Seen) -> None:
     [((200, 100), (88, 44)), ((100, 51), (88, 45)), ((51, 100), (45, 88)), ((1000, 3), (88, 1)),
      ((44, 11), (88, 22)), ((176, 3), (88, 2)), ((176, 5), (88, 3))],
 )  # fmt: skip
-def test_a_thumbnail_keeps_its_proportions(seen: Seen, size: Any, shown: Any) -> None:
+def test_a_thumbnail_keeps_its_proportions(seen: OpenPage, size: Any, shown: Any) -> None:
     """88 pixels the longer side, the other rounded, halves up, and at least 1."""
     width, height = size
     found = thumbnail(seen, np.full((height, width, 1), 1000), [0])
     assert found.shape[1::-1] == shown
 
 
-def test_a_thumbnail_averages_texels(seen: Seen) -> None:
-    """Two by two of them for a pixel, where there are twice as many."""
+def test_a_thumbnail_averages_texels(seen: OpenPage) -> None:
+    """2 × 2 texels a pixel, for a map of twice the size."""
     texels = RNG.integers(0, 65536, (64, 176, 1))
     found = thumbnail(seen, texels, [0])
     means = texels[:, :, 0].reshape(32, 2, 88, 2).mean((1, 3)) / 257.0
@@ -575,20 +581,20 @@ COLOR = """async ([light, code]) => {
 }"""
 
 
-def test_a_colour_is_chosen_in_codes_and_held_as_light(seen: Seen) -> None:
-    """Shown as the nearest codes; a chosen code is its light to four digits."""
+def test_a_colour_is_chosen_as_srgb_and_stored_linear(seen: OpenPage) -> None:
+    """Shown as the nearest code; a chosen code is stored as its linear value to four digits."""
     for codes in ([0, 5, 9], [10, 11, 50], [127, 200, 254]):
         for part, wanted in ((0.48, codes), (0.52, [code + 1 for code in codes])):
             light = srgb_decode((np.array(codes) + part) / 255.0).tolist()
-            shown, held = seen.page.evaluate(COLOR, [light, "#0a80ff"])
+            shown, state = seen.page.evaluate(COLOR, [light, "#0a80ff"])
             assert shown == "#" + "".join(f"{code:02x}" for code in wanted)
             exact = srgb_decode(np.array([10, 128, 255]) / 255.0)
-            assert held == [float(f"{each:.3e}") for each in exact]
+            assert state == [float(f"{each:.3e}") for each in exact]
     shown, _ = seen.page.evaluate(COLOR, [[0.0, 1.0, 7.5], "#000000"])
     assert shown == "#00ffff"
 
 
-def test_whole_settings_are_the_nearest_whole_numbers(seen: Seen) -> None:
+def test_integer_settings_are_rounded_to_the_nearest(seen: OpenPage) -> None:
     script = """async (value) => {
       const { validated, copyOf } = await import("view/checks.js");
       const state = copyOf(viewer.state);

@@ -1,4 +1,4 @@
-"""The pictures in docs/viewer.md are of the page as it is."""
+"""The pictures in docs/viewer.md equal screenshots of the page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from helpers.browser import SOFTWARE, chromium
 from helpers.shots import PICTURES, SHOTS, shot, write_page
 
 COLOR_TOLERANCE = 8.0 / 255.0
-"""Encoded values that a dithered or blended pixel may differ by."""
+"""Tolerance of encoded values, for dithered or blended pixels."""
 
 
 @pytest.fixture(scope="module")
@@ -25,20 +25,20 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path
 
 
 @pytest.mark.parametrize("name", SHOTS)
-def test_a_picture_in_the_docs_is_of_the_page(
+def test_a_picture_in_the_docs_equals_the_page(
     opened: tuple[Any, Path], tmp_path: Path, name: str
 ) -> None:
     png, box = shot(*opened, name)
     (tmp_path / "now.png").write_bytes(png)
     now = _pixels(tmp_path / "now.png")
-    kept = _pixels(PICTURES / f"{name}.png")
-    hint = f"{name} shows another page; see scripts/goldens, and look at what it draws"
-    assert now.shape == kept.shape, hint
-    # the canvas: the panel's letters are those of the system
+    stored = _pixels(PICTURES / f"{name}.png")
+    advice = f"{name} differs from the page; run scripts/goldens and look at the new picture"
+    assert now.shape == stored.shape, advice
+    # only the canvas, as the panel has fonts of the system
     rows = slice(round(box["y"]), round(box["y"] + box["height"]))
     columns = slice(round(box["x"]), round(box["x"] + box["width"]))
-    apart = np.abs(now[rows, columns] - kept[rows, columns]).max(axis=2)
-    assert (apart > COLOR_TOLERANCE).mean() < 0.02, hint
+    difference = np.abs(now[rows, columns] - stored[rows, columns]).max(axis=2)
+    assert (difference > COLOR_TOLERANCE).mean() < 0.02, advice
     assert np.ptp(now[rows, columns]) > 0.3
 
 

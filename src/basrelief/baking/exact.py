@@ -2,10 +2,10 @@
 
 A cell lies between four texel centres. Records are baked for each of the four quadrants of ray
 directions. A near record covers a block of 2 × 2 cells, with four 16-bit numbers: a plane that
-nothing in the 4 × 4 cells ahead rises above, given by the room above it at the back corner of the
-block and its two slopes; and the room above the highest point of the 10 × 10 cells ahead. A far
-record covers a block of 8 × 8 cells, with the room above the highest points of the 24², 48², 96²
-and 192² cells ahead. Room is 1 − height. The shaders are in `techniques.exact_bake`.
+nothing in the 4 × 4 cells ahead rises above, given by the headroom above it at the back corner of
+the block and its two slopes; and the headroom above the highest point of the 10 × 10 cells ahead. A
+far record covers a block of 8 × 8 cells, with the headroom above the highest points of the 24²,
+48², 96² and 192² cells ahead. Headroom is 1 − height. The shaders are in `techniques.exact_bake`.
 """
 
 from __future__ import annotations

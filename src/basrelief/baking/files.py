@@ -162,7 +162,8 @@ def checked_bakes(names: Sequence[str]) -> list[str]:
             raise InputError(f"there is no bake {name!r}; {suggestion(name, FILE_BAKES)}")
     if not checked:
         raise InputError(
-            f"nothing to bake: name {', '.join(FILE_BAKES)}, for example basrelief bake FOLDER normal"
+            f"nothing to bake: name {', '.join(FILE_BAKES)}, "
+            "for example basrelief bake FOLDER normal"
         )
     return list(dict.fromkeys(checked))
 

@@ -72,8 +72,8 @@ def horizon_map(
     horizons = np.empty((*heights.shape, _count(directions)), np.uint16)
     engine, values = engine_of(device), _values(heights, edge, scale, shaders.SLOPE_ERROR)
     for k, direction in enumerate(_directions(heights.shape, edge, directions)):
-        ways = Buffer([direction])
-        planes = run(shaders.horizon, heights, edge, engine, directions=ways, **values)
+        buffer = Buffer([direction])
+        planes = run(shaders.horizon, heights, edge, engine, directions=buffer, **values)
         horizons[:, :, k] = np.ceil(planes["sine"].astype(np.float64) * _MAX_CODE)
     return horizons
 
@@ -114,12 +114,12 @@ def ambient_occlusion(
     """
     heights = checked_heights(heights, edge)
     _count(directions)
-    ways = Buffer(_directions(heights.shape, edge, directions, _OCCLUSION_TILES))
+    buffer = Buffer(_directions(heights.shape, edge, directions, _OCCLUSION_TILES))
     min_slope = _MIN_TANGENT / max(checked_scale(scale) * heights.shape[1], _MIN_TANGENT)
     values = _values(heights, edge, scale, max(min_slope, shaders.SLOPE_ERROR))
     engine = engine_of(device)
     planes = run(
-        shaders.sky_visibility, heights, edge, engine, cost=directions, directions=ways, **values
+        shaders.sky_visibility, heights, edge, engine, cost=directions, directions=buffer, **values
     )
     return planes["visibility"]
 

@@ -20,7 +20,7 @@ from basrelief.lang import HeightField, IVec2, Shader, Texture, Vec2, bound, wat
 from basrelief.measure.columns import intersect_columns
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.measure.section import write_section
-from basrelief.measure.traced import Floats, Kind, Sample, TracedRay, surface_heights
+from basrelief.measure.traced import Floats, Kind, Read, TracedRay, surface_heights
 from basrelief.rendering.programs import map_edge, values_of, variant_of
 from basrelief.rendering.render import scene_of
 from basrelief.scene import ResolvedObject, Scene
@@ -32,7 +32,7 @@ from basrelief.techniques.edge import cell_in_map, cells_in_map, in_tile
 from basrelief.techniques.height import surface_height
 from basrelief.techniques.ray import Ray, at, height_at
 
-__all__ = ["Explanation", "Sample", "explain"]
+__all__ = ["Explanation", "Read", "explain"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Explanation(TracedRay):
         Change of the texture coordinates while the ray falls from height 1 to 0.
     reference_height : float
         Height of the polygon, 0 to 1.
-    samples : tuple of Sample
+    reads : tuple of Read
         Reads of the technique, in order.
     hit : Hit
         Hit of the technique.
@@ -187,7 +187,7 @@ def _explanation(
         uv=_pair(_array(intersection.uv)),
         travel=_pair(travel),
         reference_height=float(ray.reference_height),
-        samples=tuple(recorder.samples),
+        reads=tuple(recorder.reads),
         hit=hit,
         true_uv=_pair(true.uv[0]),
         true_height=float(1.0 - true.t[0]),
@@ -216,7 +216,7 @@ class _ReadRecorder:
     def __init__(self, ray: Ray, field: HeightField, columns: bool) -> None:
         self.ray, self.columns, self.edge = ray, columns, field.edge
         self.heights: Floats = field.levels[0].astype(np.float64)
-        self.samples: list[Sample] = []
+        self.reads: list[Read] = []
         self.ray_heights: dict[bytes, float] = {}
         self.uv: Vec2 | None = None
         self.cell: list[int] = []
@@ -288,8 +288,8 @@ class _ReadRecorder:
         if surface is None:
             surface = float(surface_heights(self.heights, point[None], self.edge, self.columns)[0])
         ray_height = self.ray_heights.get(_key(uv))
-        self.samples.append(
-            Sample(
+        self.reads.append(
+            Read(
                 kind,
                 _pair(point),
                 self._height_at(point) if ray_height is None else ray_height,
@@ -316,7 +316,7 @@ class _ReadRecorder:
         # moved off the wall, so that the height is that of this column, not of its neighbour
         inside = (np.clip(start + travel * t_enter, low + 1e-6, low + 1 - 1e-6) + half) / texels
         surface = float(surface_heights(self.heights, inside[None], self.edge, self.columns)[0])
-        self.samples.append(Sample(kind, _pair(point), 1.0 - t_enter, surface))
+        self.reads.append(Read(kind, _pair(point), 1.0 - t_enter, surface))
 
 
 def _array(v: Vec2) -> Floats:

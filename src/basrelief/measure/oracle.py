@@ -130,8 +130,8 @@ class _Traversal:
 
     def height_at(self, rays: Ints, t: Floats) -> Floats:
         """Heights of rays at t."""
-        fallen: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
-        height: Floats = self.height[rays] - fallen
+        descent: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
+        height: Floats = self.height[rays] - descent
         return height
 
     def _cross_cell(self, rays: Ints) -> Ints:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.measure.figures import check_figure, has_matplotlib, legend_mark, write_figure
-from basrelief.measure.traced import Sample, TracedRay
+from basrelief.measure.traced import Read, TracedRay
 
 _INK, _QUIET, _PAPER = "#23262b", "#777d86", "#fbfaf8"
 _GROUND, _EDGE = "#e4d9c6", "#8a7355"
@@ -51,7 +51,7 @@ class _Section:
     def __init__(self, explained: TracedRay, axes: Any) -> None:
         self.traced, self.axes = explained, axes
         places = [self.uv_at(1.0), explained.uv, explained.true_uv, [*explained.hit.uv]]
-        ends = explained.along([*places, *(read.uv for read in explained.samples)])
+        ends = explained.along([*places, *(read.uv for read in explained.reads)])
         middle, half = (ends.max() + ends.min()) / 2, max((ends.max() - ends.min()) / 2, 2.0)
         # a short margin before the ray's start, a longer one behind its end
         self.left, self.right = middle - half * 1.2, middle + half * 1.4
@@ -65,7 +65,7 @@ class _Section:
     def draw(self) -> None:
         self.ground()
         self.ray()
-        self.samples()
+        self.reads()
         self.ends()
         self.scales()
 
@@ -105,9 +105,9 @@ class _Section:
             fontsize=9, zorder=9,
         )  # fmt: skip
 
-    def samples(self) -> None:
+    def reads(self) -> None:
         """Draw each read: a dot on the ray, a stem to the surface, and its number."""
-        reads = self.traced.samples
+        reads = self.traced.reads
         every = max(1, -(-len(reads) // _MAX_NUMBERS))
         for n, read in enumerate(reads, 1):
             x = float(self.traced.along(read.uv))
@@ -130,7 +130,7 @@ class _Section:
             if n % every == 0 or n in (1, len(reads)):
                 self.number(n, x, read)
 
-    def number(self, n: int, x: float, read: Sample) -> None:
+    def number(self, n: int, x: float, read: Read) -> None:
         # numbers of neighbouring reads are stacked
         width, side = (self.right - self.left) * 0.022, 1.0 if read.above else -1.0
         close = sum(abs(x - other) < width and side == s for other, s in self.labels)
@@ -143,23 +143,29 @@ class _Section:
 
     def ends(self) -> None:
         """Mark the technique's hit, the true hit, and the distance between them."""
-        ended, true = (
+        x_hit, x_true = (
             float(self.traced.along([*self.traced.hit.uv])),
             float(self.traced.along(self.traced.true_uv)),
         )
         height = float(self.traced.hit.height)
         self.axes.plot(
-            [ended], [height], marker="o", ms=14, mfc="none", mec=_BELOW, mew=2.2, zorder=8,
+            [x_hit], [height], marker="o", ms=14, mfc="none", mec=_BELOW, mew=2.2, zorder=8,
             clip_on=False,
         )  # fmt: skip
         self.axes.plot(
-            [true], [self.traced.true_height], marker="X", ms=9, color=_TRUE, mec="white", zorder=10
+            [x_true],
+            [self.traced.true_height],
+            marker="X",
+            ms=9,
+            color=_TRUE,
+            mec="white",
+            zorder=10,
         )
-        for x, low in ((ended, height), (true, self.traced.true_height)):
+        for x, low in ((x_hit, height), (x_true, self.traced.true_height)):
             self.axes.plot([x, x], [low, -0.06], color=_QUIET, linewidth=0.7, ls=":", zorder=4)
-        self.axes.plot([ended, true], [-0.06, -0.06], color=_BELOW, linewidth=3.0, zorder=6)
+        self.axes.plot([x_hit, x_true], [-0.06, -0.06], color=_BELOW, linewidth=3.0, zorder=6)
         self.axes.annotate(
-            f"{self.traced.error:.2f} texels", ((ended + true) / 2, -0.06), (0, -6), ha="center",
+            f"{self.traced.error:.2f} texels", ((x_hit + x_true) / 2, -0.06), (0, -6), ha="center",
             va="top", textcoords="offset points", fontsize=9, color=_BELOW, zorder=9,
         )  # fmt: skip
 
@@ -192,13 +198,13 @@ def _write_legend(explained: TracedRay, figure: Any) -> None:
     """Write the headline, the subject, and the legend."""
     figure.text(0.07, 0.945, explained.verdict, fontsize=13, fontweight="bold", va="center")
     x, y = explained.pixel
-    kinds = {read.kind for read in explained.samples}
+    kinds = {read.kind for read in explained.reads}
     figure.text(
         0.07, 0.9,
         f"{explained.material}, pixel {x},{y}, cut along the ray · {explained.technique_text}",
         fontsize=9.5, color=_QUIET, va="center",
     )  # fmt: skip
-    heights = [read for read in explained.samples if read.kind == "height"]
+    heights = [read for read in explained.reads if read.kind == "height"]
     marks = []
     if any(read.above for read in heights):
         marks.append(("o", _ABOVE, _ABOVE, "read, the ray above the surface"))

@@ -17,7 +17,7 @@ Kind = Literal["height", "cell", "record"]
 
 
 @dataclass(frozen=True)
-class Sample:
+class Read:
     """One read at texture coordinates `uv`.
 
     `kind` is "height" (of the surface), "cell" (between four texels, solved as a whole) or "record"
@@ -50,7 +50,7 @@ class TracedRay:
     uv: tuple[float, float]
     travel: tuple[float, float]
     reference_height: float
-    samples: tuple[Sample, ...]
+    reads: tuple[Read, ...]
     hit: Hit
     true_uv: tuple[float, float]
     true_height: float
@@ -115,11 +115,11 @@ class TracedRay:
     def table(self) -> str:
         """All reads as a table: number, kind, u, v, the heights of ray and surface."""
         lines = [f"{'':>4}  {'read':<6} {'u':>9} {'v':>9} {'ray':>8} {'surface':>8}  the ray is"]
-        for n, sample in enumerate(self.samples, 1):
-            side = "above" if sample.above else "below" if sample.ray < sample.surface else "on it"
+        for n, read in enumerate(self.reads, 1):
+            side = "above" if read.above else "below" if read.ray < read.surface else "on it"
             lines.append(
-                f"{n:>4}  {sample.kind:<6} {sample.uv[0]:>9.5f} {sample.uv[1]:>9.5f} "
-                f"{sample.ray:>8.5f} {sample.surface:>8.5f}  {side}"
+                f"{n:>4}  {read.kind:<6} {read.uv[0]:>9.5f} {read.uv[1]:>9.5f} "
+                f"{read.ray:>8.5f} {read.surface:>8.5f}  {side}"
             )
         for name, uv, height in (
             ("ends", [float(c) for c in self.hit.uv], float(self.hit.height)),

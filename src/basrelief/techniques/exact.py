@@ -19,23 +19,24 @@ s = t − t₀ its height is r₀ − descent · s + bend · s². Height − f i
 and the hit is its first root from 0 to span, the s at which the ray leaves the cell.
 
 **Empty space ahead.** All rays are mirrored to run towards +u and +v, so that the cells ahead of a
-block form a square at its corner; a block has a record for each of the four quadrants. "Room" is
-the distance below height 1: of a ray 1 − its height, of a record 1 − the height that it bounds.
+block form a square at its corner; a block has a record for each of the four quadrants. *Headroom*
+is the distance below height 1: of a ray 1 − its height, of a record 1 − the height that it bounds.
 
     height 1 --------------------------------   A window record: no point of the W × W cells ahead
-       ray *                   ^                has less room than w. The ray is free until its own
-             `.                | w              room is w, or until it may leave the window,
-                `.             v                whichever comes first:
+       ray *                   ^                has less headroom than w. The ray is free until
+             `.                | w              its own headroom is w, or until it may leave the
+                `.             v                window, whichever comes first:
          . . . . . `. . . . . . . . . . . . .
-                ___           /\                    Δt = min((w − room) ÷ descent, window's end)
+                ___           /\                    Δt = min((w − headroom) ÷ descent, window's end)
           _____/   \_________/  \____
          |block|  W × W cells ahead  |
 
 A plane record bounds the 4 × 4 cells ahead more tightly: their surface lies below a plane with the
-room p at the block's corner and the slopes g along u and v. At a position q from that corner,
+headroom p at the block's corner and the slopes g along u and v. At a position q from that corner,
 moving by v per t, the ray is free until
 
-    room + descent · Δt = p − g · (q + v · Δt),   Δt = (p − room − g · q) ÷ (descent + g · v)
+    headroom + descent · Δt = p − g · (q + v · Δt)
+    Δt = (p − headroom − g · q) ÷ (descent + g · v)
 
 The longest leap of all records counts. If it does not reach the cell's end, the cell is solved.
 """
@@ -67,9 +68,9 @@ from basrelief.techniques.exact_records import (
     FAR_4,
     FAR_BLOCK,
     FAR_SHIFT,
-    MAX_ROOM,
+    MAX_HEADROOM,
     MAX_SLOPE,
-    MIN_ROOM,
+    MIN_HEADROOM,
     PLANE,
     SHIFT,
     WINDOW,
@@ -267,34 +268,48 @@ def clear_until(
     y = max(int(in_map.y), 0)
     near = stored(baked, line.near + IVec2(x >> SHIFT, y >> SHIFT))
     far = stored(baked, line.far + IVec2(x >> FAR_SHIFT, y >> FAR_SHIFT)) * UNIT
-    # the ray's room here, and the least t in which it reaches the room of a record
-    room = 1.0 - line.ray.height + drop_at(line.ray, t)
+    # the ray's headroom here, and the least t in which it reaches the headroom of a record
+    headroom = 1.0 - line.ray.height + drop_at(line.ray, t)
     descent = max_descent(line.ray, t)
-    t_per_room = 1.0 / max(descent, MIN_DROP)
+    t_per_height = 1.0 / max(descent, MIN_DROP)
     rest = t_exit - t
-    free = min((near.w * UNIT - room) * t_per_room, rest + line.min_pace * float(WINDOW - BLOCK))
-    free = max(
-        free, min((far.x - room) * t_per_room, rest + line.min_pace * float((FAR - 1) * FAR_BLOCK))
+    free = min(
+        (near.w * UNIT - headroom) * t_per_height, rest + line.min_pace * float(WINDOW - BLOCK)
     )
     free = max(
         free,
-        min((far.y - room) * t_per_room, rest + line.min_pace * float((FAR_2 - 1) * FAR_BLOCK)),
+        min((far.x - headroom) * t_per_height, rest + line.min_pace * float((FAR - 1) * FAR_BLOCK)),
     )
     free = max(
         free,
-        min((far.z - room) * t_per_room, rest + line.min_pace * float((FAR_3 - 1) * FAR_BLOCK)),
+        min(
+            (far.y - headroom) * t_per_height,
+            rest + line.min_pace * float((FAR_2 - 1) * FAR_BLOCK),
+        ),
     )
     free = max(
         free,
-        min((far.w - room) * t_per_room, rest + line.min_pace * float((FAR_4 - 1) * FAR_BLOCK)),
+        min(
+            (far.z - headroom) * t_per_height,
+            rest + line.min_pace * float((FAR_3 - 1) * FAR_BLOCK),
+        ),
+    )
+    free = max(
+        free,
+        min(
+            (far.w - headroom) * t_per_height,
+            rest + line.min_pace * float((FAR_4 - 1) * FAR_BLOCK),
+        ),
     )
     if cell_is_baked(baked, in_map, extent):
         slope = near.yz * (2.0 * MAX_SLOPE * UNIT) - MAX_SLOPE
-        plane_room = MIN_ROOM + near.x * ((MAX_ROOM - MIN_ROOM) * UNIT) - line.plane_error
+        plane_headroom = (
+            MIN_HEADROOM + near.x * ((MAX_HEADROOM - MIN_HEADROOM) * UNIT) - line.plane_error
+        )
         # the ray's cell within its block, counted from the block's back corner
         in_block = 0.5 + line.sign * (Vec2(float(x & (BLOCK - 1)), float(y & (BLOCK - 1))) - 0.5)
         position = line.start + line.travel * t - cell + in_block
-        to_plane = (plane_room - room - dot(slope, position)) / max(
+        to_plane = (plane_headroom - headroom - dot(slope, position)) / max(
             descent + dot(slope, line.travel), MIN_DROP
         )
         free = max(free, min(to_plane, rest + line.min_pace * float(PLANE - BLOCK)))

@@ -1,11 +1,11 @@
 """The bake of the technique `exact`: the records of empty space, one per shader invocation.
 
-A patch is the bilinear surface over one cell. Room is the space above a height h: 1 − h.
+A patch is the bilinear surface over one cell. Headroom is the space above a height h: 1 − h.
 
 Three passes: the highest point of each block of cells, with a margin around the map, so that later
 passes do not depend on the edge; the highest points of windows of blocks, each from smaller windows
 that overlap; and the records, for the four quadrants that a ray can run towards. All heights are
-rounded up, and so all room down.
+rounded up, and so all headroom down.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from basrelief.techniques.exact_records import (
     FAR_3,
     FAR_4,
     FAR_BLOCK,
-    MAX_ROOM,
+    MAX_HEADROOM,
     MAX_SLOPE,
-    MIN_ROOM,
+    MIN_HEADROOM,
     PLANE,
     WINDOW,
     far_blocks,
@@ -114,22 +114,22 @@ def far_record(
     third: HeightField,
     most: HeightField,
 ) -> PackedRecord:
-    """The room above the highest points of four windows ahead of a block, from the smallest on."""
+    """The headroom above the highest points of four windows ahead of a block, smallest first."""
     blocks = far_blocks(extent_of(field, 0))
     return packed(
         Vec4(
-            room_code(least, quadrant_block(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
-            room_code(second, quadrant_block(at, blocks, FAR_BLOCK, FAR_2, FAR_REACH).window),
-            room_code(third, quadrant_block(at, blocks, FAR_BLOCK, FAR_3, FAR_REACH).window),
-            room_code(most, quadrant_block(at, blocks, FAR_BLOCK, FAR_4, FAR_REACH).window),
+            headroom_code(least, quadrant_block(at, blocks, FAR_BLOCK, FAR, FAR_REACH).window),
+            headroom_code(second, quadrant_block(at, blocks, FAR_BLOCK, FAR_2, FAR_REACH).window),
+            headroom_code(third, quadrant_block(at, blocks, FAR_BLOCK, FAR_3, FAR_REACH).window),
+            headroom_code(most, quadrant_block(at, blocks, FAR_BLOCK, FAR_4, FAR_REACH).window),
         )
     )
 
 
 @shader
 def near_record(at: IVec2, field: HeightField, windows: HeightField) -> PackedRecord:
-    """The room above a plane over the cells ahead of a block, the plane's slopes, and the room
-    above the highest point of a larger window ahead."""
+    """The headroom above a plane over the cells ahead of a block, the plane's slopes, and the
+    headroom above the highest point of a larger window ahead."""
     block = quadrant_block(at, near_blocks(extent_of(field, 0)), BLOCK, REACH, REACH)
     codes = slope_codes(field, block)
     slope = codes * (2.0 * MAX_SLOPE / MAX_CODE) - MAX_SLOPE
@@ -142,9 +142,9 @@ def near_record(at: IVec2, field: HeightField, windows: HeightField) -> PackedRe
         top = max(top, height_above_plane(field, block, slope, IVec2(j, PLANE - 1)))
     top = max(top, height_above_plane(field, block, slope, IVec2(PLANE - 1, PLANE - 1)))
     top = top + HEIGHT_ERROR + POSITION_ERROR_TEXELS * (abs(slope.x) + abs(slope.y))
-    room = floor((1.0 - top - MIN_ROOM) * (MAX_CODE / (MAX_ROOM - MIN_ROOM)))
+    headroom = floor((1.0 - top - MIN_HEADROOM) * (MAX_CODE / (MAX_HEADROOM - MIN_HEADROOM)))
     return packed(
-        Vec4(clamp(room, 0.0, MAX_CODE), codes.x, codes.y, room_code(windows, block.window))
+        Vec4(clamp(headroom, 0.0, MAX_CODE), codes.x, codes.y, headroom_code(windows, block.window))
     )
 
 
@@ -239,8 +239,8 @@ def highest(four: Vec4) -> float:
 
 
 @shader
-def room_code(windows: HeightField, window: IVec2) -> float:
-    """The room above a window as a stored code, less a margin for float32 rounding."""
+def headroom_code(windows: HeightField, window: IVec2) -> float:
+    """The headroom above a window as a stored code, less a margin for float32 rounding."""
     return clamp(floor((1.0 - texel_height(windows, window)) * MAX_CODE - 0.02), 0.0, MAX_CODE)
 
 

@@ -27,9 +27,9 @@ FAR_4 = 24
 """Blocks along each side of the four windows of a far record's highest points."""
 MAX_SLOPE = 0.5
 """The steepest slope of a record's plane, in heights per texel."""
-MIN_ROOM = -4.0
-MAX_ROOM = 4.0
-"""The range of a plane's room in a record: 1 − the plane's height at the block's corner."""
+MIN_HEADROOM = -4.0
+MAX_HEADROOM = 4.0
+"""The range of a plane's headroom in a record: 1 − the plane's height at the block's corner."""
 
 
 @shader

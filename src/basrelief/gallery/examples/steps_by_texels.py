@@ -1,4 +1,4 @@
-"""One sample for each texel along the ray."""
+"""One step for each texel along the ray."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CAMERA = Orbit(azimuth=25.0, elevation=22.0, distance=0.75, field_of_view=38.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """Samples by angle, one for every second texel, and one for every texel."""
+    """Steps by angle, one for every second texel, and one for every texel."""
     for caption, settings in (
         ("by angle, 4 to 20", {"min_steps": 4, "max_steps": 20}),
         ("one for every second texel", {"steps_per_texel": 0.5}),
@@ -28,7 +28,7 @@ def panels(texels: int) -> Iterator[Panel]:
 
 PAGE = Page(
     name="steps-by-texels",
-    title="Samples by texels",
+    title="Steps by texels",
     source="gamedev",
     rows={"G8": "a travel of 0.5 over 256 texels takes at most 128 reads"},
     look="Thin blades are whole only where no texel is skipped; that costs reads.",

@@ -15,7 +15,7 @@ NOTCH = (0.26, 0.10)
 """Sides of the triangle in each cell's corner, along x and y, in widths of the tile."""
 INK, PAPER = 0.16, 0.80
 MEAN = 0.214041
-"""Half of sRGB's range in linear light: the neutral grey of a detail map."""
+"""sRGB 0.5 as a linear value: the neutral grey of a detail map."""
 
 
 def grid(canvas: Canvas) -> Relief:

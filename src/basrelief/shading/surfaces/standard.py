@@ -20,7 +20,7 @@ from basrelief.shading.texture import pixelated, trilinear
 from basrelief.shading.variant import Variant
 
 MIDDLE_GREY = 0.214041
-"""Half of sRGB's range, linear: a detail map of this grey changes nothing."""
+"""sRGB 0.5 as a linear value: a detail map of this grey changes nothing."""
 MIN_NORMAL_Z = 1e-3
 """The least z of a stored normal: a map of (½, ½, ½) gives the surface's own normal."""
 

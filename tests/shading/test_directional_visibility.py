@@ -1,4 +1,4 @@
-"""Occlusion that has a direction: the map mixed with depth and N · L."""
+"""Directional occlusion: the occlusion map combined with the height and N · L."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from helpers.synthetic import drawn, map_of, uniform_material
 UNITS = st.floats(0.0, 1.0, width=32)
 
 
-def left(occlusion: float, height: float, facing: float, strength: float = 1.0) -> float:
-    """What a light at an angle leaves, of a surface that looks up."""
+def visibility(occlusion: float, height: float, cosine: float, strength: float = 1.0) -> float:
+    """Visibility of a light at an angle to the normal, by `directional_visibility`."""
     up = Vec3(0.0, 0.0, 1.0)
     point = ShadingPoint(Vec3(0.0), up, up, Vec3(1.0), 0.5, 0.0, occlusion, Vec3(0.0))
-    facing = min(facing, 1.0)
-    towards = Vec3(np.sqrt(max(1.0 - facing * facing, 0.0)), 0.0, facing)
+    cosine = min(cosine, 1.0)
+    towards = Vec3(np.sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine)
     return float(
         directional_visibility(
             point, np.float32(height), towards, Shading(directional_occlusion=strength)
@@ -34,25 +34,29 @@ def left(occlusion: float, height: float, facing: float, strength: float = 1.0) 
 
 
 @given(UNITS, UNITS, st.floats(-1.0, 1.0), UNITS)
-def test_the_formula(occlusion: float, height: float, facing: float, strength: float) -> None:
-    """H5: from occlusion × height at a light along the surface to 1 at one along the normal."""
-    up = max(facing, 0.0)
+def test_directional_visibility_equals_its_formula(
+    occlusion: float, height: float, cosine: float, strength: float
+) -> None:
+    """H5: from occlusion × height for light along the surface to 1 for light along the normal."""
+    up = max(cosine, 0.0)
     wanted = 1.0 - strength * (1.0 - (occlusion * height * (1.0 - up) + up))
-    assert left(occlusion, height, facing, strength) == pytest.approx(wanted, abs=2e-6)
+    assert visibility(occlusion, height, cosine, strength) == pytest.approx(wanted, abs=2e-6)
 
 
 @given(UNITS, UNITS)
-def test_what_is_open_and_what_is_lit_from_above_stays(one: float, strength: float) -> None:
-    assert left(1.0, 1.0, one, strength) == pytest.approx(1.0, abs=1e-6)
-    assert left(one, 0.5, 1.0, strength) == pytest.approx(1.0, abs=1e-6)
+def test_unoccluded_points_and_light_along_the_normal_are_unchanged(
+    one: float, strength: float
+) -> None:
+    assert visibility(1.0, 1.0, one, strength) == pytest.approx(1.0, abs=1e-6)
+    assert visibility(one, 0.5, 1.0, strength) == pytest.approx(1.0, abs=1e-6)
 
 
 @given(st.lists(UNITS, min_size=2, max_size=2), UNITS, UNITS)
-def test_more_openness_height_or_facing_never_darken(pair, one: float, other: float) -> None:
+def test_visibility_grows_with_occlusion_height_and_cosine(pair, one: float, other: float) -> None:
     low, high = sorted(pair)
-    assert left(low, one, other) <= left(high, one, other) + 1e-6
-    assert left(one, low, other) <= left(one, high, other) + 1e-6
-    assert left(one, other, low) <= left(one, other, high) + 1e-6
+    assert visibility(low, one, other) <= visibility(high, one, other) + 1e-6
+    assert visibility(one, low, other) <= visibility(one, high, other) + 1e-6
+    assert visibility(one, other, low) <= visibility(one, other, high) + 1e-6
 
 
 FRONT = LookAt((0.0, 0.0, 3.0), orthographic_height=0.8)
@@ -73,18 +77,18 @@ def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) ->
 
 
 @pytest.mark.parametrize("elevation", [0.0, 30.0, 60.0, 80.0])
-def test_lights_take_occlusion_by_depth_and_angle(elevation: float) -> None:
-    """H5, in the picture: the height is that of the hit, the normal the relief's."""
+def test_lights_are_occluded_by_height_and_angle(elevation: float) -> None:
+    """H5 in a picture: with the height of the hit and the normal of the relief."""
     light = directional(0.0, elevation)
-    facing = np.cos(np.radians(elevation))
-    np.testing.assert_allclose(lit("ambient", light), 0.6 * facing, atol=1e-4)
+    cosine = np.cos(np.radians(elevation))
+    np.testing.assert_allclose(lit("ambient", light), 0.6 * cosine, atol=1e-4)
     for height in (0.25, 0.5, 1.0):
-        share = 0.4 * height * (1.0 - facing) + facing
-        wanted = 0.6 * facing * share
+        share = 0.4 * height * (1.0 - cosine) + cosine
+        wanted = 0.6 * cosine * share
         np.testing.assert_allclose(lit("directional", light, height), wanted, atol=1e-4)
 
 
-def test_with_strength_0_it_is_the_occlusion_of_ambient_light_alone() -> None:
+def test_strength_0_occludes_ambient_light_alone() -> None:
     light = directional(50.0, 20.0)
     none = Shading(ambient=(0.3, 0.3, 0.3), directional_occlusion=0.0)
     np.testing.assert_array_equal(
@@ -92,12 +96,12 @@ def test_with_strength_0_it_is_the_occlusion_of_ambient_light_alone() -> None:
     )
 
 
-def test_a_height_below_all_is_the_lowest() -> None:
-    """A march of fixed length that meets nothing may end there; light is never below 0."""
-    assert left(0.5, -3.0, 0.1) == pytest.approx(0.1, abs=1e-6)
+def test_a_height_below_0_counts_as_0() -> None:
+    """A march of fixed step length may end there; visibility is never negative."""
+    assert visibility(0.5, -3.0, 0.1) == pytest.approx(0.1, abs=1e-6)
 
 
-def test_without_a_direction_there_is_no_code_for_it() -> None:
+def test_a_program_with_ambient_occlusion_has_no_code_for_directional() -> None:
     obj = Object(sample("tiles", 16))
     texts = [
         print_wgsl(program_of(obj.resolved, Scene((obj,), occlusion_kind=kind)).module, "wrap")
