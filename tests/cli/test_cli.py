@@ -538,7 +538,7 @@ def test_help_is_complete_and_in_panels(columns: int, monkeypatch: pytest.Monkey
     assert all(line.strip(" │") == "…" or "exr …" in line for line in cut)
     panels = [line.split()[1] for line in text.splitlines() if line.startswith("╭─")]
     assert panels == [
-        "Arguments", "Options", "Relief", "Surface", "Light", "Camera", "Picture", "Maps",
+        "Arguments", "Options", "Relief", "Surface", "Light", "Fog", "Camera", "Picture", "Maps",
         "Further",
     ]  # fmt: skip
     words = " ".join(text.replace("│", " ").split())

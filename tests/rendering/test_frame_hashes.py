@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import fields, replace
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -138,13 +138,8 @@ def objects() -> list[Object]:
 
 
 def menu_values(record: type) -> dict[str, set[Any]]:
-    """Allowed values of the fields of a dataclass that have Literal types."""
-    allowed = {}
-    for name, hint in get_type_hints(record).items():
-        literals = [part for part in (hint, *get_args(hint)) if get_origin(part) is Literal]
-        if literals:
-            allowed[name] = {value for literal in literals for value in get_args(literal)}
-    return allowed
+    """Allowed values of the choices of a record."""
+    return {name: {*s.choices} for name, s in settings_of(record).items() if s.choices}
 
 
 def test_every_value_of_the_librarys_menus_is_drawn() -> None:

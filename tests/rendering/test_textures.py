@@ -329,5 +329,5 @@ def test_available_maps_are_found_without_baking() -> None:
         obj = Object(material, layer=layer and Layer(layer), **options)
         there = {f"maps_{name}" for name, has in available_maps(obj.resolved).items() if has}
         assert there == set(resources_of(obj.resolved, CPU)) - {"field", "baked"}
-    assert available_maps(Object(high, technique="texel"))["normal"] is False
-    assert available_maps(Object(full, technique="texel"))["normal"] is True
+    assert available_maps(Object(high, technique="texel").resolved)["normal"] is False
+    assert available_maps(Object(full, technique="texel").resolved)["normal"] is True

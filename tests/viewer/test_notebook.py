@@ -191,7 +191,7 @@ def test_all_other_settings_are_in_the_scene(material: Material) -> None:
     )
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
     viewer.surface, viewer.surface_parameters = "landscape", {"water_level": 0.6}
-    assert viewer.scene().objects[0].surface_parameters == Landscape(water_level=0.6)
+    assert viewer.scene().resolved[0].surface_parameters == Landscape(water_level=0.6)
     viewer.surface = "standard"
     assert viewer.surface_parameters["roughness"] == 1.0
     assert viewer.all_surface_parameters["landscape"]["water_level"] == pytest.approx(0.6)

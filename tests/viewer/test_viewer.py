@@ -751,7 +751,7 @@ def _scene_of_command(material: Material, words: list[str]) -> Scene:
         if name in several:
             options.setdefault(several[name], []).append(value)
         else:
-            number = name in ("scale", "reference_height")
+            number = name in ("scale", "reference_height", "bias")
             options[name] = float(value) if number else value
     return arguments.scene(material, **options)
 
@@ -845,7 +845,7 @@ def test_an_invalid_link_is_clamped(
     # the state is valid in Python
     scene = scene_from_state(state, Scene((Object(material),)))
     assert scene.objects[0].resolved.scale <= 10.0
-    assert -1.0 < scene.objects[0].settings.max_steps <= 4096
+    assert -1.0 < scene.resolved[0].settings.max_steps <= 4096
     scene.shader_camera((16, 9))
     line = fresh.page.evaluate("viewer.text('python')")
     copied: dict[str, Any] = {}

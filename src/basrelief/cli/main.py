@@ -113,7 +113,9 @@ PathArgument = Annotated[
 ]
 _picture_option = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")
-_SCENE_OPTIONS = (options.RELIEF, options.SURFACE, options.LIGHT, options.CAMERA)
+_SCENE_OPTIONS = (
+    options.RELIEF, options.SURFACE, options.LIGHT, options.FOG, options.CAMERA,
+)  # fmt: skip
 _NOT_MEASURED = (
     "shape", "stretch", "tiling", "heights", "fade", "edge", "alpha", "casts", "shadows_on",
     "shadow_map_size",
@@ -356,7 +358,13 @@ def _draw_debug_picture(
 
 @app.command()
 @options.with_options(
-    ..., options.RELIEF, options.SURFACE, options.LIGHT, options.MAPS_OPTIONS, omit=_NOT_MEASURED
+    ...,
+    options.RELIEF,
+    options.SURFACE,
+    options.LIGHT,
+    options.FOG,
+    options.MAPS_OPTIONS,
+    omit=_NOT_MEASURED,
 )
 def compare(
     path: PathArgument,
@@ -408,7 +416,13 @@ def compare(
 
 @app.command()
 @options.with_options(
-    ..., options.RELIEF, options.SURFACE, options.LIGHT, options.MAPS_OPTIONS, omit=_NOT_MEASURED
+    ...,
+    options.RELIEF,
+    options.SURFACE,
+    options.LIGHT,
+    options.FOG,
+    options.MAPS_OPTIONS,
+    omit=_NOT_MEASURED,
 )
 def tune(
     path: PathArgument,

@@ -23,6 +23,7 @@ from basrelief.settings import Setting, settings_of
 __all__ = [
     "BAKE",
     "CAMERA",
+    "FOG",
     "FURTHER",
     "LIGHT",
     "MAPS_OPTIONS",
@@ -102,6 +103,7 @@ LIGHT: Options = {
     ),
     **_options_of(Object, Scene, group="Light"),
 }
+FOG: Options = _options_of(Scene, group="Fog")
 CAMERA: Options = {
     "camera": _text(
         "Camera: azimuth=30, elevation=35, distance=2, field_of_view=30 · position=1/1/1, "
@@ -126,6 +128,7 @@ FURTHER: Options = {
 BAKE: Options = {name: RELIEF[name] for name in ("preset", "scale", "edge")}
 _PANELS = (
     ("Relief", RELIEF), ("Relief", BAKE), ("Surface", SURFACE), ("Light", LIGHT),
+    ("Fog and background", FOG),
     ("Camera", CAMERA), ("Maps", MAPS_OPTIONS), ("Further objects", FURTHER),
 )  # fmt: skip
 

@@ -16,20 +16,20 @@ def settings_of(scene: Scene) -> str:
     return " · ".join([*_of_object(scene.objects[0]), *_of_scene(scene)])
 
 
-def _of_object(given: Object) -> Iterator[str]:
-    obj = given.resolved
-    yield f"{obj.technique.name}, {obj.material.name} on a {obj.shape}"
-    if obj.has_relief:
-        yield f"scale {obj.scale:.3g}"
-        yield from _numbers(obj.settings)
-        yield from _of_ray(obj)
-    if given.tiling is not None:
-        yield "{:g} × {:g} tiles".format(*given.tiling)
-    if obj.mapping != "planar" and obj.has_relief:
-        yield f"{obj.mapping} colour"
-    if obj.alpha != "blend":
-        yield f"alpha {obj.alpha}"
-    yield from _changed(obj.surface_parameters, type(obj.surface_parameters)())
+def _of_object(obj: Object) -> Iterator[str]:
+    resolved = obj.resolved
+    yield f"{resolved.technique.name}, {resolved.material.name} on a {resolved.shape}"
+    if resolved.has_relief:
+        yield f"scale {resolved.scale:.3g}"
+        yield from _numbers(resolved.settings)
+        yield from _of_ray(resolved)
+    if obj.tiling is not None:
+        yield "{:g} × {:g} tiles".format(*obj.tiling)
+    if resolved.mapping != "planar" and resolved.has_relief:
+        yield f"{resolved.mapping} colour"
+    if resolved.alpha != "blend":
+        yield f"alpha {resolved.alpha}"
+    yield from _changed(resolved.surface_parameters, type(resolved.surface_parameters)())
 
 
 def _of_ray(obj: ResolvedObject) -> Iterator[str]:

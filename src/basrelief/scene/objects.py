@@ -72,19 +72,19 @@ class Object:
         on the shape.
     shift : (float, float), default (0, 0)
         Shift of all maps in tiles along u and v.
-    tilings : mapping of str to Tiling, optional
-        Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
-        and "emission".
+    surface : {"standard", "landscape"}, default "standard"
+        Surface shader.
+    surface_parameters : record or mapping, optional
+        Parameters of the surface, or the fields of them to change.
     mapping : {"planar", "triplanar"}, default "planar"
         Projection of the colour onto the relief, from one side or from three.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
     casts : {"shape", "opaque", "none"}, default "shape"
         Shadows cast on other objects: with cut-outs, as if there were none, or no shadows.
-    surface : {"standard", "landscape"}, default "standard"
-        Surface shader.
-    surface_parameters : record or mapping, optional
-        Parameters of the surface, or the fields of them to change.
+    tilings : mapping of str to Tiling, optional
+        Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
+        and "emission".
     layer : Layer, optional
         A second material over the first.
     transform : array_like, shape (4, 4), optional
@@ -122,7 +122,7 @@ class Object:
     )  # fmt: skip
     edge: EdgeKind = setting(default="wrap", group="Relief")
     tiling: tuple[float, float] | None = setting(
-        default=None, control=TILES_CONTROL, spelling="UxV", group="Surface"
+        default=None, control=TILES_CONTROL, spelling="UxV", group="Relief"
     )
     shift: tuple[float, float] = setting(
         default=(0.0, 0.0),
@@ -130,14 +130,14 @@ class Object:
         high=FAR,
         control=SHIFT_CONTROL,
         spelling="U,V",
-        group="Surface",
+        group="Relief",
     )
-    tilings: Mapping[str, Tiling] = setting(factory=dict, group="Surface")
+    surface: SurfaceKind = setting(default="standard", group="Surface")
+    surface_parameters: Any = setting(factory=dict, kind="numbers", group="Surface")
     mapping: MappingKind = setting(default="planar", group="Surface")
     alpha: AlphaKind = setting(default="blend", group="Surface")
     casts: CastsKind = setting(default="shape", group="Light")
-    surface: SurfaceKind = setting(default="standard", group="Surface")
-    surface_parameters: Any = setting(factory=dict, kind="numbers", group="Surface")
+    tilings: Mapping[str, Tiling] = setting(factory=dict, group="Surface")
     layer: Layer | None = setting(default=None, group="Surface")
     transform: Transform | None = setting(default=None, group="Relief")
     resolved: ResolvedObject = field(init=False, repr=False)

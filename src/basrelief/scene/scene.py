@@ -75,7 +75,7 @@ class Scene:
     fog : record or mapping, optional
         Parameters of the fog, or the fields of them to change.
     background : (float, float, float) or None, default a dark grey
-        Linear RGB, 0 or above; None is transparent.
+        Colour behind the objects, linear RGB, 0 or above; None is transparent.
 
     Raises
     ------
@@ -93,10 +93,10 @@ class Scene:
     shadow_map_size: int = setting(default=1024, low=16, high=8192, group="Light")
     shadowing: Any = setting(factory=dict, kind="numbers", group="Light")
     occlusion_kind: OcclusionKind = setting(default="ambient", group="Light")
-    fog_mode: FogKind = setting(default="none", group="Light")
-    fog: Any = setting(factory=dict, kind="numbers", group="Light")
+    fog_mode: FogKind = setting(default="none", group="Fog")
+    fog: Any = setting(factory=dict, kind="numbers", group="Fog")
     background: tuple[float, float, float] | None = setting(
-        default=BACKGROUND, low=0.0, high=FAR, spelling="R,G,B", group="Light"
+        default=BACKGROUND, low=0.0, high=FAR, spelling="R,G,B", group="Fog"
     )
 
     def __post_init__(self) -> None:

@@ -132,7 +132,7 @@ def _setting(record: Any, field: dataclasses.Field[Any], meaning: str) -> Settin
     plain = annotation.removesuffix(" | None")
     literal = vars(sys.modules[record.__module__]).get(plain)
     choices = get_args(literal) if get_origin(literal) is Literal else ()
-    given = {name: value for name, value in field.metadata.items() if value is not None}
+    declared = {name: value for name, value in field.metadata.items() if value is not None}
     # other factories compute a default from what would have to be imported here
     default = {} if field.default_factory is dict else field.default
     required = default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
@@ -141,7 +141,7 @@ def _setting(record: Any, field: dataclasses.Field[Any], meaning: str) -> Settin
     return Setting(
         **{
             "kind": "choice" if choices else _kind_of(plain, "other"),
-            **given,
+            **declared,
             "name": field.name,
             "default": default,
             "doc": field.metadata["doc"] or meaning,

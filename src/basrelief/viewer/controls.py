@@ -64,7 +64,13 @@ def numbers_of(record: type) -> list[dict[str, Any]]:
 
 
 def _light_settings() -> dict[str, Setting]:
-    return {name: declared for kind in LIGHTS for name, declared in light_parameters(kind).items()}
+    """The parameters of all kinds of lights; a page has angles in place of a target."""
+    return {
+        name: declared
+        for kind in LIGHTS
+        for name, declared in light_parameters(kind).items()
+        if name != "target"
+    }
 
 
 def _controls(declared: Mapping[str, Setting]) -> dict[str, dict[str, Any]]:
@@ -80,7 +86,9 @@ def _control(setting: Setting) -> dict[str, Any]:
     whole_range = {"low": setting.low, "high": setting.high}
     slider = {**whole_range, **setting.control}
     return {
-        "doc": setting.doc,
+        "kind": setting.kind,
+        "group": setting.group,
+        "doc": setting.doc.replace("`", ""),
         **slider,
         "soft": any(slider[end] != whole_range[end] for end in whole_range),
     }

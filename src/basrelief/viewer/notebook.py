@@ -234,8 +234,21 @@ def _shared(check: Callable[[Any, str, Any], Any], **metadata: Any) -> Any:
 
 # --- the widget ----------------------------------------------------------------------------------
 
+_CHECKS = {"choice": _choice, "number": _number, "pair": _pair, "numbers": _record}
+_Declared: Any = type(
+    "_Declared",
+    (anywidget.AnyWidget,),
+    {
+        name: _shared(_CHECKS[declared.kind])
+        for record in (Object, Scene)
+        for name, declared in declarations(record).items()
+        if declared.kind in _CHECKS and (declared.kind != "choice" or name in MENUS)
+    },
+)
+"""The base of the viewer, with the settings of `Object` and `Scene` by their kinds."""
 
-class Viewer(anywidget.AnyWidget):
+
+class Viewer(_Declared):
     """The viewer's page as a widget in a notebook.
 
     Page and Python share all settings. Every setting is an attribute that is checked when it is
@@ -298,32 +311,12 @@ class Viewer(anywidget.AnyWidget):
     height = _shared(_pixels)
 
     technique = _shared(_technique)
-    shape = _shared(_choice)
-    projection = _shared(_choice)
-    heights = _shared(_choice)
-    edge = _shared(_choice)
-    mapping = _shared(_choice)
-    alpha = _shared(_choice)
-    surface = _shared(_choice)
-    shadows = _shared(_choice)
-    shading_model = _shared(_choice)
-    occlusion_kind = _shared(_choice)
-    fog_mode = _shared(_choice)
-    scale = _shared(_number)
-    reference_height = _shared(_number)
-    bias = _shared(_number)
-    tiling = _shared(_pair)
-    shift = _shared(_pair)
     settings = _Setting(_settings)
     settings_of = _shared(_settings_of)
     surface_parameters = _Setting(_surface_parameters)
     all_surface_parameters = _shared(_all_surface_parameters)
-    smoothing = _shared(_record)
-    shading = _shared(_record)
-    shadowing = _shared(_record)
     fog = _shared(_fog)
     fades = _shared(_flag)
-    fade = _shared(_pair)
     apart = _shared(_flag)
     tilings = _shared(_tilings)
     layer = _shared(_layer)

@@ -246,7 +246,8 @@ def _defaults_of(material: Material) -> dict[str, Any]:
     declared = {**settings_of(Object), **settings_of(Scene)}
     return {
         "options": {
-            **{name: declared[name].default for name in (*MENUS, "bias")},
+            # the default projection is the technique's
+            **{name: declared[name].default for name in (*MENUS, "bias") if name != "projection"},
             "scale": default_scale(material),
         },
         "background": [*declared["background"].default],

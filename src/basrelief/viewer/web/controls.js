@@ -84,6 +84,18 @@ function set(state, path, value) {
 }
 
 /**
+ * A hidden text that describes controls to screen readers; false where there is nothing to say.
+ * @param {string} id
+ * @param {string} doc
+ * @param {HTMLElement[]} controls
+ */
+function description(id, doc, ...controls) {
+  if (!doc) return false;
+  for (const control of controls) control.setAttribute("aria-describedby", `${id}-about`);
+  return element("span", { id: `${id}-about`, hidden: true }, doc);
+}
+
+/**
  * A slider and a number field for one value. Wide ranges of numbers from 0 up are logarithmic.
  * @param {ViewerPage} view
  * @param {Path} path
@@ -167,6 +179,7 @@ export function number(view, path, how) {
     element("label", { for: id }, label),
     slider,
     field,
+    description(id, doc, slider, field),
   );
   show();
   return row;
@@ -179,8 +192,9 @@ export function number(view, path, how) {
  * @param {string} label
  * @param {Option[]} options
  * @param {(value: string) => void} after
+ * @param {string} doc
  */
-export function menu(view, path, label, options, after = () => {}) {
+export function menu(view, path, label, options, after = () => {}, doc = "") {
   const id = path.join(".");
   const select = element("select", { id, name: id });
   for (const [value, text, there = true, why = ""] of options) {
@@ -211,7 +225,13 @@ export function menu(view, path, label, options, after = () => {}) {
   });
   view.shows.push(show);
   show();
-  return element("div", { class: "menu" }, element("label", { for: id }, label), select);
+  return element(
+    "div",
+    { class: "menu", title: doc },
+    element("label", { for: id }, label),
+    select,
+    description(id, doc, select),
+  );
 }
 
 /**
@@ -220,9 +240,14 @@ export function menu(view, path, label, options, after = () => {}) {
  * @param {ViewerPage} view
  * @param {Path} path
  * @param {string} label
- * @param {{ name?: string, ticked?: () => unknown, not?: unknown }} options
+ * @param {{ name?: string, ticked?: () => unknown, not?: unknown, doc?: string }} options
  */
-export function check(view, path, label, { name, ticked = () => true, not = false } = {}) {
+export function check(
+  view,
+  path,
+  label,
+  { name, ticked = () => true, not = false, doc = "" } = {},
+) {
   const id = name ?? path.join(".");
   const box = element("input", { type: "checkbox", id, name: id });
   const show = () => {
@@ -234,7 +259,13 @@ export function check(view, path, label, { name, ticked = () => true, not = fals
   });
   view.shows.push(show);
   show();
-  return element("div", { class: "check" }, box, element("label", { for: id }, label));
+  return element(
+    "div",
+    { class: "check", title: doc },
+    box,
+    element("label", { for: id }, label),
+    description(id, doc, box),
+  );
 }
 
 /**
@@ -263,7 +294,13 @@ export function color(view, path, label, doc = "") {
   });
   view.shows.push(show);
   show();
-  return element("div", { class: "menu", title: doc }, element("label", { for: id }, label), field);
+  return element(
+    "div",
+    { class: "menu", title: doc },
+    element("label", { for: id }, label),
+    field,
+    description(id, doc, field),
+  );
 }
 
 /**

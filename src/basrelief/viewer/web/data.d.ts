@@ -91,6 +91,19 @@ export type Setting = {
   whole: boolean;
 };
 
+/** The control of a setting outside records: `soft` where numbers beyond the slider are allowed. */
+export type Control = {
+  kind: "choice" | "number" | "pair" | "triple";
+  group: string;
+  doc: string;
+  low: number | null;
+  high: number | null;
+  step?: number;
+  soft: boolean;
+};
+
+export type Controls = { [name: string]: Control };
+
 export type Technique = {
   doc: string;
   commandName: string;
@@ -233,12 +246,13 @@ export type Data = {
     smoothing: Setting[];
     fog: Setting[];
   };
+  controls: { scene: Controls; tiling: Controls; camera: Controls; lights: Controls };
   constants: { proportion: number; layer: boolean; layerProportion: number; glow: number };
   filled: number;
   samples: Pair[];
   state: SceneState;
   defaults: {
-    options: Omit<Chosen, "technique"> & { scale: number; bias: number };
+    options: Omit<Chosen, "technique" | "projection"> & { scale: number; bias: number };
     background: Vec3;
     lights: Light[];
     camera: Orbit;

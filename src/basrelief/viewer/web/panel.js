@@ -4,15 +4,20 @@ import { button, check, color, element, menu, number, section } from "view/contr
 import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
-/** @import { Menus, Setting } from "view/data" */
+/** @import { Control, Menus, Setting } from "view/data" */
 /** @import { Child, NumberOptions, Option, Path } from "view/controls.js" */
 /** @import { ViewerPage } from "view/main.js" */
 
 /** @typedef {Omit<NumberOptions, "label">} Range */
 /** @typedef {(value: string) => void} MenuAction */
 
-const TILES = { low: 0.1, high: 32, step: 0.1, soft: true };
-const SHIFT = { low: -1, high: 1, step: 0.01, soft: true };
+/** @type {{ [name: string]: string }} */
+const LABELS = {
+  alpha: "Opacity",
+  fog_mode: "Fog",
+  occlusion_kind: "Occlusion",
+  shading_model: "Shading",
+};
 /**
  * Conditions under which settings have an effect, by record and name; others always have one.
  * @type {{ [setting: string]: (view: ViewerPage) => boolean }}
@@ -135,74 +140,125 @@ function about(view) {
   return text;
 }
 
-/**
- * A menu whose values are their own labels.
- * @type {(view: ViewerPage, name: keyof Menus, label: string, after?: MenuAction) => HTMLElement}
- */
-const named = (view, name, label, after) =>
-  menu(
-    view,
-    [name],
-    label,
-    view.data.menus[name].map((each) => [each, words(each)]),
-    after,
-  );
-
 /** @type {(view: ViewerPage, path: Path, label: string, range: Range) => HTMLElement[]} */
 const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
 /** @type {(view: ViewerPage, path: Path, label: string) => HTMLElement[]} */
-const tiling = (view, path, label) => [
-  ...pair(view, [...path, "tiles"], `${label} tiling`, TILES),
-  ...pair(view, [...path, "shift"], `${label} shift`, SHIFT),
-];
+const tiling = (view, path, label) => {
+  const { tiles, shift } = view.data.controls.tiling;
+  return [
+    ...pair(view, [...path, "tiles"], `${label} tiling`, tiles),
+    ...pair(view, [...path, "shift"], `${label} shift`, shift),
+  ];
+};
 
-/** @param {ViewerPage} view */
-function relief(view) {
-  const { data, state } = view;
+/**
+ * Rows of settings that need more than a control of their kind.
+ * @type {{ [name: string]: (view: ViewerPage, control: Control) => Child | Child[] }}
+ */
+const ROWS = {
+  bias: (view, control) => view.state.projection === "biased" && plain(view, "bias", control),
+  heights: (view, { doc }) => [
+    menu(view, ["heights"], "Heights", heightsOptions(view), undefined, doc),
+    ...(view.state.heights === "sharp"
+      ? []
+      : rows(view, ["smoothing"], view.data.settings.smoothing)),
+  ],
+  shape: (view, { doc }) => choice(view, "shape", doc, (shape) => view.reshaped(shape)),
+  fade: (view, control) => [
+    check(view, ["fades"], "Distance fade", { doc: control.doc }),
+    ...(view.state.fades
+      ? ["fade start", "fade end"].map((label, k) =>
+          number(view, ["fade", k], { ...control, label }),
+        )
+      : []),
+  ],
+  shadows: (view, { doc }) => [
+    choice(view, "shadows", doc),
+    ...(view.state.shadows === "none"
+      ? []
+      : rows(view, ["shadowing"], view.data.settings.shadowing)),
+  ],
+  fog_mode: (view, { doc }) => [
+    choice(view, "fog_mode", doc),
+    ...(view.state.fog_mode === "none" ? [] : rows(view, ["fog"], view.data.settings.fog)),
+  ],
+  background: (view, { doc }) => color(view, ["background"], "background", doc),
+  surface: (view, { doc }) => [
+    choice(view, "surface", doc),
+    ...rows(
+      view,
+      ["surface_parameters", view.state.surface],
+      view.data.settings.surface_parameters[view.state.surface],
+    ),
+  ],
+};
+
+/**
+ * The rows of the settings of a group, in the order of their declarations.
+ * @param {ViewerPage} view
+ * @param {string} group
+ * @returns {Child[]}
+ */
+const settings = (view, group) =>
+  Object.entries(view.data.controls.scene)
+    .filter(([name, control]) => control.group === group && name in view.state)
+    .flatMap(([name, control]) =>
+      name in ROWS ? ROWS[name](view, control) : plain(view, name, control),
+    );
+
+/**
+ * A control of the kind of a setting.
+ * @param {ViewerPage} view
+ * @param {string} name
+ * @param {Control} control
+ * @returns {Child | Child[]}
+ */
+function plain(view, name, control) {
+  if (control.kind === "choice") return choice(view, name, control.doc);
+  if (control.kind === "pair") return pair(view, [name], words(name), control);
+  return number(view, [name], { ...control, label: words(name) });
+}
+
+/**
+ * A menu whose values are their own labels.
+ * @param {ViewerPage} view
+ * @param {string} name
+ * @param {string} doc
+ * @param {MenuAction} [after]
+ */
+function choice(view, name, doc, after) {
+  const text = words(name);
+  const label = LABELS[name] ?? text[0].toUpperCase() + text.slice(1);
+  /** @type {string[]} */
+  const values = view.data.menus[/** @type {keyof Menus} */ (name)];
+  return menu(
+    view,
+    [name],
+    label,
+    values.map((each) => [each, words(each)]),
+    after,
+    doc,
+  );
+}
+
+/**
+ * @param {ViewerPage} view
+ * @returns {Option[]}
+ */
+function heightsOptions({ data, state }) {
   const able = data.techniques[state.technique].heights;
-  /** @type {Option[]} */
-  const reads = data.menus.heights.map((name) => [
+  return data.menus.heights.map((name) => [
     name,
     name,
     able.includes(name),
     `not with ${words(state.technique)}`,
   ]);
-  return section(
-    "Relief",
-    true,
-    number(view, ["scale"], {
-      label: "scale",
-      low: 0,
-      high: 0.5,
-      step: 0.001,
-      soft: true,
-      doc: "height range as a fraction of a tile's width",
-    }),
-    number(view, ["reference_height"], {
-      label: "reference height",
-      low: 0,
-      high: 1,
-      step: 0.01,
-      doc: "height that lies on the polygon; 1 pushes the relief in",
-    }),
-    named(view, "projection", "Projection"),
-    state.projection === "biased" &&
-      number(view, ["bias"], { label: "bias", low: 0, high: 2, step: 0.01 }),
-    menu(view, ["heights"], "Heights", reads),
-    state.heights !== "sharp" && rows(view, ["smoothing"], data.settings.smoothing),
-    named(view, "shape", "Shape", (shape) => view.reshaped(shape)),
-    named(view, "edge", "Edge"),
-    pair(view, ["tiling"], "tiling", TILES),
-    pair(view, ["shift"], "shift", SHIFT),
-    check(view, ["fades"], "Distance fade"),
-    state.fades &&
-      ["fade start", "fade end"].map((label, k) =>
-        number(view, ["fade", k], { label, low: 0, high: 20, step: 0.05, soft: true }),
-      ),
-  );
 }
+
+/** @param {ViewerPage} view */
+const relief = (view) => section("Relief", true, settings(view, "Relief"));
 
 /**
  * Rows for a light; `k` counts from 0.
@@ -220,7 +276,7 @@ function lamp(view, k) {
     by.some((each) => numbers.includes(each)) &&
     number(view, [...path, part, ...rest], { ...range, label: `${name} ${label}` });
   const aimed = ["azimuth", "target"];
-  const place = { low: -4, high: 4, step: 0.05, soft: true };
+  const { lights } = view.data.controls;
   return [
     menu(
       view,
@@ -228,13 +284,13 @@ function lamp(view, k) {
       `Light ${k + 1}`,
       Object.keys(kinds).map((each) => [each, each]),
     ),
-    row("azimuth", { low: -180, high: 180, step: 1 }, "azimuth", aimed),
-    row("elevation", { low: -90, high: 90, step: 1 }, "elevation", aimed),
-    ...[0, 1, 2].map((c) => row("position", place, "xyz"[c], ["position"], [c])),
-    row("falloff", { low: 0, high: 8, step: 0.1 }),
-    row("angle", { low: 1, high: 179, step: 1 }, "cone"),
-    row("softness", { low: 0, high: 1, step: 0.01 }),
-    row("intensity", { low: 0, high: 10, step: 0.1, soft: true }),
+    row("azimuth", lights.azimuth, "azimuth", aimed),
+    row("elevation", lights.elevation, "elevation", aimed),
+    ...[0, 1, 2].map((c) => row("position", lights.position, "xyz"[c], ["position"], [c])),
+    row("falloff", lights.falloff),
+    row("angle", lights.angle, "cone"),
+    row("softness", lights.softness),
+    row("intensity", lights.intensity),
     color(view, [...path, "color"], `${name} color`),
     buttons(
       button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
@@ -248,12 +304,9 @@ function light(view) {
   return section(
     "Light",
     true,
-    named(view, "shadows", "Shadows"),
-    state.shadows !== "none" && rows(view, ["shadowing"], data.settings.shadowing),
     state.lights.flatMap((_, k) => lamp(view, k)),
     buttons(button("Add light", () => view.addLight(), { id: "add-light" })),
-    named(view, "shading_model", "Shading"),
-    named(view, "occlusion_kind", "Occlusion"),
+    settings(view, "Light"),
     rows(view, ["shading"], data.settings.shading),
   );
 }
@@ -265,7 +318,7 @@ function light(view) {
 function camera(view) {
   /** @type {(name: string) => Path} */
   const path = (name) => ["camera", name];
-  const degrees = { step: 1, soft: true };
+  const controls = view.data.controls.camera;
   const parallel = view.state.camera.orthographic_height !== null;
   return section(
     "Camera",
@@ -275,19 +328,15 @@ function camera(view) {
       { class: "doc" },
       "Drag: orbit. Shift or right button: pan. Alt or Ctrl: turn the first directional light. Wheel: zoom.",
     ),
-    number(view, path("azimuth"), { ...degrees, label: "camera azimuth", low: -180, high: 180 }),
+    number(view, path("azimuth"), { ...controls.azimuth, label: "camera azimuth" }),
     number(view, path("elevation"), {
-      ...degrees,
+      ...controls.elevation,
       label: "camera elevation",
-      low: view.data.shapes[view.state.shape].flat ? 2 : -89,
-      high: 89,
+      ...(view.data.shapes[view.state.shape].flat && { low: 2 }),
     }),
     number(view, path("distance"), {
+      ...controls.distance,
       label: "distance",
-      low: 0.1,
-      high: 20,
-      step: 0.01,
-      soft: true,
       open: () => view.wholeCamera().distance,
     }),
     check(view, path("orthographic_height"), "Orthographic", {
@@ -297,27 +346,15 @@ function camera(view) {
     }),
     parallel
       ? number(view, path("orthographic_height"), {
+          ...controls.orthographic_height,
           label: "view height",
-          low: 0.05,
-          high: 10,
-          step: 0.01,
-          soft: true,
         })
-      : number(view, path("field_of_view"), { label: "field of view", low: 1, high: 120, step: 1 }),
+      : number(view, path("field_of_view"), { ...controls.field_of_view, label: "field of view" }),
   );
 }
 
 /** @param {ViewerPage} view */
-function fog(view) {
-  const { data, state } = view;
-  return section(
-    "Fog",
-    false,
-    named(view, "fog_mode", "Fog"),
-    state.fog_mode !== "none" && rows(view, ["fog"], data.settings.fog),
-    color(view, ["background"], "background"),
-  );
-}
+const fog = (view) => section("Fog", false, settings(view, "Fog"));
 
 /** @param {ViewerPage} view */
 function surface(view) {
@@ -325,14 +362,7 @@ function surface(view) {
   return section(
     "Surface",
     false,
-    named(view, "surface", "Surface"),
-    rows(
-      view,
-      ["surface_parameters", state.surface],
-      data.settings.surface_parameters[state.surface],
-    ),
-    named(view, "mapping", "Mapping"),
-    named(view, "alpha", "Opacity"),
+    settings(view, "Surface"),
     check(view, ["apart"], "Separate tilings"),
     state.apart &&
       Object.keys(state.tilings).flatMap((name) => tiling(view, ["tilings", name], words(name))),

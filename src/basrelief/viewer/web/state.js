@@ -173,9 +173,7 @@ export function toCommand(state, data) {
     else option(name, x);
   }
   for (const [name, x] of Object.entries(options.simple)) {
-    // bias is a setting, not an option
-    if (name === "bias") parts.push("--set", `bias=${short(x)}`);
-    else option(name, x);
+    option(name, x);
   }
   for (const each of Object.values(options.numbers)) {
     for (const text of values(each, "/")) parts.push("--set", text);
