@@ -20,7 +20,6 @@ from basrelief.lang.resources import flatten_parameter
 from basrelief.lang.shader import Shader, accepted_parameters
 from basrelief.lang.targets.wgsl import Binding, WgslPrinter, bindings
 from basrelief.lang.tree import Condition
-from basrelief.lang.types import ShaderError
 
 
 @dataclass
@@ -95,9 +94,9 @@ class _LibraryBuilder:
         """Raise ShaderError for a slot without options."""
         for shader in self.functions:
             if shader.is_slot and not self.options.get(shader):
-                raise ShaderError(
-                    f"{shader.location}: the slot {shader.name} has no options; "
-                    "list the shaders that it can be bound to"
+                raise shader.error(
+                    f"the slot {shader.name} has no options; list the shaders that it can be bound "
+                    "to"
                 )
 
     def bound_records(self) -> dict[type, list[type]]:

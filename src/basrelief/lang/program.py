@@ -25,7 +25,6 @@ from basrelief.lang.resources import (
 from basrelief.lang.shader import Shader, canonical_code
 from basrelief.lang.types import (
     SCALARS,
-    ShaderError,
     fields_of,
     is_record,
     is_static,
@@ -60,16 +59,16 @@ class Program:
     def __post_init__(self) -> None:
         parameters, result = self.entry.signature
         if next(iter(parameters.values()), None) is not IVec2 or not is_record(result):
-            raise ShaderError(
-                f"{self.entry.location}: the entry {self.entry.name} must take a pixel: IVec2 "
-                "first and return a record"
+            raise self.entry.error(
+                f"the entry {self.entry.name} must take a pixel: IVec2 first and return a record"
             )
         self._check_parameters()
         for name, t in parameters.items():
             if is_static(t) and not isinstance(self.variant, t):
-                raise ShaderError(
-                    f"{self.entry.location}: the entry {self.entry.name} takes {name}: "
-                    f"{t.__name__}; pass one to Program as `variant`"
+                raise self.entry.error(
+                    f"the entry {self.entry.name} takes {name}: {t.__name__}; pass one to Program "
+                    "as `variant`",
+                    name,
                 )
 
     def _check_parameters(self) -> None:
@@ -78,9 +77,8 @@ class Program:
         for name, t in self.parameters.items():
             record = buffer_record(t)
             if record is not None and record in seen:
-                raise ShaderError(
-                    f"{self.entry.location}: {name}: there is already a Buffer[{record.__name__}]; "
-                    "merge the two"
+                raise self.entry.error(
+                    f"there is already a Buffer[{record.__name__}]; merge the two", name
                 )
             seen.add(record)
 
@@ -184,7 +182,7 @@ class _Contents:
         if shader.is_slot:
             bound = self.program.bindings.get(shader)
             if bound is None:
-                raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
+                raise shader.error(f"the slot {shader.name} is not bound; pass a shader for it")
             self.visit(bound)
             return
         code = shader.function.__code__

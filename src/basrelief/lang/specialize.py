@@ -116,7 +116,7 @@ class _Specializer:
         if not is_type_slot(t):
             return t
         if t not in self.types:
-            raise ShaderError(f"the type slot {t.__name__} is not bound")
+            raise ShaderError(f"the type slot {t.__name__} is not bound; bind its slot")
         return self.types[t]
 
 
