@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.lang import conditions, elementary, tree
-from basrelief.lang.intrinsics import BY_FUNCTION
+from basrelief.lang import conditions, elementary, helpers, tree
+from basrelief.lang.intrinsics import Intrinsic, intrinsic_of
 from basrelief.lang.resources import (
     MAPS,
+    Edge,
     Map,
     buffer_record,
     condition_fields,
@@ -86,10 +87,15 @@ def analyse_library(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any
 
 
 @functools.cache
-def elementary_functions() -> dict[str, tree.Function]:
-    """Typed functions of `lang.elementary`, by name."""
-    shaders = [s for s in vars(elementary).values() if isinstance(s, Shader)]
-    return {function.name: function for function in analyse_library(shaders).values()}
+def written_functions(edge: Edge | None = None) -> dict[str, tree.Function]:
+    """Typed functions of `lang.helpers` and `lang.elementary` by name, callees before callers.
+
+    `edge` is that of all maps; None leaves it a static condition.
+    """
+    found = [*vars(helpers).values(), *vars(elementary).values()]
+    functions = _reachable([s for s in found if isinstance(s, Shader)], None)
+    static_value = None if edge is None else lambda name: edge
+    return {f.name: f for f in library_functions(functions, static_value).values()}
 
 
 @dataclass(frozen=True)
@@ -678,18 +684,18 @@ class _FunctionAnalysis:
                 "`from basrelief.lang import sin`",
             )
         target = self.lookup(node.func, node.func.id)
+        intrinsic = intrinsic_of(target)
+        if intrinsic is not None:
+            return self.intrinsic_call(node, intrinsic)
         if isinstance(target, Shader):
             return self.shader_call(node, target)
         if target in VECTORS or target is Mat3:
             return self.construct_vector(node, target)
         if is_record(target):
             return self.construct_record(node, target)
-        try:
-            intrinsic = BY_FUNCTION[target]
-        except (KeyError, TypeError):
-            raise self.source.error(
-                node.func, f"{node.func.id} is not a shader; mark it with @shader"
-            ) from None
+        raise self.source.error(node.func, f"{node.func.id} is not a shader; mark it with @shader")
+
+    def intrinsic_call(self, node: ast.Call, intrinsic: Intrinsic) -> tree.Expression:
         arguments = self.positional(node)
         try:
             result = intrinsic.rule(tuple(a.type for a in arguments))

@@ -9,7 +9,6 @@ uses.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -133,13 +132,10 @@ class _LibraryBuilder:
             + m.main_text(self.functions[entry])
             for entry in entries
         }
-        slots = self.slot_texts()
-        texts = {}
-        # helpers last, because printing functions decides which are needed
-        for text in (*m.record_texts(), *m.function_texts(), *m.needed_helper_texts()):
-            if _declared_name(text) not in slots:
-                texts[_declared_name(text)] = text
-        library.pieces, library.slots, library.conditions = texts, slots, list(m.conditions)
+        library.slots = self.slot_texts()
+        texts = m.declarations()
+        library.pieces = {name: text for name, text in texts.items() if name not in library.slots}
+        library.conditions = list(m.conditions)
         for entry, text in entry_texts.items():
             library.entries[entry.name] = text
             library.bindings[entry.name] = bindings(self.functions[entry])
@@ -158,10 +154,3 @@ class _LibraryBuilder:
             name = m.scope[type_slot]
             slots[name] = {m.scope[r]: f"alias {name} = {m.scope[r]};\n" for r in records}
         return slots
-
-
-def _declared_name(text: str) -> str:
-    """Name of the function, record or alias that a text declares."""
-    match = re.search(r"^(?:fn|struct|alias) (\w+)", text, re.MULTILINE)
-    assert match is not None
-    return match[1]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
+from basrelief.lang.intrinsics import intrinsic_of
 from basrelief.lang.resources import (
     Edge,
     Filter,
@@ -151,7 +152,9 @@ class _Contents:
         self.names: list[tuple[Shader[..., Any], str, Any]] = []
 
     def visit(self, obj: Any) -> None:
-        if isinstance(obj, Shader) or is_record(obj) or members_of(obj):
+        if intrinsic_of(obj) is not None:
+            self.parts.append(obj.__name__.encode())
+        elif isinstance(obj, Shader) or is_record(obj) or members_of(obj):
             if obj in self.seen:
                 self.parts.append(f"the same as {self.seen[obj]}".encode())
                 return
