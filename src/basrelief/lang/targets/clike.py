@@ -81,7 +81,11 @@ class ModulePrinter(ABC):
         return f"{name}_" if name in self.reserved_words else name
 
     def type(self, t: Any) -> str:
-        return self.types[t] if t in self.types else self.scope[t]
+        return self.types[t] if t in self.types else self.reference(t)
+
+    def reference(self, obj: Any) -> str:
+        """Name of a function or type of the module, where it is used."""
+        return self.scope[obj]
 
     def is_passed(self, t: Any) -> bool:
         """Whether a value of this type is passed to functions; buffers are global."""
@@ -199,7 +203,7 @@ class FunctionPrinter:
         """A call of a function of the module or of a written one."""
         if function not in self.module.functions:
             self.module.needed.add(function)
-        return f"{self.module.scope[function]}({', '.join(texts)})"
+        return f"{self.module.reference(function)}({', '.join(texts)})"
 
     def item(self, node: tree.Item) -> str:
         """An item of a buffer; a language without buffers refuses them before it prints."""

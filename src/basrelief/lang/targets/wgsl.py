@@ -113,7 +113,7 @@ class _FunctionPrinter(FunctionPrinter):
         word = "select"
         if node.type is Mat3 or is_record(node.type):
             self.module.selected_types[node.type] = None
-            word = self.module.select_function(node.type)
+            word = self.module.reference(self.module.select_function(node.type))
         return f"{word}({self.arguments((node.otherwise, node.then, node.test))})"
 
     def item(self, node: tree.Item) -> str:
@@ -161,8 +161,6 @@ class WgslPrinter(ModulePrinter):
     ) -> None:
         variables = [_variable_name(b) for entry in entries for b in bindings(entry)]
         super().__init__(functions, edge, variables)
-        self.conditions: dict[tree.Condition, int] = {}
-        """Static conditions of a library and their numbers."""
         self.selected_types: dict[Any, None] = {}
         """Matrices and records that are selected by a condition; WGSL's `select` takes neither."""
         self.shared: set[Any] = set()
@@ -182,11 +180,6 @@ class WgslPrinter(ModulePrinter):
             for field in fields_of(t).values():
                 self.add_shared(field)
 
-    def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
-        """Two texts under a static condition, of which the linker keeps one."""
-        number = self.conditions.setdefault(condition, len(self.conditions))
-        return f"{IF}{number}{THEN}{then}{ELSE}{otherwise}{END}"
-
     def record_text(self, record: Any) -> str:
         fields = fields_of(record)
         lines = [f"struct {self.scope[record]} {{"]
@@ -201,15 +194,16 @@ class WgslPrinter(ModulePrinter):
     def declarations(self) -> dict[str, str]:
         texts = super().declarations()
         for t in self.selected_types:
-            name = self.select_function(t)
-            text = _SELECT_FUNCTION.replace("NAME", name).replace("TYPE", self.type(t))
-            texts[name] = text
+            name, kind = self.scope[self.select_function(t)], self.type(t)
+            texts[name] = _SELECT_FUNCTION.replace("NAME", name).replace("TYPE", kind)
         return texts
 
-    def select_function(self, t: Any) -> str:
-        """Name of the function that selects one of two values of a type."""
+    def select_function(self, t: Any) -> Any:
+        """Key in `scope` of the function that selects one of two values of a type."""
         key = ("select", t)
-        return self.scope.get(key) or self.assign_name(key, f"select_{t.__name__}")
+        if key not in self.scope:
+            self.assign_name(key, f"select_{t.__name__}")
+        return key
 
     def bindings_text(self, entry: tree.Function) -> str:
         """Text of the resource bindings of a program with this entry."""
@@ -235,7 +229,7 @@ class WgslPrinter(ModulePrinter):
                     record = buffer_record(binding.type)
                     assert record is not None
                     item = self.type(record)
-                    buffer = self.assign_name(("buffer", record), f"{item}Buffer")
+                    buffer = self.assign_name(("buffer", record), f"{self.scope[record]}Buffer")
                     yield (
                         f"struct {buffer} {{\n  count: i32,\n"
                         f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
@@ -263,15 +257,11 @@ class WgslPrinter(ModulePrinter):
         for binding in bindings(entry)[3:]:
             if binding.kind != "buffer":
                 arguments.append(_variable_name(binding))
-        lines = [f"  let result = {self.scope[entry]}({', '.join(arguments)});"]
+        lines = [f"  let result = {self.reference(entry)}({', '.join(arguments)});"]
         for index, (value, t) in enumerate(self.scalars("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
         return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
-
-
-IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
-"""Delimiters of a static condition's number and its two texts: private-use characters."""
 
 
 # --- texts and names ---
