@@ -14,11 +14,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from basrelief.lang import tree
+from basrelief.lang.bindings import Binding, bindings
 from basrelief.lang.frontend import Bindings, analyse_library, bound_types
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import flatten_parameter
 from basrelief.lang.shader import Shader, accepted_parameters
-from basrelief.lang.targets.wgsl import Binding, WgslPrinter, bindings
+from basrelief.lang.targets.wgsl import WgslPrinter
 
 IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
 """Delimiters of a static condition's number and its two texts: private-use characters."""

@@ -10,8 +10,8 @@ No fast-math and no contraction: every lane computes the same bits as the shader
 for any number of lanes.
 
 The compiled entry is `void run.rows(uniforms, resources, planes, plane_stride, row_stride, width,
-first_row, last_row)`; the end of this module describes the memory layout, which `engine/cpu.py`
-produces.
+first_row, last_row)`; the end of this module describes the memory layout, and `layout.py` that of
+resources.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from basrelief.lang import tree
 from basrelief.lang.elementary import ELEMENTARY
 from basrelief.lang.frontend import written_functions
 from basrelief.lang.intrinsics import INTRINSICS, Written
+from basrelief.lang.layout import HeaderWord
 from basrelief.lang.resources import is_handle
 from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
 from basrelief.lang.values import Mat3
@@ -615,14 +616,14 @@ class _FunctionPrinter(_InstructionPrinter):
 
     def level(self, handle: str, level: str) -> dict[str, str]:
         """Size and offset of a level; the level is clamped to those of the map."""
-        last = self.integer("sub", self.header_word(handle, 2), 1)
+        last = self.integer("sub", self.header_word(handle, HeaderWord.COUNT), 1)
         index = self.int_bound("smin", self.int_bound("smax", level, 0), last)
         info = {}
-        for field, name in enumerate(("width", "height"), 4):
+        for field, name in ((HeaderWord.WIDTH, "width"), (HeaderWord.HEIGHT, "height")):
             # each level is half of the one before: a shift is cheaper than a load
             halved = self.integer("lshr", self.header_word(handle, field), index)
             info[name] = self.int_bound("smax", halved, 1)
-        word = self.integer("add", index, _HEADER_WORDS)
+        word = self.integer("add", index, HeaderWord.OFFSETS)
         info["first"] = self.vector_of(self.gather(handle, word, "i32"), "i32")
         info["stride"] = self.integer("add", info["width"], 2)
         return info
@@ -640,7 +641,7 @@ class _FunctionPrinter(_InstructionPrinter):
         handle = self.handle(buffer)
         kinds = [leaf for _, leaf in leaves(record)]
         # an unsigned minimum, so that a negative index reads the last item too
-        index = self.int_bound("umin", index, self.header_word(handle, 3))
+        index = self.int_bound("umin", index, self.header_word(handle, HeaderWord.LAST))
         first = self.integer("mul", index, len(kinds))
         base = self.data(handle)
         values = []
@@ -772,7 +773,7 @@ def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _count(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    return [p.header_word(p.handle(node.arguments[0]), 2)]
+    return [p.header_word(p.handle(node.arguments[0]), HeaderWord.COUNT)]
 
 
 def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
@@ -912,12 +913,8 @@ def _width(t: Any) -> int:
 # --- the entry -----------------------------------------------------------------------------------
 #
 # uniforms: the scalars of the entry's records, 32 bits each, in order.
-# resources: a pointer for each handle, to a header. It has a data pointer (8 bytes), then 32-bit
-# words: the number of levels or items, the index of the last item (0 for none), and for a map the
-# width and height of level 0 and the offset of each level in elements.
+# resources: a pointer for each handle, to its `layout.header`.
 # planes: a plane of 32-bit words for each scalar of the result, rows `row_stride` words apart.
-
-_HEADER_WORDS = 6
 
 
 class _EntryPrinter(_InstructionPrinter):

@@ -2,25 +2,21 @@
 
 Maps are textures read texel by texel: heights as `texture_2d<f32>`, other maps as `texture_2d<u32>`
 of 16-bit fractions. The shaders interpolate, so that all engines filter alike. Records are uniform
-buffers; a `Buffer` is a storage buffer that starts with its count. `engine/gpu.py` binds them in
-the order of `bindings`.
+buffers; a `Buffer` is a storage buffer that starts with its count. `bindings.py` describes them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, assert_never
+from typing import Any, assert_never
 
 from basrelief.lang import tree
+from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN, bindings
 from basrelief.lang.layout import align_and_size
-from basrelief.lang.resources import Edge, HeightField, Texture, buffer_record, is_handle
+from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.targets.clike import FunctionPrinter, ModulePrinter, is_finest
 from basrelief.lang.types import VECTORS, fields_of, is_record, leaves
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
-
-GROUP = (8, 8)
-"""Width and height of a workgroup in pixels; among the fastest shapes measured."""
 
 _TYPES: dict[Any, str] = {
     float: "f32",
@@ -31,39 +27,8 @@ _TYPES: dict[Any, str] = {
     Vec4: "vec4f",
     IVec2: "vec2i",
     Mat3: "mat3x3f",
-    HeightField: "texture_2d<f32>",
-    Texture: "texture_2d<u32>",
+    **{kind: form.wgsl for kind, form in MAP_FORMATS.items()},
 }
-
-
-@dataclass(frozen=True)
-class Binding:
-    """Resource binding of group 0; its number is its index in the list."""
-
-    kind: Literal["run", "planes", "sampler", "uniform", "buffer", "map"]
-    name: str
-    type: Any = None
-
-
-def bindings(entry: tree.Function) -> list[Binding]:
-    """Resource bindings of a program with this entry, in order."""
-    result = [
-        Binding("run", "run"),
-        Binding("planes", "planes"),
-        Binding("sampler", "edge_sampler"),
-    ]
-    for name, t in list(entry.parameters.items())[1:]:
-        kind: Literal["uniform", "buffer", "map"] = "uniform"
-        if is_handle(t):
-            kind = "map" if buffer_record(t) is None else "buffer"
-        result.append(Binding(kind, name, t))
-    return result
-
-
-def _variable_name(binding: Binding) -> str:
-    """Name of the WGSL variable of a binding."""
-    is_builtin = binding.kind in ("run", "planes", "sampler")
-    return binding.name if is_builtin else f"{binding.name}_{binding.kind}"
 
 
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
@@ -159,7 +124,7 @@ class WgslPrinter(ModulePrinter):
         entries: Sequence[tree.Function],
         edge: Edge | None,
     ) -> None:
-        variables = [_variable_name(b) for entry in entries for b in bindings(entry)]
+        variables = [b.variable for entry in entries for b in bindings(entry)]
         super().__init__(functions, edge, variables)
         self.selected_types: dict[Any, None] = {}
         """Matrices and records that are selected by a condition; WGSL's `select` takes neither."""
@@ -207,7 +172,9 @@ class WgslPrinter(ModulePrinter):
 
     def bindings_text(self, entry: tree.Function) -> str:
         """Text of the resource bindings of a program with this entry."""
-        return "\n".join([_RUN, *self._binding_texts(entry)])
+        words = "\n".join(f"  {word}: u32," for word in RUN)
+        run = f"// The rows of the picture that a dispatch computes.\nstruct Run {{\n{words}\n}}\n"
+        return "\n".join([run, *self._binding_texts(entry)])
 
     def _binding_texts(self, entry: tree.Function) -> Iterator[str]:
         for number, binding in enumerate(bindings(entry)):
@@ -222,9 +189,9 @@ class WgslPrinter(ModulePrinter):
                 case "uniform":
                     if is_record(binding.type):
                         align_and_size(binding.type)  # refuses a bool
-                    yield f"{where}<uniform> {_variable_name(binding)}: {self.type(binding.type)};"
+                    yield f"{where}<uniform> {binding.variable}: {self.type(binding.type)};"
                 case "map":
-                    yield f"{where} {_variable_name(binding)}: {self.type(binding.type)};"
+                    yield f"{where} {binding.variable}: {self.type(binding.type)};"
                 case "buffer":
                     record = buffer_record(binding.type)
                     assert record is not None
@@ -256,7 +223,7 @@ class WgslPrinter(ModulePrinter):
         arguments = ["vec2i(at)"]
         for binding in bindings(entry)[3:]:
             if binding.kind != "buffer":
-                arguments.append(_variable_name(binding))
+                arguments.append(binding.variable)
         lines = [f"  let result = {self.reference(entry)}({', '.join(arguments)});"]
         for index, (value, t) in enumerate(self.scalars("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
@@ -272,16 +239,6 @@ fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
     return then;
   }
   return otherwise;
-}
-"""
-
-_RUN = """\
-// The rows of the picture that this dispatch computes, and the layout of the planes.
-struct Run {
-  width: u32,
-  first_row: u32,
-  last_row: u32,
-  plane_stride: u32,
 }
 """
 
