@@ -1,4 +1,4 @@
-"""What a program on a GPU is bound to: its resources in order, formats of maps, and its dispatches.
+"""Resources that a program on a GPU is bound to, in order, formats of maps, and dispatches.
 
 The one description that the WGSL, the GPU engine and pages share; `layout.py` describes what is in
 buffers.
