@@ -196,6 +196,32 @@ def refusal_of(module) -> str:
     return refusal.message
 
 
+@pytest.mark.parametrize(
+    ("body", "excerpt"),
+    [
+        ("    y = '×' if x > 0.0 else [x]", ["    y = '×' if x > 0.0 else [x]", "        ^^^"]),
+        (
+            "    y = x if '×' == 'x' else [x]",
+            ["    y = x if '×' == 'x' else [x]", " " * 29 + "^^^"],
+        ),
+        ("\tif x > 0.0:\n\t\ty =\tn / 2", ["    y =\tn / 2", "       \t^^^^^"]),
+        (
+            "    y = half(\n        n,\n    ) + half(\n        x\n    )",
+            ["    n,", "    ^"],
+        ),
+        ("    y = [\n        x,\n    ]", ["    y = [", "        ^"]),
+    ],
+)
+def test_carets_are_under_the_text(folder, body, excerpt):
+    """After characters of several bytes, after tabs, and in expressions of several lines."""
+    head = "@shader\ndef wrong(x: float, n: int) -> float:\n"
+    indent = body[: len(body) - len(body.lstrip())]
+    module = write_module(folder, f"{BEFORE}{head}{body}\n{indent}return x\n")
+    with pytest.raises(ShaderError) as caught:
+        analyse(module.wrong)
+    assert caught.value.excerpt.split("\n") == excerpt
+
+
 ADVICE = re.compile("; |takes |^(define|loop|pass|return|write) ")
 """What every message has: an instruction, or what there is to choose from."""
 

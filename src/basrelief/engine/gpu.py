@@ -316,7 +316,7 @@ class Job:
         self.plane_count = len(program.planes)
         gpu = engine.gpu
         self._run = gpu.create_buffer(
-            size=16,
+            size=4 * len(RUN),
             usage=(wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST),
         )
         self.planes = gpu.create_buffer(

@@ -782,7 +782,10 @@ def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """Two 64-bit loads a lane, each of two adjacent texels."""
+    """Two 64-bit loads a lane, each of two adjacent texels.
+
+    Not `helpers.corners`, which has four loads, and computes the border that is in memory here.
+    """
     handle = p.handle(node.arguments[0])
     cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])

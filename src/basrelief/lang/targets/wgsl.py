@@ -104,7 +104,8 @@ class _FunctionPrinter(FunctionPrinter):
                 return self.call(written["corners_of_finest"], passed)
             case "size" if not is_finest(arguments[1]):
                 finest = super().intrinsic_call(node, texts)
-                count = f"i32(textureNumLevels({texts[0]}))"
+                levels = tree.IntrinsicCall(int, "levels", arguments[:1])
+                count = super().intrinsic_call(levels, texts)
                 return self.call(written["size_of_level"], [finest, count, texts[1]])
         return super().intrinsic_call(node, texts)
 
@@ -124,20 +125,15 @@ class WgslPrinter(ModulePrinter):
         entries: Sequence[tree.Function],
         edge: Edge | None,
     ) -> None:
-        variables = [b.variable for entry in entries for b in bindings(entry)]
-        super().__init__(functions, edge, variables)
+        bound = [binding for entry in entries for binding in bindings(entry)]
+        super().__init__(functions, edge, [binding.variable for binding in bound])
         self.selected_types: dict[Any, None] = {}
         """Matrices and records that are selected by a condition; WGSL's `select` takes neither."""
         self.shared: set[Any] = set()
         """Records in buffers, which have the layout of `layout.py`."""
-        parameters = [p for entry in entries for p in list(entry.parameters.items())[1:]]
-        for _, t in parameters:
-            self.add_shared(buffer_record(t) or t)
-        self.buffers = {
-            buffer_record(t): f"{name}_buffer"
-            for name, t in parameters
-            if buffer_record(t) is not None
-        }
+        for binding in bound:
+            self.add_shared(buffer_record(binding.type) or binding.type)
+        self.buffers = {buffer_record(b.type): b.variable for b in bound if b.kind == "buffer"}
 
     def add_shared(self, t: Any) -> None:
         if is_record(t):

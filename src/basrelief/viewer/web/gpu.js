@@ -354,7 +354,8 @@ export class Job {
     this.uniforms = new Map();
     /** @type {ProgramValues} */
     this.textures = {};
-    this.run = gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
+    const bytes = 4 * gpu.programs.run.length;
+    this.run = gpu.buffer(new ArrayBuffer(bytes), GPUBufferUsage.UNIFORM);
   }
 
   /**
