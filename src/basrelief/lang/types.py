@@ -28,7 +28,7 @@ _T = TypeVar("_T")
 
 
 class ShaderError(BasreliefError):
-    """Source outside the shader subset: file, line, offending text, what to write instead."""
+    """Source outside the shader subset: file, line, what to write instead, and the source line."""
 
 
 def setting(*, default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
