@@ -1,4 +1,7 @@
-"""Errors that users can fix: one line with what is wrong, where, and what to do."""
+"""Errors that users can fix: one line with what is wrong, where, and what to do.
+
+An error in a shader also has the source line, with a caret under the expression in question.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,19 @@ class BasreliefError(Exception):
     """Base of the errors that users can fix; the message is one line.
 
     The command line prints the message and exits with code 2.
+
+    Attributes
+    ----------
+    excerpt : str
+        For an error in a shader, its source line, and carets below the expression in question;
+        empty for other errors.
     """
+
+    excerpt: str = ""
+
+    def __str__(self) -> str:
+        message = super().__str__()
+        return f"{message}\n{self.excerpt}" if self.excerpt else message
 
 
 class InputError(BasreliefError):

@@ -30,7 +30,7 @@ def test_gamedev_takes_four_to_twenty_reads_at_640_by_480(sources) -> None:
     frame = render(scene_of(), size=(64, 48), samples=1, device="cpu")
     assert frame.hit.all()
     assert 1 <= frame.reads.min() <= frame.reads.max() <= 20
-    settings = scene_of().objects[0].settings
+    settings = scene_of().resolved[0].settings
     assert (settings.min_steps, settings.max_steps) == (4, 20)
 
 

@@ -69,13 +69,14 @@ def done(*arguments: str | Path) -> str:
 
 
 def refused(*arguments: str | Path) -> str:
-    """The one-line error message of a command that has to fail."""
+    """The error message of a command that has to fail: one line, and two of an excerpt if any."""
     outcome = run(*arguments)
     assert outcome.code == 2, outcome
     assert outcome.out == ""
     assert outcome.err.startswith("basrelief: ")
     assert outcome.err.endswith("\n")
-    assert outcome.err.count("\n") == 1, outcome.err
+    _, *excerpt = outcome.err.splitlines()
+    assert not excerpt or (len(excerpt) == 2 and all(e.startswith("    ") for e in excerpt))
     return outcome.err.removeprefix("basrelief: ").rstrip()
 
 

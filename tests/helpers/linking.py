@@ -5,13 +5,10 @@ from __future__ import annotations
 import functools
 import re
 
-from basrelief.lang.library import Library
+from basrelief.lang.library import ELSE, END, IF, NAME, THEN, Library
 from basrelief.lang.program import Program
-from basrelief.lang.targets.wgsl import ELSE, END, IF, THEN
 from basrelief.lang.tree import holds
 
-_NAME = re.compile(r"(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)")
-"""A used name: neither a field nor the name of a parameter."""
 _STATIC = re.compile(f"{IF}(\\d+){THEN}([^{IF}-{END}]*){ELSE}([^{IF}-{END}]*){END}")
 """Two texts under a static condition, without nested ones."""
 
@@ -33,15 +30,10 @@ def linked(library: Library, program: Program) -> str:
     texts = [decided(library.entries[program.entry.name])]
     included: set[str] = set()
     for text in texts:  # including those that are appended
-        for name in _used(text):
-            options = library.slots.get(name)
-            piece = library.pieces.get(name) if options is None else options[bound[name]]
-            if piece is not None and name not in included:
+        for name in text.split(NAME)[1::2]:
+            if name not in included:
                 included.add(name)
+                options = library.slots.get(name)
+                piece = library.pieces[name] if options is None else options[bound[name]]
                 texts.append(decided(piece))
-    return "\n".join(texts)
-
-
-def _used(text: str) -> list[str]:
-    """The distinct names in a text, without its comments."""
-    return list(dict.fromkeys(_NAME.findall(re.sub(r"//[^\n]*", "", text))))
+    return "\n".join(texts).replace(NAME, "")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from basrelief.lang import Buffer, elementary
-from basrelief.lang.intrinsics import ELEMENTARY
+from basrelief.lang.elementary import ELEMENTARY
 from basrelief.lang.program import Program
 from basrelief.lang.shader import Shader
 from helpers.comparing import assert_python_is_cpu, bits, cpu, write_module

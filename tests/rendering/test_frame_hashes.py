@@ -12,6 +12,7 @@ import pytest
 from basrelief import Frame, InputError, Map, Material, Object, Scene
 from basrelief.engine.gpu import GpuEngine
 from basrelief.rendering.programs import depth_program_of, program_of
+from basrelief.settings import settings_of
 from helpers.frame_cases import ALL_TECHNIQUES, CASES, MENUS, OTHER_OPTIONS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
 

@@ -267,18 +267,18 @@ def test_a_file_that_is_not_text(work_folder: Path) -> None:
 )
 def test_a_signature_that_does_not_fit(old: str, new: str, work_folder: Path) -> None:
     line = refusal(SINK.replace(old, new))
-    assert re.match(rf"(/.*/)?my\.py:{line_of(SINK, '@technique')}: sink\(", line)
+    assert re.match(rf"(/.*/)?my\.py:{line_of(SINK, 'def sink')}: sink\(", line)
     assert "does not fit the slot displace; its signature is (field: HeightField, baked:" in line
 
 
 def test_a_parameter_without_a_type(work_folder: Path) -> None:
     line = refusal(SINK.replace("ray: Ray,", "ray,"))
-    assert f"my.py:{line_of(SINK, '@technique')}: sink: the parameter ray has no type" in line
+    assert f"my.py:{line_of(SINK, 'def sink')}: the parameter ray of sink has no type" in line
 
 
 def test_settings_that_are_not_a_record(work_folder: Path) -> None:
     line = refusal(SINK.replace("settings: Sinking", "settings: int"))
-    assert f"my.py:{line_of(SINK, '@technique')}: sink: its settings are no record; make" in line
+    assert f"my.py:{line_of(SINK, 'def sink')}: the settings of sink are no record; make" in line
 
 
 @pytest.mark.parametrize(
@@ -293,13 +293,15 @@ def test_settings_that_are_not_a_record(work_folder: Path) -> None:
     ],
 )
 def test_source_outside_the_subset(body: str, work_folder: Path) -> None:
-    """The message has the file, the line and the offending text."""
+    """The message has the file, the line, and carets under the offending text."""
     wanted = "height = 1.0 - 0.25 * float(settings.depth_steps)"
     text = SINK.replace(wanted, body)
-    line = refusal(text)
-    assert f"my.py:{line_of(text, body)}: `" in line
-    quoted = line.split("`")[1]
-    assert quoted in body or quoted in "hit_at(ray, t_at(ray, height), True, 0)"
+    line, source, carets = refusal(text).splitlines()
+    assert re.search(rf"my\.py:{line_of(text, body)}: .*[;,] ", line)
+    assert source == f"    {body}"
+    marked = source[carets.index("^") : len(carets)]
+    assert marked in body
+    assert set(carets.strip()) == {"^"}
 
 
 @pytest.mark.parametrize(
@@ -366,12 +368,10 @@ def without_bake(field: HeightField, baked: Texture, ray: Ray, settings: Nothing
         (unmarked, "unmarked is no technique; mark one with @technique()"),
         (3.5, "3.5 is no technique; mark one with @technique()"),
         (without_settings, "does not fit the slot displace; its signature is (field: HeightField,"),
-        (without_bake, "without_bake takes a table; say which, as @technique(bake=CONE_MAP)"),
+        (without_bake, "without_bake takes a table; name it, as in @technique(bake=CONE_MAP)"),
     ],
 )
-def test_a_value_that_is_not_a_technique_is_refused_in_one_line(
-    use: str, value: Any, line: str
-) -> None:
+def test_what_is_no_technique_is_refused(use: str, given: Any, line: str) -> None:
     material = basrelief.sample("bricks", 16)
     calls = {
         "render": lambda: basrelief.render(material, technique=value, size=(8, 8)),
@@ -384,4 +384,5 @@ def test_a_value_that_is_not_a_technique_is_refused_in_one_line(
     with pytest.raises(BasreliefError) as caught:
         calls[use]()
     assert line in str(caught.value)
-    assert "\n" not in str(caught.value)
+    message = str(caught.value).removesuffix(caught.value.excerpt).rstrip()
+    assert "\n" not in message

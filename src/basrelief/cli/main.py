@@ -48,7 +48,7 @@ def main() -> NoReturn:
             raise KeyboardInterrupt
         sys.stdout.flush()
     except BasreliefError as error:
-        _fail(str(error))
+        _fail(str(error).removesuffix(error.excerpt), excerpt=error.excerpt)
     except (KeyboardInterrupt, typer.Abort):
         _fail("interrupted; no unfinished file is left", _INTERRUPTED)
     except MemoryError:
@@ -60,8 +60,12 @@ def main() -> NoReturn:
     sys.exit(code)
 
 
-def _fail(message: str, code: int = 2) -> NoReturn:
-    print(f"basrelief: {' '.join(message.split())}", file=sys.stderr)
+def _fail(message: str, code: int = 2, excerpt: str = "") -> NoReturn:
+    """Print a message in one line, and below it an excerpt of source code, and exit."""
+    print(
+        "\n".join(filter(None, [f"basrelief: {' '.join(message.split())}", excerpt])),
+        file=sys.stderr,
+    )
     sys.exit(code)
 
 

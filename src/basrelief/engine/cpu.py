@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import basrelief.engine
 import basrelief.lang
 from basrelief.engine import cache
 from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
+from basrelief.lang.layout import header
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 
@@ -90,7 +90,7 @@ class CpuEngine:
     def _layout_of(self, value: Any) -> _ResourceLayout:
         with self._lock:
             if value not in self._layouts:
-                self._layouts[value] = _layout_of(value)
+                self._layouts[value] = _ResourceLayout(value)
             return self._layouts[value]
 
     def _compiled_program(self, program: Program) -> _Compiled:
@@ -193,22 +193,13 @@ def _link(code: bytes, parameters: list[str]) -> _Compiled:
     return _Compiled(rows(engine.get_function_address("run.rows")), parameters, engine)
 
 
-# --- memory layout of resources: see the end of `lang/llvm.py` ------------------------------------
+# --- resources ------------------------------------------------------------------------------------
 
 
 class _ResourceLayout:
     """A resource in memory as compiled code reads it: data, and a header that points to it."""
 
-    def __init__(self, data: NDArray[Any], words: list[int]) -> None:
-        self.data = data
-        address = np.array([data.ctypes.data], np.uint64).view(np.int32)
-        self.header = np.concatenate([address, np.array(words, np.int32)])
+    def __init__(self, value: HeightField | Texture | Buffer[Any]) -> None:
+        self.data = pack_buffer(value) if isinstance(value, Buffer) else value.storage
+        self.header = header(value, self.data.ctypes.data)
         self.address = self.header.ctypes.data
-
-
-def _layout_of(value: HeightField | Texture | Buffer[Any]) -> _ResourceLayout:
-    if isinstance(value, Buffer):
-        last = max(0, len(value) - 1)
-        return _ResourceLayout(np.ascontiguousarray(pack_buffer(value)), [len(value), last])
-    height, width = value.shape
-    return _ResourceLayout(value.storage, [len(value.levels), 0, width, height, *value.offsets])

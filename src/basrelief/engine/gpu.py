@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 from basrelief.engine.engine import Planes, value_of
 from basrelief.errors import DeviceError
-from basrelief.lang.layout import align_and_size, pack
+from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN, Binding, bindings
+from basrelief.lang.layout import pack, pack_list
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
-from basrelief.lang.targets.wgsl import GROUP, Binding, bindings, print_wgsl
+from basrelief.lang.targets.wgsl import print_wgsl
 
 _LIMITS = (
     "max-storage-buffer-binding-size",
@@ -233,7 +234,7 @@ class GpuEngine:
         """Resource on the GPU, uploaded once in its lifetime."""
         if value not in self._uploaded:
             if isinstance(value, Buffer):
-                self._uploaded[value] = self.buffer(_pack_buffer(value), "STORAGE")
+                self._uploaded[value] = self.buffer(pack_list(value), "STORAGE")
             else:
                 self._uploaded[value] = self._texture(value)
         return self._uploaded[value]
@@ -263,10 +264,10 @@ class GpuEngine:
                 f"a map of {width} × {height} is larger than this GPU takes ({limit}); "
                 "use --device cpu, or a smaller map"
             )
-        heights = isinstance(value, HeightField)
+        form = MAP_FORMATS[type(value)]
         texture = self.gpu.create_texture(
             size=(width, height, 1),
-            format="r32float" if heights else "rgba16uint",
+            format=form.texels,
             mip_level_count=len(value.levels),
             usage=wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST,
         )
@@ -275,7 +276,7 @@ class GpuEngine:
             self.gpu.queue.write_texture(
                 {"texture": texture, "mip_level": number},
                 np.ascontiguousarray(level),
-                {"bytes_per_row": columns * (4 if heights else 8), "rows_per_image": rows},
+                {"bytes_per_row": columns * form.texel_bytes, "rows_per_image": rows},
                 (columns, rows, 1),
             )
             # submit each level: pending uploads are in memory twice
@@ -315,7 +316,7 @@ class Job:
         self.plane_count = len(program.planes)
         gpu = engine.gpu
         self._run = gpu.create_buffer(
-            size=16,
+            size=4 * len(RUN),
             usage=(wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST),
         )
         self.planes = gpu.create_buffer(
@@ -353,7 +354,13 @@ class Job:
     def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
         """Compute rows first … last − 1, `times` times; `timestamps`: WebGPU timestamp writes."""
         width = self.size[0]
-        words = np.array([width, first, last, width * self.size[1]], np.uint32)
+        run = {
+            "width": width,
+            "first_row": first,
+            "last_row": last,
+            "plane_stride": width * self.size[1],
+        }
+        words = np.array([run[word] for word in RUN], np.uint32)
         gpu = self.engine.gpu
         gpu.queue.write_buffer(self._run, 0, words)
         encoder = gpu.create_command_encoder()
@@ -388,30 +395,16 @@ def _layout_entry(number: int, binding: Binding, avoids_uniform_buffers: bool) -
     entry: dict[str, Any] = {"binding": number, "visibility": wgpu.ShaderStage.COMPUTE}
     match binding.kind:
         case "map":
-            sample = "unfilterable-float" if binding.type is HeightField else "uint"
-            entry["texture"] = {"sample_type": sample, "view_dimension": "2d"}
+            entry["texture"] = {"sample_type": binding.access, "view_dimension": "2d"}
         case "sampler":
-            entry["sampler"] = {"type": "non-filtering"}
-        case "run" | "uniform":
-            entry["buffer"] = {"type": "read-only-storage" if avoids_uniform_buffers else "uniform"}
-        case "planes":
-            entry["buffer"] = {"type": "storage"}
-        case "buffer":
+            entry["sampler"] = {"type": binding.access}
+        case "run" | "uniform" if avoids_uniform_buffers:
             entry["buffer"] = {"type": "read-only-storage"}
         case _:
-            assert_never(binding.kind)
+            entry["buffer"] = {"type": binding.access}
     return entry
 
 
 def _whole_buffer(buffer: Any) -> dict[str, Any]:
     """Bind group resource of a whole buffer."""
     return {"buffer": buffer, "offset": 0, "size": buffer.size}
-
-
-def _pack_buffer(buffer: Buffer[Any]) -> NDArray[np.int32]:
-    """Count of a buffer, padded to the alignment of items, and items; zeros if empty."""
-    align, size = align_and_size(buffer.record)
-    items = [pack(item, buffer.record) for item in buffer.items]
-    head = np.zeros(align // 4, np.int32)
-    head[0] = len(buffer)
-    return np.concatenate([head, *(items or [np.zeros(size // 4, np.int32)])])

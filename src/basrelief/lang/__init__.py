@@ -5,55 +5,21 @@ program is made, `@static` a record of static conditions, `@resources` a group o
 intrinsics are imported from here. `CONVENTIONS.md` states the rules.
 """
 
-import basrelief.lang.elementary  # noqa: F401  (defines the elementary functions)
-from basrelief.lang.intrinsics import (
-    acos,
-    asin,
-    atan,
-    atan2,
-    bits_float,
-    clamp,
-    copysign,
-    corners,
-    cos,
-    cross,
-    dot,
-    exp,
-    exp2,
-    float_bits,
-    floor,
-    fract,
-    length,
-    levels,
-    log,
-    log2,
-    maximum,
-    minimum,
-    mix,
-    normalize,
-    pow,
-    reflect,
-    saturate,
-    sin,
-    size,
-    smoothstep,
-    sqrt,
-    stored,
-    tan,
-    texel,
-    transpose,
-)
+# all intrinsics, so that a new one is written in its module alone
+from basrelief.lang import elementary, intrinsics
+from basrelief.lang.elementary import *  # noqa: F403
+from basrelief.lang.intrinsics import *  # noqa: F403
+from basrelief.lang.intrinsics import BY_FUNCTION
 from basrelief.lang.resources import Buffer, HeightField, Map, Texture, resources
 from basrelief.lang.shader import Shader, bound, shader, slot, watched
 from basrelief.lang.types import ShaderError, TypeSlot, static, static_fields, struct
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 from basrelief.settings import setting
 
+_MODULES = (elementary.__name__, intrinsics.__name__)
 __all__ = [
     "Buffer", "HeightField", "IVec2", "Map", "Mat3", "Shader", "ShaderError", "Texture", "TypeSlot",
-    "Vec2", "Vec3", "Vec4", "acos", "asin", "atan", "atan2", "bits_float", "bound", "clamp",
-    "copysign", "corners", "cos", "cross", "dot", "exp", "exp2", "float_bits", "floor", "fract",
-    "length", "levels", "log", "log2", "maximum", "minimum", "mix", "normalize", "pow", "reflect",
-    "resources", "saturate", "setting", "shader", "sin", "size", "slot", "smoothstep", "sqrt",
-    "static", "static_fields", "stored", "struct", "tan", "texel", "transpose", "watched",
+    "Vec2", "Vec3", "Vec4", "bound", "resources", "setting", "shader", "slot", "static",
+    "static_fields", "struct", "watched",
+    *(f.__name__ for f in BY_FUNCTION if f.__module__ in _MODULES),
 ]  # fmt: skip

@@ -1,15 +1,47 @@
-"""Elementary functions as shaders: exp2, log2, sin, atan2 and so on.
+"""Intrinsics that are shaders themselves: exp2, log2, sin, atan2 and so on.
 
 Python and the CPU run these functions, so that they agree to the last bit; a GPU uses most of its
-own. The stated errors against the exact result, over the stated domains, are tested in
-`tests/lang/test_elementary.py`. Polynomials after S. L. Moshier, Cephes Mathematical
-Library, single precision, 1992.
+own. To add an intrinsic, write it here, and name the targets that have no such function. The stated
+errors against the exact result, over the stated domains, are tested in
+`tests/lang/test_elementary.py`. Polynomials after S. L. Moshier, Cephes Mathematical Library,
+single precision, 1992.
 """
 
 from __future__ import annotations
 
-from basrelief.lang.intrinsics import bits_float, copysign, define, float_bits, floor, sqrt
-from basrelief.lang.shader import shader
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar
+
+from basrelief.lang.intrinsics import (
+    Written,
+    bits_float,
+    copysign,
+    fixed,
+    float_bits,
+    floor,
+    intrinsic,
+    sqrt,
+)
+from basrelief.lang.shader import Shader, shader
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+ELEMENTARY: list[str] = []
+"""Intrinsics that Python and the CPU compute by the shaders of this module."""
+
+
+def _elementary(*written: str, **spelling: str) -> Callable[[Callable[_P, _R]], Shader[_P, _R]]:
+    """Decorator of an intrinsic that is a shader, printed for the `written` targets too."""
+
+    def mark(function: Callable[_P, _R]) -> Shader[_P, _R]:
+        made = shader(function)
+        parameters, result = made.signature
+        ELEMENTARY.append(made.name)
+        names = dict.fromkeys(("llvm", *written), Written(made.name))
+        return intrinsic(fixed(result, *parameters.values()), **{**names, **spelling})(made)
+
+    return mark
+
 
 PI = 3.14159265358979
 HALF_PI = 1.57079632679490
@@ -35,7 +67,7 @@ def exponential_series(r: float) -> float:
     return p * r * r + r + 1.0
 
 
-@shader
+@_elementary()
 def exp(x: float) -> float:
     """Exponential eˣ: to 2 units in the last place."""
     clamped = min(max(x, -105.0), 89.0)
@@ -45,7 +77,7 @@ def exp(x: float) -> float:
     return times_power_of_two(exponential_series(r), int(n))
 
 
-@shader
+@_elementary()
 def exp2(x: float) -> float:
     """Exponential 2ˣ: to 2 units in the last place."""
     clamped = min(max(x, -152.0), 129.0)
@@ -54,7 +86,7 @@ def exp2(x: float) -> float:
     return times_power_of_two(exponential_series(r), int(n))
 
 
-@shader
+@_elementary(wgsl=Written("log2_clamped"), glsl=Written("log2_clamped"))
 def log2(x: float) -> float:
     """Logarithm to base 2 of a positive normal number: to 3 units in the last place.
 
@@ -74,13 +106,13 @@ def log2(x: float) -> float:
     return float(n) + natural * 1.44269504088896
 
 
-@shader
+@_elementary(wgsl=Written("log_clamped"), glsl=Written("log_clamped"))
 def log(x: float) -> float:
     """Natural logarithm of a positive normal number: to 4 units in the last place."""
     return log2(x) * 0.693147180559945
 
 
-@shader
+@_elementary(wgsl=Written("power"), glsl=Written("power"))
 def pow(x: float, y: float) -> float:
     """Power xʸ for x ≥ 0: relative error at most 2e-7 · (1 + |y · log2 x|); 0ʸ is 0, 0⁰ is 1."""
     return exp2(y * log2(x)) if x > 0.0 else (1.0 if y == 0.0 else 0.0)
@@ -106,25 +138,29 @@ def sine_and_quarter(x: float, quarter: int) -> float:
     return -value if (q & 2) == 2 else value
 
 
-@shader
+@_elementary()
 def sin(x: float) -> float:
     """Sine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
     return sine_and_quarter(x, 0)
 
 
-@shader
+@_elementary()
 def cos(x: float) -> float:
     """Cosine of an angle in radians, |x| up to 8192: absolute error at most 1e-7."""
     return sine_and_quarter(x, 1)
 
 
-@shader
+@_elementary()
 def tan(x: float) -> float:
     """Tangent, sin(x) / cos(x)."""
     return sin(x) / cos(x)
 
 
-@shader
+# WGSL allows errors of 4096 units in the last place in its atan, atan2, asin and acos; GLSL states
+# none
+
+
+@_elementary("wgsl", "glsl")
 def atan(x: float) -> float:
     """Arc tangent, −π/2 to π/2: to 3 units in the last place."""
     a = abs(x)
@@ -144,7 +180,7 @@ def atan(x: float) -> float:
     return copysign(base + (p * z * r + r), x)
 
 
-@shader
+@_elementary("wgsl", "glsl")
 def atan2(y: float, x: float) -> float:
     """Angle of the point (x, y), −π to π: absolute error at most 4e-7; 0 at the origin."""
     a = abs(x)
@@ -169,7 +205,7 @@ def arc_sine_series(x: float, z: float) -> float:
     return p * z * x + x
 
 
-@shader
+@_elementary("wgsl", "glsl")
 def asin(x: float) -> float:
     """Arc sine of x clamped to −1 … 1: absolute error at most 3e-7."""
     a = min(abs(x), 1.0)
@@ -179,7 +215,7 @@ def asin(x: float) -> float:
     return copysign(HALF_PI - value * 2.0 if a > 0.5 else value, x)
 
 
-@shader
+@_elementary("wgsl", "glsl")
 def acos(x: float) -> float:
     """Arc cosine of x clamped to −1 … 1: absolute error at most 4e-7."""
     a = min(abs(x), 1.0)
@@ -192,7 +228,7 @@ def acos(x: float) -> float:
     return HALF_PI + value if x < 0.0 else HALF_PI - value
 
 
-define(
-    exp=exp, exp2=exp2, log=log, log2=log2, pow=pow, sin=sin, cos=cos, tan=tan, asin=asin,
-    acos=acos, atan=atan, atan2=atan2,
-)  # fmt: skip
+@_elementary()
+def sign(x: float) -> float:
+    """Sign of a number: 1 above 0, −1 below, and 0 for 0 and NaN; exact."""
+    return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)

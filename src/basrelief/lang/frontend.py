@@ -1,7 +1,8 @@
 """The front end: Python syntax trees of shaders → typed trees, with names resolved and types
 inferred.
 
-Source outside the subset is refused with file, line, the offending text and what to write instead.
+Source outside the subset is refused with file, line, carets under the text and what to write
+instead.
 Everything is a value, each name has one type, and every loop terminates.
 """
 
@@ -18,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.lang import conditions, elementary, tree
-from basrelief.lang.intrinsics import BY_FUNCTION
+from basrelief.lang import conditions, elementary, helpers, tree
+from basrelief.lang.intrinsics import Intrinsic, intrinsic_of
 from basrelief.lang.resources import (
     MAPS,
+    Edge,
     Map,
     buffer_record,
     condition_fields,
@@ -31,12 +33,11 @@ from basrelief.lang.resources import (
     is_handle,
     members_of,
 )
-from basrelief.lang.shader import Shader, accepted_parameters
+from basrelief.lang.shader import INT_RANGE, Shader, accepted_parameters
 from basrelief.lang.specialize import library_functions, specialize
 from basrelief.lang.types import (
     SCALARS,
     VECTORS,
-    ShaderError,
     StaticField,
     fields_of,
     is_record,
@@ -86,10 +87,15 @@ def analyse_library(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any
 
 
 @functools.cache
-def elementary_functions() -> dict[str, tree.Function]:
-    """Typed functions of `lang.elementary`, by name."""
-    shaders = [s for s in vars(elementary).values() if isinstance(s, Shader)]
-    return {function.name: function for function in analyse_library(shaders).values()}
+def written_functions(edge: Edge | None = None) -> dict[str, tree.Function]:
+    """Typed functions of `lang.helpers` and `lang.elementary` by name, callees before callers.
+
+    `edge` is that of all maps; None leaves it a static condition.
+    """
+    found = [*vars(helpers).values(), *vars(elementary).values()]
+    functions = _reachable([s for s in found if isinstance(s, Shader)], None)
+    static_value = None if edge is None else lambda name: edge
+    return {f.name: f for f in library_functions(functions, static_value).values()}
 
 
 @dataclass(frozen=True)
@@ -125,9 +131,7 @@ def _reachable(
         if shader in functions:
             return
         if shader in visiting:
-            raise ShaderError(
-                f"{shader.location}: {shader.name} calls itself; write a bounded loop"
-            )
+            raise shader.error(f"{shader.name} calls itself; write a bounded loop")
         visiting.append(shader)
         analysis = _analysis_of(shader)
         for callee in analysis.calls:
@@ -144,7 +148,7 @@ def _resolve_slot(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., A
     """The shader itself, or the shader bound to it if it is a slot."""
     while shader.is_slot:
         if shader not in bindings:
-            raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
+            raise shader.error(f"the slot {shader.name} is not bound; pass a shader for it")
         shader = bindings[shader]
     return shader
 
@@ -168,9 +172,9 @@ def bound_types(bindings: Bindings) -> dict[type, Any]:
             else:
                 fits = fits and slot_type == t
         if not fits:
-            raise ShaderError(
-                f"{shader.location}: {shader.name}{_signature_text(shader)} does not fit the slot "
-                f"{slot.name}; its signature is {_signature_text(slot)}"
+            raise shader.error(
+                f"{shader.name}{_signature_text(shader)} does not fit the slot {slot.name}; its "
+                f"signature is {_signature_text(slot)}"
             )
     return types
 
@@ -201,41 +205,42 @@ class _FunctionAnalysis:
     def check_signature(self) -> None:
         code = self.shader.function.__code__
         if not len(self.parameters) == code.co_argcount == len(self.source.tree.args.args):
-            raise ShaderError(
-                f"{self.shader.location}: {self.shader.name}: parameters with * or / are outside "
-                "the subset; write plain parameters"
+            raise self.shader.error(
+                "parameters with * or / are outside the subset; write plain parameters"
             )
         for name in (self.shader.name, *code.co_varnames):
             self.check_name(name)
         for name, t in self.parameters.items():
             for member in members_of(t):
                 if f"{name}_{member}" in code.co_varnames:
-                    raise ShaderError(
-                        f"{self.shader.location}: {self.shader.name}: {name}_{member} is the name "
-                        f"of {name}.{member} in a program; use another name"
+                    raise self.shader.error(
+                        f"{name}_{member} is the name of {name}.{member} in a program; use another "
+                        "name"
                     )
 
     def check_name(self, name: str) -> None:
         if not name.isascii():
-            raise ShaderError(
-                f"{self.shader.location}: {self.shader.name}: the name {name} is not ASCII, "
-                "which shading languages require; rename it"
+            raise self.shader.error(
+                f"the name {name} is not ASCII, which shading languages require; rename it", name
             )
 
-    def check_type(self, t: Any, name: str) -> None:
+    def check_type(self, t: Any, name: str, is_field: bool = False) -> None:
         record = buffer_record(t) or t
         if is_record(record):
             for field, inner in fields_of(record).items():
                 self.check_name(field)
-                self.check_type(inner, "return")
+                self.check_type(inner, name, is_field=True)
         is_value = t in SCALARS or t in VECTORS or t is Mat3 or is_record(t) or is_type_slot(t)
         handle = is_handle(t) and (record is t or is_record(record))
         is_parameter = handle or is_erased(t) or members_of(t)
-        if not is_value and not (is_parameter and name != "return"):
-            raise ShaderError(
-                f"{self.shader.location}: {self.shader.name}: {type_name(t)} is not a type of "
-                "the subset; use float, int, bool, Vec2 … Mat3, a @struct or a resource handle"
-            )
+        if is_value or (is_parameter and name != "return" and not is_field):
+            return
+        handles = " or a resource handle" if name != "return" and not is_field else ""
+        raise self.shader.error(
+            f"{type_name(t)} is not a type of the subset; use float, int, bool, Vec2 … Mat3, "
+            f"a @struct{handles}",
+            name,
+        )
 
     def run(self) -> _Analysis:
         if not self.shader.is_slot:
@@ -305,7 +310,7 @@ class _FunctionAnalysis:
                 return True
             case ast.Return(ast.expr() as value):
                 result = self.expression(value)
-                self.expect(node, result.type, self.result, "the result")
+                self.expect(value, result.type, self.result, "the result")
                 self.emit(tree.Return(result, comments=comments))
                 return True
             case ast.Pass():
@@ -353,7 +358,7 @@ class _FunctionAnalysis:
         name = node.target.id
         if not 1 <= len(node.iter.args) <= 3:
             raise self.source.error(
-                node, "range takes (stop), (start, stop) or (start, stop, step)"
+                node.iter, "range takes (stop), (start, stop) or (start, stop, step)"
             )
         bounds = [self.expression(a) for a in node.iter.args]
         for bound, text in zip(bounds, node.iter.args, strict=True):
@@ -362,11 +367,14 @@ class _FunctionAnalysis:
         stop = bounds[1] if len(bounds) > 1 else bounds[0]
         step = bounds[2] if len(bounds) > 2 else tree.Literal(int, 1)
         if not isinstance(step, tree.Literal) or step.value <= 0:
-            raise self.source.error(node, "the step of a range must be a positive literal")
+            raise self.source.error(
+                node.iter,
+                "the step of a range must be a positive literal; to count down, use n - 1 - k",
+            )
         is_counter = name in self.loop_names and name != "_"
         if is_counter or name in self.parameters or name in self.locals:
             raise self.source.error(
-                node, f"{name} is already a variable; use a new name for the counter"
+                node.target, f"{name} is already a variable; use a new name for the counter"
             )
         self.loop_names.add(name)
         inner = self.loop_body(node, name)
@@ -397,11 +405,8 @@ class _FunctionAnalysis:
 
     def expect(self, node: ast.AST, actual: Any, expected: Any, what: str) -> None:
         if actual != expected:
-            hint = ""
-            if (actual, expected) == (int, float):
-                hint = "; write 1.0 for 1, or float(…)"
-            message = f"{what} is {type_name(expected)}, not {type_name(actual)}{hint}"
-            raise self.source.error(node, message)
+            message = f"{what} is {type_name(expected)}, not {type_name(actual)}"
+            raise self.source.error(node, f"{message}; {_conversion_hint(actual, expected)}")
 
     def condition(self, node: ast.expr) -> tree.Expression:
         test = self.expression(node)
@@ -456,9 +461,9 @@ class _FunctionAnalysis:
 
     def literal(self, node: ast.AST, value: Any) -> tree.Expression:
         if type(value) is int and not -(2**31) <= value < 2**31:
-            raise self.source.error(node, "an int has 32 bits; this number needs more")
+            raise self.source.error(node, INT_RANGE)
         if type(value) is float and _MAX_FLOAT < abs(value) < math.inf:
-            raise self.source.error(node, "a float has 32 bits; its maximum is 3.4028235e38")
+            raise self.source.error(node, "a float has 32 bits; write a number up to 3.4028235e38")
         if type(value) not in SCALARS:
             raise self.source.error(
                 node,
@@ -557,7 +562,11 @@ class _FunctionAnalysis:
             same = a.type == b.type and a.type in SCALARS
             if symbol is None or not same or (a.type is bool and symbol not in ("==", "!=")):
                 types = f"{type_name(a.type)} and {type_name(b.type)}"
-                raise self.source.error(node, f"compare two floats or two ints, not {types}")
+                raise self.source.error(
+                    node,
+                    f"compare two floats or two ints, not {types}; "
+                    + _comparison_hint(symbol, a.type, b.type),
+                )
             parts.append(tree.Compare(bool, symbol, a, b))
         return functools.reduce(functools.partial(tree.Logic, bool, "and"), parts)
 
@@ -573,7 +582,7 @@ class _FunctionAnalysis:
             return tree.Swizzle(Vec3, operand, ("xyz".index(name),))
         elif is_record(t) and name in fields_of(t):
             return tree.Member(fields_of(t)[name], operand, name)
-        raise self.source.error(node, f"{type_name(t)} has no field {name}")
+        raise self.source.error(node, f"{type_name(t)} has no field {name}; {_fields_hint(t)}")
 
     # --- static conditions ---------------------------------------------------------------------
 
@@ -610,7 +619,9 @@ class _FunctionAnalysis:
         if node.attr not in fields:
             kind = type_name(self.parameter_type(node.value))
             raise self.source.error(
-                node, f"{kind} has no field or property {node.attr} that is str, bool or int"
+                node,
+                f"{kind} has no field or property {node.attr} that is str, bool or int; it has "
+                + ", ".join(fields),
             )
         return fields[node.attr]
 
@@ -640,7 +651,11 @@ class _FunctionAnalysis:
         name = node.left.attr
         for value in values:
             if type(value) is not field.kind:
-                raise self.source.error(node, f"{name} is {type_name(field.kind)}, not {value!r}")
+                raise self.source.error(
+                    node,
+                    f"{name} is {type_name(field.kind)}, not {value!r}; compare it with a literal "
+                    "of its type",
+                )
             if field.choices and value not in field.choices:
                 choices = ", ".join(map(str, field.choices))
                 raise self.source.error(node, f"there is no {name} {value!r}; use one of {choices}")
@@ -663,25 +678,30 @@ class _FunctionAnalysis:
 
     def call(self, node: ast.Call) -> tree.Expression:
         if not isinstance(node.func, ast.Name):
-            raise self.source.error(node, "call a shader or intrinsic by its plain name")
+            raise self.source.error(
+                node.func,
+                "a call has the plain name of a shader or intrinsic; import it by name, as in "
+                "`from basrelief.lang import sin`",
+            )
         target = self.lookup(node.func, node.func.id)
+        intrinsic = intrinsic_of(target)
+        if intrinsic is not None:
+            return self.intrinsic_call(node, intrinsic)
         if isinstance(target, Shader):
             return self.shader_call(node, target)
         if target in VECTORS or target is Mat3:
             return self.construct_vector(node, target)
         if is_record(target):
             return self.construct_record(node, target)
-        try:
-            intrinsic = BY_FUNCTION[target]
-        except (KeyError, TypeError):
-            raise self.source.error(
-                node, f"{node.func.id} is not a shader; mark it with @shader"
-            ) from None
+        raise self.source.error(node.func, f"{node.func.id} is not a shader; mark it with @shader")
+
+    def intrinsic_call(self, node: ast.Call, intrinsic: Intrinsic) -> tree.Expression:
         arguments = self.positional(node)
         try:
             result = intrinsic.rule(tuple(a.type for a in arguments))
         except TypeError as error:
-            raise self.source.error(node, f"{intrinsic.name} {error}") from None
+            hint = "; write 1.0 for 1, or float(…)" if int in {a.type for a in arguments} else ""
+            raise self.source.error(node, f"{intrinsic.name} {error}{hint}") from None
         return tree.IntrinsicCall(result, intrinsic.name, arguments)
 
     def positional(self, node: ast.Call) -> tuple[tree.Expression, ...]:
@@ -692,13 +712,20 @@ class _FunctionAnalysis:
     def arguments(self, node: ast.Call, names: list[str]) -> dict[str, ast.expr]:
         """Arguments of a call, by the names of its parameters."""
         if len(node.args) > len(names) or any(isinstance(a, ast.Starred) for a in node.args):
-            raise self.source.error(node, f"takes {len(names)} arguments: {', '.join(names)}")
+            raise self.source.error(
+                node, f"{ast.unparse(node.func)} takes ({', '.join(names)}); pass these"
+            )
         by_name = dict(zip(names, node.args, strict=False))
         for keyword in node.keywords:
             if keyword.arg not in names:
-                raise self.source.error(node, f"there is no parameter {keyword.arg}")
+                raise self.source.error(
+                    keyword,
+                    f"there is no parameter {keyword.arg}; the parameters are {', '.join(names)}",
+                )
             if keyword.arg in by_name:
-                raise self.source.error(node, f"the parameter {keyword.arg} is given twice")
+                raise self.source.error(
+                    keyword, f"the parameter {keyword.arg} has an argument already; remove one"
+                )
             by_name[keyword.arg] = keyword.value
         return by_name
 
@@ -708,7 +735,10 @@ class _FunctionAnalysis:
         arguments: list[tree.Expression] = []
         for name, t in parameters.items():
             if name not in by_name:
-                raise self.source.error(node, f"{target.name} needs an argument for {name}")
+                raise self.source.error(
+                    node,
+                    f"{target.name} needs an argument for {name}; pass a {type_name(t)}",
+                )
             if is_erased(t) or members_of(t):
                 passed = self.parameter_type(by_name[name])
                 if passed is not t and not (t is Map and passed in MAPS):
@@ -735,7 +765,13 @@ class _FunctionAnalysis:
             fits = 0 not in widths and (sum(widths) == size or widths == [1])
         if not fits:
             types = ", ".join(type_name(p.type) for p in parts)
-            raise self.source.error(node, f"cannot make a {type_name(target)} from ({types})")
+            parts_hint = "three Vec3, its columns"
+            if target is not Mat3:
+                kind = f"{type_name(component)}s"
+                parts_hint = f"{size} {kind}, vectors of {size} {kind} in all, or one to repeat"
+            raise self.source.error(
+                node, f"cannot make a {type_name(target)} from ({types}); pass {parts_hint}"
+            )
         return tree.Construct(target, parts)
 
     def construct_record(self, node: ast.Call, target: Any) -> tree.Expression:
@@ -748,8 +784,10 @@ class _FunctionAnalysis:
             elif hasattr(target, name) and type(getattr(target, name)) in SCALARS:
                 part = self.literal(node, getattr(target, name))
             else:
-                raise self.source.error(node, f"{type_name(target)} needs a value for {name}")
-            self.expect(node, part.type, t, f"{type_name(target)}.{name}")
+                raise self.source.error(
+                    node, f"{type_name(target)} needs a value for {name}; pass a {type_name(t)}"
+                )
+            self.expect(by_name.get(name, node), part.type, t, f"{type_name(target)}.{name}")
             parts.append(part)
         return tree.Construct(target, tuple(parts))
 
@@ -807,15 +845,55 @@ def _fold_ints(symbol: str, a: int, b: int) -> int:
 
 def _binary_hint(symbol: str, left: tree.Expression, right: tree.Expression) -> str:
     types = {left.type, right.type}
+    if symbol == "@":
+        return "; write a Mat3 @ a Vec3, or dot(a, b)"
     if symbol in ("<<", ">>"):
         return "; shift an int by a literal from 0 to 31"
     if symbol == "/" and types == {int}:
         return "; write // for an int quotient, or float(a) / float(b)"
     if symbol in ("//", "%"):
         return "; for floats use floor(a / b) or fract"
+    if symbol in ("&", "|", "^"):
+        return "; it takes two ints; for bools write `and`, `or` or `!=`"
     if types == {int, float}:
         return "; write 1.0 for 1, or float(…)"
-    return ""
+    if bool in types:
+        return "; for a bool write `1.0 if b else 0.0`, or float(b)"
+    return "; its operands are two numbers or vectors of one type, or a vector and a number"
+
+
+def _conversion_hint(actual: Any, expected: Any) -> str:
+    """Instruction to convert a value to the expected type."""
+    if (actual, expected) == (int, float):
+        return "write 1.0 for 1, or float(…)"
+    if expected is bool and actual in (int, float):
+        return f"compare it, as in `x > {actual(0)}`"
+    if expected in (int, float) and actual in SCALARS:
+        return f"write {type_name(expected)}(…)"
+    if expected in SCALARS and actual in VECTORS:
+        return "name a component, as in `v.x`"
+    if expected in VECTORS:
+        return f"write {type_name(expected)}(…)"
+    return f"write a value of type {type_name(expected)}, or use a new name"
+
+
+def _comparison_hint(symbol: str | None, a: Any, b: Any) -> str:
+    if symbol is None:
+        return "write `==` or `!=`; `is` and `in` are outside the subset"
+    if {a, b} == {int, float}:
+        return "write 1.0 for 1, or float(…)"
+    if a is bool and b is bool:
+        return "bools are compared by `==` and `!=` alone"
+    return "name components or fields, as in `a.x == b.x`"
+
+
+def _fields_hint(t: Any) -> str:
+    if t in VECTORS:
+        letters = "xyzw"[: VECTORS[t][1]]
+        return f"its components are {', '.join(letters)}, also several at once, as in `v.{letters}`"
+    if t is Mat3:
+        return "its columns are x, y and z"
+    return f"its fields are {', '.join(fields_of(t))}" if is_record(t) else "it is a plain value"
 
 
 def _is_counted_loop(node: ast.While) -> bool:
@@ -857,11 +935,11 @@ def _statement_hint(node: ast.stmt) -> str:
         case ast.For():
             return "loop over `range(…)`, without `else`; there are no other iterables"
         case ast.While():
-            return "a loop cannot have an `else`"
+            return "a loop cannot have an `else`; write an `if` after it"
         case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
             return "assign to one plain name; records and vectors are immutable, so make new ones"
         case ast.Return():
-            return "return a value"
+            return "return a value, as in `return x`"
         case ast.FunctionDef() | ast.ClassDef():
             return "define shaders and records at the top level of a file"
         case ast.Try() | ast.Raise() | ast.Assert():
@@ -882,5 +960,5 @@ def _expression_hint(node: ast.expr) -> str:
         case ast.ListComp() | ast.GeneratorExp() | ast.DictComp() | ast.SetComp():
             return "the subset has no comprehensions; write a loop"
         case ast.JoinedStr():
-            return "the subset has no strings"
-    return "this expression is outside the subset"
+            return "the subset has no strings; write numbers, or static conditions"
+    return "this expression is outside the subset; write arithmetic, comparisons and calls"

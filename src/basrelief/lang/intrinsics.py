@@ -1,6 +1,8 @@
-"""Built-in functions of the subset: each in plain Python, with its typing rule.
+"""The table of intrinsics, the built-in functions of the subset.
 
-The Python code defines the result, which printers reproduce. Componentwise functions take a float
+An entry is a function in plain Python, which defines the result, with its typing rule and its
+spelling in each target. `elementary.py` and `helpers.py` add entries: functions that are shaders
+themselves, and what targets have that the subset has not. Componentwise functions take a float
 or a float vector; further scalar arguments are broadcast. `min` and `max` return their first
 argument unless the second is strictly smaller or larger, as in Python, so that a NaN is returned
 only if it came first.
@@ -8,7 +10,7 @@ only if it came first.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -24,13 +26,31 @@ _i32: Any = np.int32
 _N = TypeVar("_N", Vec2, Vec3, Vec4)
 
 
+Rule = Callable[[tuple[Any, ...]], Any]
+"""Type of a call's result by those of its arguments. Raises TypeError for others."""
+
+
+class Written(str):
+    """Name of a shader in `elementary.py` or `helpers.py` that a target calls for an intrinsic."""
+
+
+class Text(str):
+    """Text of a call, with the arguments at `{0}`, `{1}` …"""
+
+
 @dataclass(frozen=True)
 class Intrinsic:
-    """Built-in function: its name, its definition in Python, and the type of a call's result."""
+    """Built-in function: its name, its definition in Python, and the type of a call's result.
+
+    `spelling` is by target, and the name itself where it is missing: the name of a function of the
+    language, a `Text`, or the name of a function that is `Written`. For "llvm" it is that of an
+    LLVM intrinsic that is applied to each component; `llvm.py` has a function for each of the rest.
+    """
 
     name: str
     python: Callable[..., Any]
-    rule: Callable[[tuple[Any, ...]], Any]
+    rule: Rule
+    spelling: Mapping[str, str]
 
 
 INTRINSICS: dict[str, Intrinsic] = {}
@@ -39,13 +59,23 @@ BY_FUNCTION: dict[Any, Intrinsic] = {}
 """Intrinsics by the function object that a shader names."""
 
 
-def _intrinsic(rule: Callable[[tuple[Any, ...]], Any]) -> Callable[[_F], _F]:
+def intrinsic(rule: Rule, **spelling: str) -> Callable[[_F], _F]:
+    """Decorator that enters a function in the table, with its typing rule and its spelling."""
+
     def register(function: _F) -> _F:
-        intrinsic = Intrinsic(function.__name__, function, rule)
-        INTRINSICS[intrinsic.name] = BY_FUNCTION[function] = intrinsic
+        entry = Intrinsic(function.__name__, function, rule, spelling)
+        INTRINSICS[entry.name] = BY_FUNCTION[function] = entry
         return function
 
     return register
+
+
+def intrinsic_of(target: Any) -> Intrinsic | None:
+    """The intrinsic that an object of a shader's globals is; None for others."""
+    try:
+        return BY_FUNCTION.get(target)
+    except TypeError:
+        return None  # it cannot be hashed
 
 
 _F = TypeVar("_F", bound=Callable[..., Any])
@@ -55,7 +85,7 @@ def _refuse(expected: str, types: tuple[Any, ...]) -> TypeError:
     return TypeError(f"takes {expected}, not ({', '.join(map(type_name, types))})")
 
 
-def _fixed(result: Any, *expected: Any) -> Callable[[tuple[Any, ...]], Any]:
+def fixed(result: Any, *expected: Any) -> Rule:
     """Rule for exactly these argument types."""
 
     def rule(types: tuple[Any, ...]) -> Any:
@@ -66,20 +96,26 @@ def _fixed(result: Any, *expected: Any) -> Callable[[tuple[Any, ...]], Any]:
     return rule
 
 
-def _componentwise(count: int) -> Callable[[tuple[Any, ...]], Any]:
-    """Rule for a float or float vector, and further arguments of the same type or float."""
+@dataclass(frozen=True)
+class Componentwise:
+    """Rule for a float or float vector, and further arguments of the same type or float.
 
-    def rule(types: tuple[Any, ...]) -> Any:
+    Shading languages want all arguments to have one type, except the `scalars` last ones.
+    """
+
+    count: int
+    scalars: int = 0
+
+    def __call__(self, types: tuple[Any, ...]) -> Any:
         first: Any = types[0] if types else None
         floats = first is float or (first in VECTORS and VECTORS[first][0] is float)
-        if len(types) != count or not floats or any(t not in (first, float) for t in types[1:]):
-            raise _refuse(f"{count} floats or float vectors", types)
+        others = any(t not in (first, float) for t in types[1:])
+        if len(types) != self.count or not floats or others:
+            raise _refuse(f"{self.count} floats or float vectors", types)
         return first
 
-    return rule
 
-
-def _vectors(count: int, result: Any = None) -> Callable[[tuple[Any, ...]], Any]:
+def _vectors(count: int, result: Any = None) -> Rule:
     """Rule for float vectors of one size, with a result of the same type or of type `result`."""
 
     def rule(types: tuple[Any, ...]) -> Any:
@@ -126,7 +162,7 @@ def _scalar_pair_rule(types: tuple[Any, ...]) -> Any:
     raise _refuse("two floats or two ints (minimum and maximum take vectors)", types)
 
 
-def _number_rule(result: Any = None, *extra: Any) -> Callable[[tuple[Any, ...]], Any]:
+def _number_rule(result: Any = None, *extra: Any) -> Rule:
     def rule(types: tuple[Any, ...]) -> Any:
         if len(types) != 1 or types[0] not in (float, int, *extra):
             raise _refuse("one number", types)
@@ -141,75 +177,80 @@ def _length_rule(types: tuple[Any, ...]) -> Any:
     return int
 
 
-for _builtin, _python, _rule in (
-    (abs, abs, _number_rule()),
-    (min, _min, _scalar_pair_rule),
-    (max, _max, _scalar_pair_rule),
-    (float, _f32, _number_rule(float, bool)),
-    (int, _saturating_int, _number_rule(int, bool)),
-    (len, lambda buffer: np.int32(len(buffer)), _length_rule),
+for _builtin, _python, _rule, _spelling in (
+    (abs, abs, _number_rule(), {}),
+    (min, _min, _scalar_pair_rule, {}),
+    (max, _max, _scalar_pair_rule, {}),
+    (float, _f32, _number_rule(float, bool), {"wgsl": "f32"}),
+    (int, _saturating_int, _number_rule(int, bool), {"wgsl": "i32"}),
+    (len, lambda buffer: np.int32(len(buffer)), _length_rule, {}),
 ):
     INTRINSICS[_builtin.__name__] = BY_FUNCTION[_builtin] = Intrinsic(
-        _builtin.__name__, _python, _rule
+        _builtin.__name__, _python, _rule, _spelling
     )
 
 
-@_intrinsic(_componentwise(1))
+@intrinsic(Componentwise(1), llvm="llvm.sqrt")
 def sqrt(x: _V) -> _V:
     """Square root, correctly rounded."""
     return _map(np.sqrt, x)
 
 
-@_intrinsic(_componentwise(1))
+@intrinsic(Componentwise(1), llvm="llvm.floor")
 def floor(x: _V) -> _V:
     """Largest integer not above x."""
     return _map(np.floor, x)
 
 
-@_intrinsic(_componentwise(1))
+@intrinsic(Componentwise(1))
 def fract(x: _V) -> _V:
     """x − floor(x)."""
     return _map(lambda c: c - np.floor(c), x)
 
 
-@_intrinsic(_componentwise(2))
+@intrinsic(Componentwise(2), wgsl="min", glsl="min")
 def minimum(a: _V, b: _V | float) -> _V:
     """Minimum, component by component."""
     return _map(_min, a, b)
 
 
-@_intrinsic(_componentwise(2))
+@intrinsic(Componentwise(2), wgsl="max", glsl="max")
 def maximum(a: _V, b: _V | float) -> _V:
     """Maximum, component by component."""
     return _map(_max, a, b)
 
 
-@_intrinsic(_componentwise(3))
+@intrinsic(Componentwise(3))
 def clamp(x: _V, low: _V | float, high: _V | float) -> _V:
     """min(max(x, low), high)."""
     return _map(lambda c, a, b: _min(_max(c, a), b), x, low, high)
 
 
-@_intrinsic(_componentwise(1))
+@intrinsic(Componentwise(1), glsl=Text("clamp({0}, 0.0, 1.0)"))
 def saturate(x: _V) -> _V:
     """x clamped to 0 … 1."""
     return _map(lambda c: _min(_max(c, _f32(0)), _f32(1)), x)
 
 
-@_intrinsic(_componentwise(3))
+@intrinsic(Componentwise(3, scalars=1))
 def mix(a: _V, b: _V | float, t: _V | float) -> _V:
     """Linear interpolation a · (1 − t) + b · t; exact at t = 0 and t = 1."""
     return _map(lambda p, q, s: p * (_f32(1) - s) + q * s, a, b, t)
 
 
-@_intrinsic(_fixed(float, float, float, float))
+@intrinsic(fixed(float, float, float, float))
 def smoothstep(low: float, high: float, x: float) -> float:
     """Smooth step: 0 below low, 1 above high, 3t² − 2t³ between."""
     t = saturate((x - low) / (high - low))
     return t * t * (_f32(3) - _f32(2) * t)
 
 
-@_intrinsic(_fixed(float, float, float))
+@intrinsic(
+    fixed(float, float, float),
+    wgsl=Written("copy_sign"),
+    glsl=Written("copy_sign"),
+    llvm="llvm.copysign",
+)
 def copysign(x: float, sign: float) -> float:
     """|x| with the sign of the other argument, signed zeros included."""
     return np.copysign(_f32(x), _f32(sign))
@@ -218,7 +259,7 @@ def copysign(x: float, sign: float) -> float:
 # --- vectors ---------------------------------------------------------------------------------
 
 
-@_intrinsic(_vectors(2, float))
+@intrinsic(_vectors(2, float))
 def dot(a: _N, b: _N) -> float:
     """Dot product; components are added in order."""
     products = [p * q for p, q in zip(a, b, strict=True)]
@@ -228,31 +269,31 @@ def dot(a: _N, b: _N) -> float:
     return total
 
 
-@_intrinsic(_vectors(1, float))
+@intrinsic(_vectors(1, float))
 def length(v: _N) -> float:
     """Length, sqrt(v · v)."""
     return np.sqrt(dot(v, v))
 
 
-@_intrinsic(_vectors(1))
+@intrinsic(_vectors(1))
 def normalize(v: _N) -> _N:
     """Unit vector v · (1 / length(v)); NaN for a zero vector, so never pass one."""
     return v * (_f32(1) / length(v))
 
 
-@_intrinsic(_fixed(Vec3, Vec3, Vec3))
+@intrinsic(fixed(Vec3, Vec3, Vec3))
 def cross(a: Vec3, b: Vec3) -> Vec3:
     """Cross product, right-handed."""
     return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
-@_intrinsic(_vectors(2))
+@intrinsic(_vectors(2))
 def reflect(incident: _N, normal: _N) -> _N:
     """Reflection incident − normal · (2 · (incident · normal)), for a unit normal."""
     return incident - normal * (_f32(2) * dot(incident, normal))
 
 
-@_intrinsic(_fixed(Mat3, Mat3))
+@intrinsic(fixed(Mat3, Mat3))
 def transpose(m: Mat3) -> Mat3:
     """Transpose, which is the inverse of a rotation."""
     x, y, z = m.x, m.y, m.z
@@ -262,59 +303,22 @@ def transpose(m: Mat3) -> Mat3:
 # --- bits --------------------------------------------------------------------------------------
 
 
-@_intrinsic(_fixed(int, float))
+@intrinsic(fixed(int, float), wgsl="bitcast<i32>", glsl="floatBitsToInt")
 def float_bits(x: float) -> int:
     """Bits of a float, as an int."""
     return _f32(x).view(np.int32)
 
 
-@_intrinsic(_fixed(float, int))
+@intrinsic(fixed(float, int), wgsl="bitcast<f32>", glsl="intBitsToFloat")
 def bits_float(bits: int) -> float:
     """Float with these bits."""
     return _i32(bits).view(np.float32)
 
 
-# --- elementary functions, computed by our own shaders where a target has none -----------------
-
-
-_bodies: dict[str, Callable[..., Any]] = {}
-
-
-def define(**bodies: Callable[..., Any]) -> None:
-    """Set the bodies of elementary functions: shaders that use the intrinsics above."""
-    _bodies.update(bodies)
-
-
-def _elementary(name: str, arguments: int) -> Any:
-    def call(*values: float) -> Any:
-        return _bodies[name](*values)
-
-    call.__name__ = name
-    ELEMENTARY.append(name)
-    return _intrinsic(_fixed(float, *(float,) * arguments))(call)
-
-
-ELEMENTARY: list[str] = []
-"""Intrinsics that Python and the CPU compute by the shaders of `lang.elementary`."""
-
-exp: Callable[[float], float] = _elementary("exp", 1)
-exp2: Callable[[float], float] = _elementary("exp2", 1)
-log: Callable[[float], float] = _elementary("log", 1)
-log2: Callable[[float], float] = _elementary("log2", 1)
-sin: Callable[[float], float] = _elementary("sin", 1)
-cos: Callable[[float], float] = _elementary("cos", 1)
-tan: Callable[[float], float] = _elementary("tan", 1)
-asin: Callable[[float], float] = _elementary("asin", 1)
-acos: Callable[[float], float] = _elementary("acos", 1)
-atan: Callable[[float], float] = _elementary("atan", 1)
-pow: Callable[[float, float], float] = _elementary("pow", 2)
-atan2: Callable[[float, float], float] = _elementary("atan2", 2)
-
-
 # --- resources -----------------------------------------------------------------------------------
 
 
-def _map_rule(*rest: Any, result: Any, kind: Any = None) -> Callable[[tuple[Any, ...]], Any]:
+def _map_rule(*rest: Any, result: Any, kind: Any = None) -> Rule:
     def rule(types: tuple[Any, ...]) -> Any:
         expected = type_name(kind) if kind else "HeightField or Texture"
         fits = types and is_handle(types[0]) and types[1:] == rest
@@ -325,20 +329,28 @@ def _map_rule(*rest: Any, result: Any, kind: Any = None) -> Callable[[tuple[Any,
     return rule
 
 
-@_intrinsic(_map_rule(result=int))
+@intrinsic(_map_rule(result=int), wgsl=Text("i32(textureNumLevels({0}))"), glsl=Text("1"))
 def levels(map: HeightField | Texture) -> int:
     """Number of mip levels of a map."""
     return _i32(len(map.levels))
 
 
-@_intrinsic(_map_rule(int, result=IVec2))
+@intrinsic(
+    _map_rule(int, result=IVec2),
+    wgsl=Text("vec2i(textureDimensions({0}))"),
+    glsl=Text("textureSize({0}, 0)"),
+)
 def size(map: HeightField | Texture, level: int) -> IVec2:
     """Width and height of a level in texels; the level is clamped to those of the map."""
     height, width = map.levels[min(max(int(level), 0), len(map.levels) - 1)].shape[:2]
     return IVec2(width, height)
 
 
-@_intrinsic(_map_rule(IVec2, int, result=Vec4, kind=HeightField))
+@intrinsic(
+    _map_rule(IVec2, int, result=Vec4, kind=HeightField),
+    wgsl=Written("corners"),
+    glsl=Written("corners"),
+)
 def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
     """Heights of four texels: (x, y), (x+1, y), (x, y+1), (x+1, y+1).
 
@@ -357,7 +369,11 @@ def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
     return Vec4(*heights)
 
 
-@_intrinsic(_map_rule(IVec2, int, result=Vec4, kind=Texture))
+@intrinsic(
+    _map_rule(IVec2, int, result=Vec4, kind=Texture),
+    wgsl=Written("texel"),
+    glsl=Written("texel"),
+)
 def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
     """The four channels of a texel, 0 to 65535; the cell is clamped to the map and its border.
 
@@ -367,7 +383,11 @@ def texel(texture: Texture, cell: IVec2, level: int) -> Vec4:
     return Vec4(*texture.levels[k][row, column])
 
 
-@_intrinsic(_map_rule(IVec2, result=Vec4, kind=Texture))
+@intrinsic(
+    _map_rule(IVec2, result=Vec4, kind=Texture),
+    wgsl=Text("vec4f(textureLoad({0}, {1}, 0))"),
+    glsl=Text("vec4(texelFetch({0}, {1}, 0))"),
+)
 def stored(texture: Texture, cell: IVec2) -> Vec4:
     """The four channels of a texel of level 0, 0 to 65535, of a baked table.
 

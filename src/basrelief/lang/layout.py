@@ -1,18 +1,20 @@
-"""Memory layout of records that a GPU reads: WGSL's host-shareable layout.
+"""Memory layout of what compiled programs read: records on a GPU, and resources on the CPU.
 
-The rules of the uniform address space apply everywhere, so that one layout serves uniforms and
-storage: a record within a record starts at a multiple of 16 bytes (W3C, WebGPU Shading Language,
-2024, §14.4).
+Records on a GPU have WGSL's host-shareable layout. The rules of the uniform address space apply
+everywhere, so that one layout serves uniforms and storage: a record within a record starts at a
+multiple of 16 bytes (W3C, WebGPU Shading Language, 2024, §14.4).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.lang.resources import Buffer, Map
 from basrelief.lang.types import ShaderError, fields_of, is_record, leaf_values, leaves
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
 
@@ -72,3 +74,41 @@ def pack(value: Any, t: Any) -> NDArray[np.int32]:
     for word, leaf in zip(words(t), leaf_values(value, t), strict=True):
         packed[word] = leaf.view(np.int32) if isinstance(leaf, np.float32) else leaf
     return packed
+
+
+def pack_list(buffer: Buffer[Any]) -> NDArray[np.int32]:
+    """Count of a buffer, padded to the alignment of items, and items; zeros if empty."""
+    align, size = align_and_size(buffer.record)
+    items = [pack(item, buffer.record) for item in buffer.items]
+    head = np.zeros(align // 4, np.int32)
+    head[0] = len(buffer)
+    return np.concatenate([head, *(items or [np.zeros(size // 4, np.int32)])])
+
+
+# --- resources on the CPU ------------------------------------------------------------------------
+
+
+class HeaderWord(IntEnum):
+    """Words of 32 bits in the header of a resource on the CPU; the first two are the address of its
+    data. A buffer has those up to `LAST`, and of a map the offsets of all levels follow."""
+
+    COUNT = 2
+    """Number of levels or items."""
+    LAST = 3
+    """Index of the last item, 0 for none."""
+    WIDTH = 4
+    HEIGHT = 5
+    OFFSETS = 6
+    """Offset of each level in texels."""
+
+
+def header(value: Map | Buffer[Any], address: int) -> NDArray[np.int32]:
+    """Header of a resource whose data is at an address."""
+    if isinstance(value, Buffer):
+        words = [len(value), max(0, len(value) - 1)]
+    else:
+        height, width = value.shape
+        words = [len(value.levels), 0, width, height, *value.offsets]
+    return np.concatenate(
+        [np.array([address], np.uint64).view(np.int32), np.array(words, np.int32)]
+    )

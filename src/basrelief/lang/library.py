@@ -2,30 +2,34 @@
 
 A printed program has its slots bound. A library has each shader once, whatever is bound: a slot is
 a function of its own name that calls the shader bound to it, and a type slot is an alias. Text
-under a static condition is marked, for the linker to keep or drop. A few pieces thus make any
-number of programs; the linker of a page, `viewer/web/link.js`, follows the names that an entry
-uses.
+under a static condition is marked, for the linker to keep or drop, and so is each name of a piece
+where it is used. A few pieces thus make any number of programs; the linker of a page,
+`viewer/web/link.js`, follows the names that an entry uses.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from basrelief.lang import tree
+from basrelief.lang.bindings import Binding, bindings
 from basrelief.lang.frontend import Bindings, analyse_library, bound_types
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import flatten_parameter
 from basrelief.lang.shader import Shader, accepted_parameters
-from basrelief.lang.targets.wgsl import Binding, WgslPrinter, bindings
-from basrelief.lang.tree import Condition
-from basrelief.lang.types import ShaderError
+from basrelief.lang.targets.wgsl import WgslPrinter
+
+IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
+"""Delimiters of a static condition's number and its two texts: private-use characters."""
+NAME = "\ue004"
+"""Delimiter on both sides of the name of a piece or slot where it is used."""
 
 
 @dataclass
 class Library:
-    """WGSL texts to link. Static conditions in them are numbered.
+    """WGSL texts to link, with marks for static conditions, which are numbered, and names.
 
     Attributes
     ----------
@@ -46,7 +50,7 @@ class Library:
     pieces: dict[str, str] = field(default_factory=dict)
     slots: dict[str, dict[str, str]] = field(default_factory=dict)
     entries: dict[str, str] = field(default_factory=dict)
-    conditions: list[Condition] = field(default_factory=list)
+    conditions: list[tree.Condition] = field(default_factory=list)
     bindings: dict[str, list[Binding]] = field(default_factory=dict)
     names: dict[Any, str] = field(default_factory=dict)
 
@@ -67,6 +71,24 @@ def library_of(
     return _LibraryBuilder(entries, options).library
 
 
+class _Printer(WgslPrinter):
+    """Printer that marks static conditions and names."""
+
+    def __init__(
+        self, functions: Sequence[tree.Function], entries: Sequence[tree.Function]
+    ) -> None:
+        super().__init__(functions, entries, None)
+        self.conditions: dict[tree.Condition, int] = {}
+        """Static conditions and their numbers."""
+
+    def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
+        number = self.conditions.setdefault(condition, len(self.conditions))
+        return f"{IF}{number}{THEN}{then}{ELSE}{otherwise}{END}"
+
+    def reference(self, obj: Any) -> str:
+        return f"{NAME}{self.scope[obj]}{NAME}"
+
+
 class _LibraryBuilder:
     """Builds a library: names first, since all pieces share them, then texts."""
 
@@ -80,7 +102,7 @@ class _LibraryBuilder:
         self.functions = analyse_library(every)
         tops = [self.functions[entry] for entry in entries]
         self.check_slots()
-        self.printer = WgslPrinter(list(self.functions.values()), tops, None)
+        self.printer = _Printer(list(self.functions.values()), tops)
         self.types = self.bound_records()
         for slot, records in self.types.items():
             self.printer.assign_name(slot, slot.__name__)
@@ -95,9 +117,9 @@ class _LibraryBuilder:
         """Raise ShaderError for a slot without options."""
         for shader in self.functions:
             if shader.is_slot and not self.options.get(shader):
-                raise ShaderError(
-                    f"{shader.location}: the slot {shader.name} has no options; "
-                    "list the shaders that it can be bound to"
+                raise shader.error(
+                    f"the slot {shader.name} has no options; list the shaders that it can be bound "
+                    "to"
                 )
 
     def bound_records(self) -> dict[type, list[type]]:
@@ -123,7 +145,7 @@ class _LibraryBuilder:
         doc = "".join(f"// {line}".rstrip() + "\n" for line in function.doc.splitlines())
         return (
             f"{doc}fn {m.scope[function]}({parameters}) -> {m.type(function.result)} {{\n"
-            f"  return {m.scope[self.functions[shader]]}({passed});\n}}\n"
+            f"  return {m.reference(self.functions[shader])}({passed});\n}}\n"
         )
 
     def print_pieces(self, entries: Sequence[Shader[..., Any]]) -> None:
@@ -134,13 +156,10 @@ class _LibraryBuilder:
             + m.main_text(self.functions[entry])
             for entry in entries
         }
-        slots = self.slot_texts()
-        texts = {}
-        # helpers last, because printing functions decides which are needed
-        for text in (*m.record_texts(), *m.function_texts(), *m.needed_helper_texts()):
-            if _declared_name(text) not in slots:
-                texts[_declared_name(text)] = text
-        library.pieces, library.slots, library.conditions = texts, slots, list(m.conditions)
+        library.slots = self.slot_texts()
+        texts = m.declarations()
+        library.pieces = {name: text for name, text in texts.items() if name not in library.slots}
+        library.conditions = list(m.conditions)
         for entry, text in entry_texts.items():
             library.entries[entry.name] = text
             library.bindings[entry.name] = bindings(self.functions[entry])
@@ -157,12 +176,5 @@ class _LibraryBuilder:
         }
         for type_slot, records in self.types.items():
             name = m.scope[type_slot]
-            slots[name] = {m.scope[r]: f"alias {name} = {m.scope[r]};\n" for r in records}
+            slots[name] = {m.scope[r]: f"alias {name} = {m.reference(r)};\n" for r in records}
         return slots
-
-
-def _declared_name(text: str) -> str:
-    """Name of the function, record or alias that a text declares."""
-    match = re.search(r"^(?:fn|struct|alias) (\w+)", text, re.MULTILINE)
-    assert match is not None
-    return match[1]

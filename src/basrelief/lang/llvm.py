@@ -10,8 +10,8 @@ No fast-math and no contraction: every lane computes the same bits as the shader
 for any number of lanes.
 
 The compiled entry is `void run.rows(uniforms, resources, planes, plane_stride, row_stride, width,
-first_row, last_row)`; the end of this module describes the memory layout, which `engine/cpu.py`
-produces.
+first_row, last_row)`; the end of this module describes the memory layout, and `layout.py` that of
+resources.
 """
 
 from __future__ import annotations
@@ -24,8 +24,10 @@ from typing import Any
 import numpy as np
 
 from basrelief.lang import tree
-from basrelief.lang.frontend import elementary_functions
-from basrelief.lang.intrinsics import ELEMENTARY
+from basrelief.lang.elementary import ELEMENTARY
+from basrelief.lang.frontend import written_functions
+from basrelief.lang.intrinsics import INTRINSICS, Written
+from basrelief.lang.layout import HeaderWord
 from basrelief.lang.resources import is_handle
 from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
 from basrelief.lang.values import Mat3
@@ -50,10 +52,10 @@ def print_llvm(module: tree.Module, lanes: int) -> str:
     out = _ModuleState(lanes)
     text = [_FunctionPrinter(out, function).text() for function in module.functions]
     printed: set[str] = set()
-    while out.elementary - printed:
-        for name in sorted(out.elementary - printed):
+    while out.written - printed:
+        for name in sorted(out.written - printed):
             printed.add(name)
-            text.append(_FunctionPrinter(out, elementary_functions()[name], _MATH).text())
+            text.append(_FunctionPrinter(out, written_functions()[name], _MATH).text())
     text.append(_EntryPrinter(out, module.entry).text())
     return "\n".join([*sorted(out.declarations), "", *text, "!0 = !{}", ""])
 
@@ -67,7 +69,8 @@ class _ModuleState:
     def __init__(self, lanes: int) -> None:
         self.lanes = lanes
         self.declarations: set[str] = set()
-        self.elementary: set[str] = set()
+        self.written: set[str] = set()
+        """Names of the functions of `written_functions` that are called."""
         self.names = {
             float: f"<{lanes} x float>",
             int: f"<{lanes} x i32>",
@@ -162,7 +165,7 @@ class _InstructionPrinter:
 
     def lane_function(self, name: str, *arguments: str) -> str:
         suffix = f"v{self.out.lanes}f32"
-        return self.intrinsic(f"llvm.{name}.{suffix}", float, *((a, float) for a in arguments))
+        return self.intrinsic(f"{name}.{suffix}", float, *((a, float) for a in arguments))
 
     def to_int(self, x: str) -> str:
         """Conversion to int: truncated, clamped, NaN to 0; `llvm.fptosi.sat` is not vectorized."""
@@ -488,6 +491,10 @@ class _FunctionPrinter(_InstructionPrinter):
                 return [self.not_mask(self.value(operand)[0])]
             case tree.Unary(t, _, operand):
                 return [self.negate(v, _component(t)) for v in self.value(operand)]
+            case tree.Binary(t, "//", left, right):
+                return self.call_written("floor_divide", t, (left, right))
+            case tree.Binary(t, "%", left, right):
+                return self.call_written("floor_modulo", t, (left, right))
             case tree.Binary():
                 return self.binary(node)
             case tree.Compare(_, symbol, left, right):
@@ -511,12 +518,12 @@ class _FunctionPrinter(_InstructionPrinter):
                 values = [v for part in parts for v in self.value(part)]
                 spread = t in VECTORS and len(values) == 1
                 return values * VECTORS[t][1] if spread else values
-            case tree.IntrinsicCall(name=name):
-                return _INTRINSICS[name](self, node)
-            case tree.Call(_, function, arguments):
+            case tree.IntrinsicCall():
+                return self.intrinsic_call(node)
+            case tree.Call(t, function, arguments):
                 if self.prefix:
-                    self.out.elementary.add(function.name)
-                return self.call(self.prefix + function.name, function.result, arguments)
+                    return self.call_written(function.name, t, arguments)
+                return self.call(function.name, t, arguments)
             case tree.Item(t, buffer, index):
                 return self.item(t, buffer, self.value(index)[0])
         raise AssertionError(node)
@@ -549,27 +556,7 @@ class _FunctionPrinter(_InstructionPrinter):
     def scalar_binary(self, symbol: str, a: str, b: str, t: type) -> str:
         if t is float:
             return self.operation(_FLOAT_OPERATION[symbol], a, b, float)
-        if symbol in ("//", "%"):
-            return self.floor_division(a, b)[symbol == "%"]
         return self.operation(_INT_OPERATION[symbol], a, b, int)
-
-    def floor_division(self, a: str, b: str) -> tuple[str, str]:
-        """Quotient and remainder rounded as in Python; both are 0 for a division by 0."""
-        zero = self.compare("==", b, "zeroinitializer", int)
-        minus_one = self.compare("==", b, self.out.constant(-1, int), int)
-        # lanes in which the processor's division would trap divide by 1
-        trap = self.operation("or", zero, minus_one, bool)
-        divisor = self.select(trap, self.out.constant(1, int), b, int)
-        quotient = self.integer("sdiv", a, divisor)
-        rest = self.integer("sub", a, self.integer("mul", quotient, divisor))
-        uneven = self.compare("!=", rest, "zeroinitializer", int)
-        signs = self.compare("<", self.integer("xor", rest, divisor), "zeroinitializer", int)
-        adjust = self.and_masks(uneven, signs)
-        quotient = self.select(adjust, self.integer("sub", quotient, 1), quotient, int)
-        rest = self.select(adjust, self.integer("add", rest, divisor), rest, int)
-        quotient = self.select(minus_one, self.negate(a, int), quotient, int)
-        zeros = "zeroinitializer"
-        return self.select(zero, zeros, quotient, int), self.select(trap, zeros, rest, int)
 
     def transform(self, m: Leaves, v: Leaves) -> Leaves:
         """Matrix times vector; columns are added in order."""
@@ -600,6 +587,19 @@ class _FunctionPrinter(_InstructionPrinter):
             self.define(f"extractvalue {result} {aggregate}, {index}") for index in range(_width(t))
         ]
 
+    def call_written(self, name: str, t: Any, arguments: Sequence[tree.Expression]) -> Leaves:
+        """Call a function of `written_functions`."""
+        self.out.written.add(name)
+        return self.call(_MATH + name, t, arguments)
+
+    def intrinsic_call(self, node: tree.IntrinsicCall) -> Leaves:
+        spelling = INTRINSICS[node.name].spelling.get("llvm")
+        if spelling is None:
+            return _INTRINSICS[node.name](self, node)
+        if isinstance(spelling, Written):
+            return self.call_written(spelling, node.type, node.arguments)
+        return [self.lane_function(spelling, *scalars) for scalars in _spread(self, node)]
+
     # --- resources ------------------------------------------------------------------------------
 
     def handle(self, node: tree.Expression) -> str:
@@ -616,14 +616,14 @@ class _FunctionPrinter(_InstructionPrinter):
 
     def level(self, handle: str, level: str) -> dict[str, str]:
         """Size and offset of a level; the level is clamped to those of the map."""
-        last = self.integer("sub", self.header_word(handle, 2), 1)
+        last = self.integer("sub", self.header_word(handle, HeaderWord.COUNT), 1)
         index = self.int_bound("smin", self.int_bound("smax", level, 0), last)
         info = {}
-        for field, name in enumerate(("width", "height"), 4):
+        for field, name in ((HeaderWord.WIDTH, "width"), (HeaderWord.HEIGHT, "height")):
             # each level is half of the one before: a shift is cheaper than a load
             halved = self.integer("lshr", self.header_word(handle, field), index)
             info[name] = self.int_bound("smax", halved, 1)
-        word = self.integer("add", index, _HEADER_WORDS)
+        word = self.integer("add", index, HeaderWord.OFFSETS)
         info["first"] = self.vector_of(self.gather(handle, word, "i32"), "i32")
         info["stride"] = self.integer("add", info["width"], 2)
         return info
@@ -641,7 +641,7 @@ class _FunctionPrinter(_InstructionPrinter):
         handle = self.handle(buffer)
         kinds = [leaf for _, leaf in leaves(record)]
         # an unsigned minimum, so that a negative index reads the last item too
-        index = self.int_bound("umin", index, self.header_word(handle, 3))
+        index = self.int_bound("umin", index, self.header_word(handle, HeaderWord.LAST))
         first = self.integer("mul", index, len(kinds))
         base = self.data(handle)
         values = []
@@ -687,7 +687,7 @@ def _mix(p: _FunctionPrinter, a: str, b: str, t: str) -> str:
 
 
 def _fraction(p: _FunctionPrinter, x: str) -> str:
-    return p.operation("fsub", x, p.lane_function("floor", x), float)
+    return p.operation("fsub", x, p.lane_function("llvm.floor", x), float)
 
 
 def _componentwise(function: Any) -> Any:
@@ -701,7 +701,7 @@ def _of_leaves(function: Any) -> Any:
 
 
 def _length(p: _FunctionPrinter, v: Leaves) -> str:
-    return p.lane_function("sqrt", p.dot(v, v))
+    return p.lane_function("llvm.sqrt", p.dot(v, v))
 
 
 def _normalize(p: _FunctionPrinter, v: Leaves) -> Leaves:
@@ -745,7 +745,7 @@ def _saturate(p: _FunctionPrinter, x: str) -> str:
 def _absolute(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     x = p.value(node.arguments[0])[0]
     if node.type is float:
-        return [p.lane_function("fabs", x)]
+        return [p.lane_function("llvm.fabs", x)]
     negative = p.compare("<", x, "zeroinitializer", int)
     return [p.select(negative, p.negate(x, int), x, int)]
 
@@ -772,13 +772,8 @@ def _reinterpret(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     return [p.define(f"bitcast {source} {p.value(node.arguments[0])[0]} to {target}")]
 
 
-def _elementary(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    p.out.elementary.add(node.name)
-    return p.call(_MATH + node.name, float, node.arguments)
-
-
 def _count(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    return [p.header_word(p.handle(node.arguments[0]), 2)]
+    return [p.header_word(p.handle(node.arguments[0]), HeaderWord.COUNT)]
 
 
 def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
@@ -787,7 +782,10 @@ def _size(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 def _corners(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
-    """Two 64-bit loads a lane, each of two adjacent texels."""
+    """Two 64-bit loads a lane, each of two adjacent texels.
+
+    Not `helpers.corners`, which has four loads, and computes the border that is in memory here.
+    """
     handle = p.handle(node.arguments[0])
     cell = p.value(node.arguments[1])
     level = p.level(handle, p.value(node.arguments[2])[0])
@@ -822,16 +820,14 @@ def _stored(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
 
 
 _INTRINSICS: dict[str, Any] = {
-    "sqrt": _componentwise(lambda p, x: p.lane_function("sqrt", x)),
-    "floor": _componentwise(lambda p, x: p.lane_function("floor", x)),
     "fract": _componentwise(_fraction),
     "minimum": _componentwise(_minimum),
     "maximum": _componentwise(_maximum),
     "clamp": _componentwise(_clamp),
     "saturate": _componentwise(_saturate),
     "mix": _componentwise(_mix),
-    "copysign": _componentwise(lambda p, x, sign: p.lane_function("copysign", x, sign)),
     "smoothstep": _componentwise(_smoothstep),
+    "truncated_quotient": _componentwise(lambda p, a, b: p.integer("sdiv", a, b)),
     "dot": _of_leaves(lambda p, a, b: [p.dot(a, b)]),
     "length": _of_leaves(lambda p, v: [_length(p, v)]),
     "normalize": _of_leaves(_normalize),
@@ -851,8 +847,8 @@ _INTRINSICS: dict[str, Any] = {
     "corners": _corners,
     "texel": _texel,
     "stored": _stored,
-    **dict.fromkeys(ELEMENTARY, _elementary),
 }
+"""Instructions of the intrinsics that are neither an LLVM intrinsic nor written as a shader."""
 
 
 # --- costs and exits -----------------------------------------------------------------------------
@@ -920,12 +916,8 @@ def _width(t: Any) -> int:
 # --- the entry -----------------------------------------------------------------------------------
 #
 # uniforms: the scalars of the entry's records, 32 bits each, in order.
-# resources: a pointer for each handle, to a header. It has a data pointer (8 bytes), then 32-bit
-# words: the number of levels or items, the index of the last item (0 for none), and for a map the
-# width and height of level 0 and the offset of each level in elements.
+# resources: a pointer for each handle, to its `layout.header`.
 # planes: a plane of 32-bit words for each scalar of the result, rows `row_stride` words apart.
-
-_HEADER_WORDS = 6
 
 
 class _EntryPrinter(_InstructionPrinter):

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from basrelief.lang import tree
 from basrelief.lang.frontend import analyse, bound_types
+from basrelief.lang.intrinsics import intrinsic_of
 from basrelief.lang.resources import (
     Edge,
     Filter,
@@ -25,7 +26,6 @@ from basrelief.lang.resources import (
 from basrelief.lang.shader import Shader, canonical_code
 from basrelief.lang.types import (
     SCALARS,
-    ShaderError,
     fields_of,
     is_record,
     is_static,
@@ -60,16 +60,16 @@ class Program:
     def __post_init__(self) -> None:
         parameters, result = self.entry.signature
         if next(iter(parameters.values()), None) is not IVec2 or not is_record(result):
-            raise ShaderError(
-                f"{self.entry.location}: the entry {self.entry.name} must take a pixel: IVec2 "
-                "first and return a record"
+            raise self.entry.error(
+                f"the entry {self.entry.name} must take a pixel: IVec2 first and return a record"
             )
         self._check_parameters()
         for name, t in parameters.items():
             if is_static(t) and not isinstance(self.variant, t):
-                raise ShaderError(
-                    f"{self.entry.location}: the entry {self.entry.name} takes {name}: "
-                    f"{t.__name__}; pass one to Program as `variant`"
+                raise self.entry.error(
+                    f"the entry {self.entry.name} takes {name}: {t.__name__}; pass one to Program "
+                    "as `variant`",
+                    name,
                 )
 
     def _check_parameters(self) -> None:
@@ -78,9 +78,8 @@ class Program:
         for name, t in self.parameters.items():
             record = buffer_record(t)
             if record is not None and record in seen:
-                raise ShaderError(
-                    f"{self.entry.location}: {name}: there is already a Buffer[{record.__name__}]; "
-                    "merge the two"
+                raise self.entry.error(
+                    f"there is already a Buffer[{record.__name__}]; merge the two", name
                 )
             seen.add(record)
 
@@ -153,7 +152,9 @@ class _Contents:
         self.names: list[tuple[Shader[..., Any], str, Any]] = []
 
     def visit(self, obj: Any) -> None:
-        if isinstance(obj, Shader) or is_record(obj) or members_of(obj):
+        if intrinsic_of(obj) is not None:
+            self.parts.append(obj.__name__.encode())
+        elif isinstance(obj, Shader) or is_record(obj) or members_of(obj):
             if obj in self.seen:
                 self.parts.append(f"the same as {self.seen[obj]}".encode())
                 return
@@ -184,7 +185,7 @@ class _Contents:
         if shader.is_slot:
             bound = self.program.bindings.get(shader)
             if bound is None:
-                raise ShaderError(f"{shader.location}: the slot {shader.name} is not bound")
+                raise shader.error(f"the slot {shader.name} is not bound; pass a shader for it")
             self.visit(bound)
             return
         code = shader.function.__code__

@@ -14,6 +14,7 @@ import functools
 import inspect
 import linecache
 import sys
+import textwrap
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from types import CodeType
@@ -26,6 +27,7 @@ from basrelief.lang.types import ShaderError, coerce, is_record, is_type_slot
 
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
+INT_RANGE = "an int has 32 bits; write a number from -2147483648 to 2147483647"
 _context = threading.local()
 _LOAD_GLOBAL, _EXTENDED = dis.opmap["LOAD_GLOBAL"], dis.opmap["EXTENDED_ARG"]
 
@@ -55,16 +57,15 @@ class Shader(Generic[P, R]):
         try:
             hints = inspect.get_annotations(self.function, eval_str=True)
         except Exception as error:
-            raise ShaderError(
-                f"{self.location}: {self.name}: an annotation fails: {error}"
-            ) from None
+            raise self.error(f"an annotation of {self.name} fails: {error}; correct it") from None
         names = list(inspect.signature(self.function).parameters)
         for name in [*names, "return"]:
             if name not in hints:
                 what = "result" if name == "return" else f"parameter {name}"
-                raise ShaderError(
-                    f"{self.location}: {self.name}: the {what} has no type; annotate it, "
-                    "for example `x: float` or `-> Vec3`"
+                raise self.error(
+                    f"the {what} of {self.name} has no type; annotate it, as in `x: float` or "
+                    "`-> Vec3`",
+                    name,
                 )
         return {name: hints[name] for name in names}, hints["return"]
 
@@ -73,6 +74,17 @@ class Shader(Generic[P, R]):
         """File and line of the definition."""
         code = self.function.__code__
         return f"{code.co_filename}:{code.co_firstlineno}"
+
+    def error(self, message: str, parameter: str = "") -> ShaderError:
+        """Error at the definition, or at one of its parameters, or at its "return" type."""
+        try:
+            source = self.source
+        except ShaderError:
+            return ShaderError(f"{self.location}: {message}")
+        arguments = [n for n in ast.walk(source.tree.args) if isinstance(n, ast.arg)]
+        nodes: dict[str, ast.AST | None] = {argument.arg: argument for argument in arguments}
+        nodes["return"] = source.tree.returns
+        return source.error(nodes.get(parameter) or source.tree, message)
 
     def lookup(self, name: str) -> Any:
         """Value of a global or enclosing name. Raises KeyError for an unknown one."""
@@ -234,10 +246,7 @@ class Source:
                 "load it again"
             )
         if place not in file.functions:
-            text = self.lines[self.first_line - 1].strip()
-            raise ShaderError(
-                f"{self.file}:{self.first_line}: `{text}`: a shader must be a plain `def`"
-            )
+            raise self.error_in_line(self.first_line, "a shader must be a plain `def`; write one")
         self.tree = file.functions[place]
 
     def comments_before(self, line: int) -> tuple[str, ...]:
@@ -250,10 +259,32 @@ class Source:
         return tuple(comments)
 
     def error(self, node: ast.AST, message: str) -> ShaderError:
-        """Error with the file, the line and the text of a node."""
-        line = getattr(node, "lineno", self.first_line)
-        text = ast.unparse(node).splitlines()[0]
-        return ShaderError(f"{self.file}:{line}: `{text}`: {message}")
+        """Error with the file and line of a node, and carets under its text in that line."""
+        place: Any = node
+        line = self.lines[place.lineno - 1].rstrip()
+        # columns of syntax trees count bytes
+        first, last = (
+            len(line.encode()[:column].decode(errors="replace"))
+            for column in (place.col_offset, place.end_col_offset)
+        )
+        if isinstance(node, ast.FunctionDef):
+            last = line.find("(")
+        elif place.end_lineno > place.lineno:
+            last = len(line)
+        return self.error_in_line(place.lineno, message, first, last)
+
+    def error_in_line(
+        self, number: int, message: str, first: int = 0, last: int | None = None
+    ) -> ShaderError:
+        """Error with a line of the file, and carets under its columns first … last − 1."""
+        line = self.lines[number - 1].rstrip()
+        first = max(first, len(line) - len(line.lstrip()))
+        last = len(line) if last is None else last
+        blank = "".join(c if c == "\t" else " " for c in line[:first])
+        carets = blank + "^" * max(1, last - first)
+        error = ShaderError(f"{self.file}:{number}: {message}")
+        error.excerpt = textwrap.indent(textwrap.dedent(f"{line}\n{carets}"), "    ")
+        return error
 
 
 class _ParsedFile(NamedTuple):
@@ -343,7 +374,7 @@ class _Rewriter(ast.NodeTransformer):
 
     def _number(self, value: Any, node: ast.AST) -> ast.AST:
         if isinstance(value, int) and not -(2**31) <= value < 2**31:
-            raise self.shader.source.error(node, "an int has 32 bits; this number needs more")
+            raise self.shader.source.error(node, INT_RANGE)
         scalar = np.float32(value) if isinstance(value, float) else np.int32(value)
         return self._capture(f"_number_{len(self.captured)}", scalar, node)
 

@@ -44,9 +44,15 @@ def specialize(
     return tree.Module(results, entry_function)
 
 
-def library_functions(functions: Functions) -> dict[Shader[..., Any], tree.Function]:
-    """The same functions with their slots, type slots, static conditions and parameters."""
-    specializer = _LibrarySpecializer(functions, {}, {}, lambda name: None)
+def library_functions(
+    functions: Functions, static_value: Callable[[str], Any] | None = None
+) -> dict[Shader[..., Any], tree.Function]:
+    """The same functions with their slots, type slots and parameters.
+
+    Static conditions stay undecided, unless `static_value` gives the values of all fields.
+    """
+    specializer = _LibrarySpecializer(functions, {}, {}, static_value or (lambda name: None))
+    specializer.decides = static_value is not None
     return {shader: specializer.function(shader) for shader in functions}
 
 
@@ -116,7 +122,7 @@ class _Specializer:
         if not is_type_slot(t):
             return t
         if t not in self.types:
-            raise ShaderError(f"the type slot {t.__name__} is not bound")
+            raise ShaderError(f"the type slot {t.__name__} is not bound; bind its slot")
         return self.types[t]
 
 
@@ -124,6 +130,7 @@ class _LibrarySpecializer(_Specializer):
     """Keeps everything, for functions that any program may link."""
 
     keeps_everything = True
+    decides = False
 
     def resolve_call(
         self, shader: Shader[..., Any], arguments: tuple[tree.Expression, ...]
@@ -131,7 +138,7 @@ class _LibrarySpecializer(_Specializer):
         return self.function(shader), iter(arguments)
 
     def evaluate(self, condition: tree.Condition) -> bool | None:
-        return None
+        return super().evaluate(condition) if self.decides else None
 
     def type_of(self, t: Any) -> Any:
         return t

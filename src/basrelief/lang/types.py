@@ -29,7 +29,7 @@ _T = TypeVar("_T")
 
 
 class ShaderError(BasreliefError):
-    """Source outside the shader subset: file, line, offending text, what to write instead."""
+    """Source outside the shader subset: file, line, what to write instead, and the source line."""
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(setting,))

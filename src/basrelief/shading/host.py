@@ -8,12 +8,17 @@ coordinates and the visibility of a light, and shades by itself.
 from __future__ import annotations
 
 from basrelief.lang import HeightField, Texture, Vec2, Vec3, shader
-from basrelief.shading.relief import ReliefParameters, offset_per_height
+from basrelief.shading.relief import (
+    ReliefParameters,
+    falling_ray,
+    offset_per_height,
+    rising_ray,
+)
 from basrelief.shading.self_shadow import Shadowing, light_visibility
 from basrelief.shading.variant import Variant
 from basrelief.techniques.height import sharp
 from basrelief.techniques.projection import MIN_COSINE
-from basrelief.techniques.ray import Hit, Ray
+from basrelief.techniques.ray import Hit
 from basrelief.techniques.technique import Settings, displace
 
 
@@ -33,18 +38,8 @@ def host_hit(
     `uv` is where the ray meets the polygon, `view` the unit vector to the viewer in tangent space,
     `aspect` the width of a tile divided by its height.
     """
-    offset = offset_per_height(view, relief.bias, variant) * -relief.scale
-    # v runs down where y runs up
-    travel = Vec2(offset.x, -offset.y * aspect)
-    ray = Ray(
-        uv=uv + travel * (relief.reference_height - 1.0),
-        travel=travel,
-        height=1.0,
-        drop=1.0,
-        cosine=view.z,
-        reference_height=relief.reference_height,
-        scale=relief.scale,
-    )
+    travel = in_tiles(offset_per_height(view, relief.bias, variant) * -relief.scale, aspect)
+    ray = falling_ray(uv, travel, view.z, relief.reference_height, relief.scale, 0.0, 0.0)
     return displace(field, baked, ray, settings)
 
 
@@ -65,14 +60,13 @@ def host_self_shadow(
     if light.z <= MIN_COSINE:
         return 0.0
     height = sharp(field, uv)
-    climb = 1.0 - height
-    move = light.xy * (relief.scale * climb / light.z)
-    ray = Ray(
-        uv=uv,
-        travel=Vec2(move.x, -move.y * aspect),
-        height=height,
-        drop=-climb,
-        cosine=light.z,
-        scale=relief.scale,
-    )
+    travel = in_tiles(light.xy * (relief.scale * (1.0 - height) / light.z), aspect)
+    ray = rising_ray(uv, height, travel, light.z, relief.scale, 0.0, 0.0)
     return light_visibility(field, ray, shadowing, variant).visibility
+
+
+@shader
+def in_tiles(offset: Vec2, aspect: float) -> Vec2:
+    """An offset in tangent space, in tile widths, as one of texture coordinates: v runs down where
+    y runs up."""
+    return Vec2(offset.x, -offset.y * aspect)

@@ -202,23 +202,64 @@ def relief_ray(
     fade: float,
     variant: Variant,
 ) -> Ray:
-    """The technique's ray through the whole relief, from height 1 to 0, by the projection.
+    """The technique's ray through the relief of an intersection, by the projection.
 
-    With D the height range, travel = −D · offset per height, in texture coordinates. The ray meets
-    the polygon at the reference height, so it starts at uv + travel · (reference_height − 1).
+    With D the height range, travel = −D · offset per height, in texture coordinates.
     """
     travel = to_texture(
         intersection.frame,
         offset_per_height(intersection.view, relief.bias, variant) * -height_range,
     )
+    return falling_ray(
+        intersection.uv,
+        travel,
+        intersection.view.z,
+        relief.reference_height,
+        height_range / intersection.frame.width,
+        lod,
+        fade,
+    )
+
+
+@shader
+def falling_ray(
+    uv: Vec2,
+    travel: Vec2,
+    cosine: float,
+    reference_height: float,
+    scale: float,
+    lod: float,
+    fade: float,
+) -> Ray:
+    """The ray through the whole relief, from height 1 to 0, that meets the polygon at `uv`.
+
+    It does so at the reference height, so it starts at uv + travel · (reference_height − 1).
+    """
     return Ray(
-        uv=intersection.uv + travel * (relief.reference_height - 1.0),
+        uv=uv + travel * (reference_height - 1.0),
         travel=travel,
         height=1.0,
         drop=1.0,
-        cosine=intersection.view.z,
-        reference_height=relief.reference_height,
-        scale=height_range / intersection.frame.width,
+        cosine=cosine,
+        reference_height=reference_height,
+        scale=scale,
+        lod=lod,
+        fade=fade,
+    )
+
+
+@shader
+def rising_ray(
+    uv: Vec2, height: float, travel: Vec2, cosine: float, scale: float, lod: float, fade: float
+) -> Ray:
+    """The ray from a point of the relief to a light, up to height 1."""
+    return Ray(
+        uv=uv,
+        travel=travel,
+        height=height,
+        drop=-(1.0 - height),
+        cosine=cosine,
+        scale=scale,
         lod=lod,
         fade=fade,
     )
@@ -336,15 +377,9 @@ def self_shadow_visibility(
         height = surface_height(field, uv, relief_hit.lod, smoothing.mip_fade)
     climb = 1.0 - height
     whole = relief_hit.scale * intersection.frame.width / light.z
-    ray = Ray(
-        uv=uv,
-        travel=to_texture(intersection.frame, light.xy * (whole * climb)),
-        height=height,
-        drop=-climb,
-        cosine=light.z,
-        scale=relief_hit.scale,
-        lod=relief_hit.lod,
-        fade=smoothing.mip_fade,
+    travel = to_texture(intersection.frame, light.xy * (whole * climb))
+    ray = rising_ray(
+        uv, height, travel, light.z, relief_hit.scale, relief_hit.lod, smoothing.mip_fade
     )
     interval = Interval(0.0, whole * climb / length(towards))
     hit = trace(field, baked, ray, interval, settings, shadowing, True, variant)

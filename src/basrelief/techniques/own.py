@@ -19,7 +19,7 @@ def technique_from_file(file: str, name: str) -> Technique[..., Any]:
     """Load the technique or shader `name` from a Python file and check it.
 
     Raises InputError for a missing file or name, for a file that fails to run, and for a function
-    that is not a technique; ShaderError, with file and line, for a signature that does not fit.
+    that is not a technique; ShaderError for a signature that does not fit.
     """
     path = Path(file)
     if not path.is_file():
@@ -69,14 +69,11 @@ def checked_technique(value: Any) -> Technique[..., Any]:
         raise InputError(f"{name} is no technique; mark one with @technique()")
     marked = value if isinstance(value, Technique) else Technique(value.function)
     if not is_record(marked.settings):
-        raise InputError(
-            f"{marked.location}: {marked.name}: its settings are no record; make one with "
-            "@struct, or take Nothing"
+        raise marked.error(
+            f"the settings of {marked.name} are no record; make one with @struct, or take Nothing",
+            list(marked.signature[0])[-1],
         )
     bound_types({displace: marked})
     if Texture in marked.signature[0].values() and marked.bake is None:
-        raise InputError(
-            f"{marked.location}: {marked.name} takes a table; say which, as "
-            "@technique(bake=CONE_MAP)"
-        )
+        raise marked.error(f"{marked.name} takes a table; name it, as in @technique(bake=CONE_MAP)")
     return marked

@@ -10,13 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.lang.layout import align_and_size, offsets
+from basrelief.lang import Mat3
+from basrelief.lang.layout import align_and_size, offsets, words
 from basrelief.lang.types import VECTORS, fields_of, is_record, leaf_values
 
 
 def layouts(names: Mapping[Any, str]) -> dict[str, Any]:
-    """Layouts by the record's name: size and alignment in words; names, types, offsets."""
-    return {
+    """Layouts by the record's name: size and alignment in words; names, types, offsets.
+
+    The numbers of a matrix have offsets of their own, `scalars`.
+    """
+    matrix = {"words": 12, "align": 4, "fields": [], "scalars": [*words(Mat3)]}
+    return {Mat3.__name__: matrix} | {
         name: {
             "words": align_and_size(record)[1] // 4,
             "align": align_and_size(record)[0] // 4,
@@ -45,7 +50,7 @@ def json_value(value: Any) -> Any:
     t = type(value)
     if is_record(t):
         return {name: json_value(getattr(value, name)) for name in fields_of(t)}
-    if t.__name__ == "Mat3" or t in VECTORS:
+    if t is Mat3 or t in VECTORS:
         return [_short(leaf) for leaf in leaf_values(value, t)]
     return _short(value)
 

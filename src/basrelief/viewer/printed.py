@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from basrelief.lang import Shader
+from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN
 from basrelief.lang.library import Library, library_of
 from basrelief.lang.resources import buffer_record, members_of
 from basrelief.rendering.programs import SURFACES
@@ -56,6 +57,7 @@ class ProgramLibrary:
                         # pages name maps without the prefix of their group
                         "name": binding.name.removeprefix("maps_"),
                         "type": _type_name(binding.type, library.names),
+                        "access": binding.access,
                     }
                     for binding in bindings
                 ]
@@ -63,6 +65,11 @@ class ProgramLibrary:
             },
             "bound": self.bound,
             "maps": [*members_of(SurfaceMaps)],
+            "group": GROUP,
+            "run": RUN,
+            "formats": {
+                kind.__name__: [form.texels, form.texel_bytes] for kind, form in MAP_FORMATS.items()
+            },
         }
 
 

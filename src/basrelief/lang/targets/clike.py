@@ -9,16 +9,16 @@ and comments of the shaders are kept, so that the text can be read. After Slang'
 from __future__ import annotations
 
 import math
-import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 
 from basrelief.lang import tree
-from basrelief.lang.frontend import elementary_functions
-from basrelief.lang.resources import buffer_record
+from basrelief.lang.frontend import written_functions
+from basrelief.lang.intrinsics import INTRINSICS, Componentwise, Text, Written
+from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, is_record
 
 
@@ -28,27 +28,35 @@ class ModulePrinter(ABC):
     types: ClassVar[Mapping[Any, str]]
     """Spelling of the types that are not records."""
     reserved_words: ClassVar[frozenset[str]]
-    """Keywords and built-in names of the language, which may not be used as names."""
+    """Keywords and built-in names of the language, beside its intrinsics."""
     declared_names: ClassVar[frozenset[str]]
     """Names that the printer declares at module scope; fields may have them too."""
-    helper_texts: Mapping[str, str]
-    """Helper functions for intrinsics that the language lacks, by name, callees before callers."""
     function_printer: type[FunctionPrinter]
 
-    def __init__(self, functions: Sequence[tree.Function], reserved: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        functions: Sequence[tree.Function],
+        edge: Edge | None = None,
+        reserved: Iterable[str] = (),
+    ) -> None:
         self.functions = functions
-        self.helpers: set[str] = set()
-        """Helpers that the functions printed so far need."""
-        self.elementary: set[str] = set()
-        """Elementary functions, written as shaders, that they need."""
+        language = self.function_printer.language
+        spellings = {name: i.spelling.get(language, name) for name, i in INTRINSICS.items()}
+        natives = {n: s for n, s in spellings.items() if not isinstance(s, Written)}
+        written = written_functions(edge)
+        self.written = {name: f for name, f in written.items() if name not in natives}
+        """Functions that intrinsics and operators are printed as, by name."""
+        self.needed: set[tree.Function] = set()
+        """Those of them that the functions printed so far call."""
         self.records: dict[Any, None] = {}
         for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
                 self.add_record(t)
-        self.reserved = {*self.reserved_words, *self.declared_names, *reserved}
+        names = [s for s in natives.values() if not isinstance(s, Text)]
+        self.reserved = {*self.reserved_words, *self.declared_names, *names, *reserved}
         self.scope: dict[Any, str] = {}
         """Unique names of functions and records."""
-        for function in [*functions, *elementary_functions().values()]:
+        for function in [*functions, *self.written.values()]:
             self.assign_name(function, function.name)
         for record in self.records:
             self.assign_name(record, record.__name__)
@@ -73,7 +81,11 @@ class ModulePrinter(ABC):
         return f"{name}_" if name in self.reserved_words else name
 
     def type(self, t: Any) -> str:
-        return self.types[t] if t in self.types else self.scope[t]
+        return self.types[t] if t in self.types else self.reference(t)
+
+    def reference(self, obj: Any) -> str:
+        """Name of a function or type of the module, where it is used."""
+        return self.scope[obj]
 
     def is_passed(self, t: Any) -> bool:
         """Whether a value of this type is passed to functions; buffers are global."""
@@ -86,15 +98,15 @@ class ModulePrinter(ABC):
         """
         raise AssertionError(condition)
 
-    def function_texts(self) -> Iterator[str]:
-        """Texts of the functions, and of the elementary functions that they need."""
-        for function in self.functions:
-            yield self.function_printer(self, function).text()
-        printed: set[str] = set()
-        while self.elementary - printed:
-            for name in sorted(self.elementary - printed):
-                printed.add(name)
-                yield self.function_printer(self, elementary_functions()[name]).text()
+    def function_texts(self) -> dict[str, str]:
+        """Texts of the functions by name, and before them of the written ones that they call."""
+        texts = {f: self.function_printer(self, f).text() for f in self.functions}
+        # callers first, since printing them decides which are needed
+        for function in reversed(self.written.values()):
+            if function in self.needed:
+                texts[function] = self.function_printer(self, function).text()
+        order = [*self.written.values(), *self.functions]
+        return {self.scope[f]: texts[f] for f in order if f in texts}
 
     def parameter_names(self, function: tree.Function) -> dict[str, str]:
         """Unique names of the parameters of a function that are passed."""
@@ -105,26 +117,17 @@ class ModulePrinter(ABC):
     def record_text(self, record: Any) -> str:
         """Text of the declaration of a record."""
 
-    def record_texts(self) -> Iterator[str]:
-        yield from map(self.record_text, self.records)
-
-    def needed_helper_texts(self) -> Iterator[str]:
-        """Texts of the helpers that the functions printed so far need."""
-        yield from (text for name, text in self.helper_texts.items() if name in self.helpers)
-
-    def functions_text(self) -> str:
-        """Text of the functions, and of the records and helpers that they need."""
-        functions = list(self.function_texts())
-        return "\n".join([*self.record_texts(), *self.needed_helper_texts(), *functions])
+    def declarations(self) -> dict[str, str]:
+        """Texts of the functions, and of all that they need, by name, callees before callers."""
+        functions = self.function_texts()
+        return {self.scope[r]: self.record_text(r) for r in self.records} | functions
 
 
 class FunctionPrinter:
     """Printer of one function."""
 
-    spelling: ClassVar[Mapping[str, str]] = {}
-    """Intrinsics whose name differs, or whose helper has another name."""
-    own_functions: ClassVar[frozenset[str]] = frozenset()
-    """Intrinsics that are printed as calls of elementary functions, not of built-in ones."""
+    language: ClassVar[str]
+    """Name of the target in the spellings of intrinsics."""
 
     def __init__(self, module: Any, function: tree.Function) -> None:
         self.module = module
@@ -189,9 +192,18 @@ class FunctionPrinter:
 
     def intrinsic_call(self, node: tree.IntrinsicCall, texts: list[str]) -> str:
         """A call of an intrinsic, given the texts of its arguments."""
-        if node.name in self.module.helper_texts:
-            self.module.helpers.add(node.name)
-        return f"{self.spelling.get(node.name, node.name)}({', '.join(texts)})"
+        spelling = INTRINSICS[node.name].spelling.get(self.language, node.name)
+        if isinstance(spelling, Written):
+            return self.call(self.module.written[spelling], texts)
+        if isinstance(spelling, Text):
+            return spelling.format(*texts)
+        return f"{spelling}({', '.join(texts)})"
+
+    def call(self, function: tree.Function, texts: Iterable[str]) -> str:
+        """A call of a function of the module or of a written one."""
+        if function not in self.module.functions:
+            self.module.needed.add(function)
+        return f"{self.module.reference(function)}({', '.join(texts)})"
 
     def item(self, node: tree.Item) -> str:
         """An item of a buffer; a language without buffers refuses them before it prints."""
@@ -288,8 +300,7 @@ class FunctionPrinter:
                 return f"{'!' if operator == 'not' else '-'}{self.operand(operand, 8)}"
             case tree.Binary(_, operator, left, right) if operator in ("//", "%"):
                 name = "floor_divide" if operator == "//" else "floor_modulo"
-                self.module.helpers |= {name, "floor_divide"}
-                return f"{name}({self.arguments((left, right))})"
+                return self.call(self.module.written[name], map(self.argument, (left, right)))
             case tree.Infix(_, operator, left, right):
                 return self.infix(operator, left, right)
             case tree.Static(_, condition):
@@ -310,10 +321,8 @@ class FunctionPrinter:
             case tree.IntrinsicCall():
                 return self.intrinsic(node)
             case tree.Call(_, function, arguments):
-                if function not in self.module.functions:
-                    self.module.elementary.add(function.name)
-                passed = [a for a in arguments if self.module.is_passed(a.type)]
-                return f"{self.module.scope[function]}({self.arguments(passed)})"
+                passed = (self.argument(a) for a in arguments if self.module.is_passed(a.type))
+                return self.call(function, passed)
             case tree.Item():
                 return self.item(node)
         raise AssertionError(node)
@@ -327,7 +336,7 @@ class FunctionPrinter:
         if not math.isfinite(number):
             raise ShaderError(f"the number {value} is too large for float32; no language has it")
         text = str(number)
-        return text if re.search(r"[.e]", text) else f"{text}.0"
+        return text if set(text) & set(".e") else f"{text}.0"
 
     def arguments(self, nodes: Iterable[tree.Expression]) -> str:
         """Text of the arguments of a call."""
@@ -372,21 +381,13 @@ class FunctionPrinter:
         return 7 if text.startswith("-") else 9
 
     def intrinsic(self, node: tree.IntrinsicCall) -> str:
-        name, arguments = node.name, node.arguments
-        if name in self.own_functions:
-            self.module.elementary.add(name)
-            own = self.module.scope[elementary_functions()[name]]
-            return f"{own}({self.arguments(arguments)})"
-        texts = [self.argument(a) for a in arguments]
-        if name == "mix" and node.type in VECTORS and arguments[1].type is float:
-            texts[1] = f"{self.module.type(node.type)}({texts[1]})"
-        if name in SAME_TYPE_ARGUMENTS and node.type in VECTORS:
-            # shading languages want all arguments to have one type
+        texts = [self.argument(a) for a in node.arguments]
+        rule = INTRINSICS[node.name].rule
+        if isinstance(rule, Componentwise) and node.type in VECTORS:
             vector = self.module.type(node.type)
-            texts = [
-                f"{vector}({text})" if a.type in SCALARS else text
-                for text, a in zip(texts, arguments, strict=True)
-            ]
+            for index in range(rule.count - rule.scalars):
+                if node.arguments[index].type in SCALARS:
+                    texts[index] = f"{vector}({texts[index]})"
         return self.intrinsic_call(node, texts)
 
 
@@ -404,5 +405,3 @@ PRECEDENCE = {
 """Precedence of operators, higher binds tighter; that of bit operators is 0, so that they are
 always in parentheses, because languages disagree about it."""
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
-SAME_TYPE_ARGUMENTS = {"clamp", "minimum", "maximum"}
-"""Intrinsics that take a vector and scalars in Python, and only vectors in shading languages."""

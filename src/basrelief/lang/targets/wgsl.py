@@ -2,26 +2,21 @@
 
 Maps are textures read texel by texel: heights as `texture_2d<f32>`, other maps as `texture_2d<u32>`
 of 16-bit fractions. The shaders interpolate, so that all engines filter alike. Records are uniform
-buffers; a `Buffer` is a storage buffer that starts with its count. `engine/gpu.py` binds them in
-the order of `bindings`.
+buffers; a `Buffer` is a storage buffer that starts with its count. `bindings.py` describes them.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, assert_never
+from typing import Any, assert_never
 
 from basrelief.lang import tree
+from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN, bindings
 from basrelief.lang.layout import align_and_size
-from basrelief.lang.resources import Edge, HeightField, Texture, buffer_record, is_handle
+from basrelief.lang.resources import Edge, buffer_record
 from basrelief.lang.targets.clike import FunctionPrinter, ModulePrinter, is_finest
 from basrelief.lang.types import VECTORS, fields_of, is_record, leaves
 from basrelief.lang.values import IVec2, Mat3, Vec2, Vec3, Vec4
-
-GROUP = (8, 8)
-"""Width and height of a workgroup in pixels; among the fastest shapes measured."""
 
 _TYPES: dict[Any, str] = {
     float: "f32",
@@ -32,65 +27,21 @@ _TYPES: dict[Any, str] = {
     Vec4: "vec4f",
     IVec2: "vec2i",
     Mat3: "mat3x3f",
-    HeightField: "texture_2d<f32>",
-    Texture: "texture_2d<u32>",
+    **{kind: form.wgsl for kind, form in MAP_FORMATS.items()},
 }
-
-
-@dataclass(frozen=True)
-class Binding:
-    """Resource binding of group 0; its number is its index in the list."""
-
-    kind: Literal["run", "planes", "sampler", "uniform", "buffer", "map"]
-    name: str
-    type: Any = None
-
-
-def bindings(entry: tree.Function) -> list[Binding]:
-    """Resource bindings of a program with this entry, in order."""
-    result = [
-        Binding("run", "run"),
-        Binding("planes", "planes"),
-        Binding("sampler", "edge_sampler"),
-    ]
-    for name, t in list(entry.parameters.items())[1:]:
-        kind: Literal["uniform", "buffer", "map"] = "uniform"
-        if is_handle(t):
-            kind = "map" if buffer_record(t) is None else "buffer"
-        result.append(Binding(kind, name, t))
-    return result
-
-
-def _variable_name(binding: Binding) -> str:
-    """Name of the WGSL variable of a binding."""
-    is_builtin = binding.kind in ("run", "planes", "sampler")
-    return binding.name if is_builtin else f"{binding.name}_{binding.kind}"
 
 
 def print_wgsl(module: tree.Module, edge: Edge) -> str:
     """WGSL of a program: a compute shader, entry point `main`, one invocation for each pixel."""
     printer = WgslPrinter(module.functions, [module.entry], edge)
-    body = printer.functions_text()
+    body = "\n".join(printer.declarations().values())
     return "\n".join([printer.bindings_text(module.entry), body, printer.main_text(module.entry)])
 
 
 class _FunctionPrinter(FunctionPrinter):
     """Prints one function as WGSL."""
 
-    spelling: ClassVar = {
-        "float": "f32",
-        "int": "i32",
-        "minimum": "min",
-        "maximum": "max",
-        "float_bits": "bitcast<i32>",
-        "bits_float": "bitcast<f32>",
-        "copysign": "copy_sign",
-        "pow": "power",
-        "log": "log_clamped",
-        "log2": "log2_clamped",
-    }
-    own_functions = frozenset({"asin", "acos", "atan", "atan2"})
-    """WGSL allows errors of 4096 units in the last place in its own."""
+    language = "wgsl"
 
     def head(self, name: str, parameters: str, result: Any) -> str:
         return f"fn {name}({parameters}) -> {self.module.type(result)}"
@@ -127,7 +78,7 @@ class _FunctionPrinter(FunctionPrinter):
         word = "select"
         if node.type is Mat3 or is_record(node.type):
             self.module.selected_types[node.type] = None
-            word = self.module.select_function(node.type)
+            word = self.module.reference(self.module.select_function(node.type))
         return f"{word}({self.arguments((node.otherwise, node.then, node.test))})"
 
     def item(self, node: tree.Item) -> str:
@@ -144,20 +95,18 @@ class _FunctionPrinter(FunctionPrinter):
         return f"vec2f({self.value(cell)})"
 
     def intrinsic_call(self, node: tree.IntrinsicCall, texts: list[str]) -> str:
-        name, arguments = node.name, node.arguments
-        if name == "len":
-            return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
-        if name == "levels":
-            return f"i32(textureNumLevels({texts[0]}))"
-        if name == "size" and is_finest(arguments[1]):
-            return f"vec2i(textureDimensions({texts[0]}))"
-        if name == "corners" and is_finest(arguments[2]):
-            self.module.helpers.add("corners_of_finest")
-            return f"corners_of_finest({texts[0]}, {self.cell_as_floats(arguments[1])})"
-        if name == "size":
-            self.module.helpers.add("level_size")
-            level = f"clamp({texts[1]}, 0, i32(textureNumLevels({texts[0]})) - 1)"
-            return f"level_size(textureDimensions({texts[0]}), {level})"
+        written, arguments = self.module.written, node.arguments
+        match node.name:
+            case "len":
+                return f"{self.module.buffers[buffer_record(arguments[0].type)]}.count"
+            case "corners" if is_finest(arguments[2]):
+                passed = [texts[0], self.cell_as_floats(arguments[1])]
+                return self.call(written["corners_of_finest"], passed)
+            case "size" if not is_finest(arguments[1]):
+                finest = super().intrinsic_call(node, texts)
+                levels = tree.IntrinsicCall(int, "levels", arguments[:1])
+                count = super().intrinsic_call(levels, texts)
+                return self.call(written["size_of_level"], [finest, count, texts[1]])
         return super().intrinsic_call(node, texts)
 
 
@@ -176,34 +125,21 @@ class WgslPrinter(ModulePrinter):
         entries: Sequence[tree.Function],
         edge: Edge | None,
     ) -> None:
-        variables = [_variable_name(b) for entry in entries for b in bindings(entry)]
-        super().__init__(functions, variables)
-        self.edge = edge
-        self.conditions: dict[tree.Condition, int] = {}
-        """Static conditions of a library and their numbers."""
+        bound = [binding for entry in entries for binding in bindings(entry)]
+        super().__init__(functions, edge, [binding.variable for binding in bound])
         self.selected_types: dict[Any, None] = {}
         """Matrices and records that are selected by a condition; WGSL's `select` takes neither."""
         self.shared: set[Any] = set()
         """Records in buffers, which have the layout of `layout.py`."""
-        parameters = [p for entry in entries for p in list(entry.parameters.items())[1:]]
-        for _, t in parameters:
-            self.add_shared(buffer_record(t) or t)
-        self.buffers = {
-            buffer_record(t): f"{name}_buffer"
-            for name, t in parameters
-            if buffer_record(t) is not None
-        }
+        for binding in bound:
+            self.add_shared(buffer_record(binding.type) or binding.type)
+        self.buffers = {buffer_record(b.type): b.variable for b in bound if b.kind == "buffer"}
 
     def add_shared(self, t: Any) -> None:
         if is_record(t):
             self.shared.add(t)
             for field in fields_of(t).values():
                 self.add_shared(field)
-
-    def static(self, condition: tree.Condition, then: str, otherwise: str) -> str:
-        """Two texts under a static condition, of which the linker keeps one."""
-        number = self.conditions.setdefault(condition, len(self.conditions))
-        return f"{IF}{number}{THEN}{then}{ELSE}{otherwise}{END}"
 
     def record_text(self, record: Any) -> str:
         fields = fields_of(record)
@@ -216,30 +152,25 @@ class WgslPrinter(ModulePrinter):
             lines.append("  @align(16) unused: f32,")  # WGSL has no empty structures
         return "\n".join([*lines, "}", ""])
 
-    def needed_helper_texts(self) -> Iterator[str]:
-        if self.helpers & {"corners", "texel"}:
-            self.helpers.add("level_size")
-            yield self.edge_text()
-        yield from super().needed_helper_texts()
+    def declarations(self) -> dict[str, str]:
+        texts = super().declarations()
         for t in self.selected_types:
-            yield _SELECT_FUNCTION.replace("NAME", self.select_function(t)).replace(
-                "TYPE", self.type(t)
-            )
+            name, kind = self.scope[self.select_function(t)], self.type(t)
+            texts[name] = _SELECT_FUNCTION.replace("NAME", name).replace("TYPE", kind)
+        return texts
 
-    def edge_text(self) -> str:
-        """Helper for the edge of maps."""
-        if self.edge is not None:
-            return AT_EDGE[self.edge]
-        return self.static(("map.edge", ("wrap",)), AT_EDGE["wrap"], AT_EDGE["clamp"])
-
-    def select_function(self, t: Any) -> str:
-        """Name of the function that selects one of two values of a type."""
+    def select_function(self, t: Any) -> Any:
+        """Key in `scope` of the function that selects one of two values of a type."""
         key = ("select", t)
-        return self.scope.get(key) or self.assign_name(key, f"select_{t.__name__}")
+        if key not in self.scope:
+            self.assign_name(key, f"select_{t.__name__}")
+        return key
 
     def bindings_text(self, entry: tree.Function) -> str:
         """Text of the resource bindings of a program with this entry."""
-        return "\n".join([_RUN, *self._binding_texts(entry)])
+        words = "\n".join(f"  {word}: u32," for word in RUN)
+        run = f"// The rows of the picture that a dispatch computes.\nstruct Run {{\n{words}\n}}\n"
+        return "\n".join([run, *self._binding_texts(entry)])
 
     def _binding_texts(self, entry: tree.Function) -> Iterator[str]:
         for number, binding in enumerate(bindings(entry)):
@@ -254,14 +185,14 @@ class WgslPrinter(ModulePrinter):
                 case "uniform":
                     if is_record(binding.type):
                         align_and_size(binding.type)  # refuses a bool
-                    yield f"{where}<uniform> {_variable_name(binding)}: {self.type(binding.type)};"
+                    yield f"{where}<uniform> {binding.variable}: {self.type(binding.type)};"
                 case "map":
-                    yield f"{where} {_variable_name(binding)}: {self.type(binding.type)};"
+                    yield f"{where} {binding.variable}: {self.type(binding.type)};"
                 case "buffer":
                     record = buffer_record(binding.type)
                     assert record is not None
                     item = self.type(record)
-                    buffer = self.assign_name(("buffer", record), f"{item}Buffer")
+                    buffer = self.assign_name(("buffer", record), f"{self.scope[record]}Buffer")
                     yield (
                         f"struct {buffer} {{\n  count: i32,\n"
                         f"  @align({align_and_size(record)[0]}) items: array<{item}>,\n}}\n"
@@ -288,117 +219,15 @@ class WgslPrinter(ModulePrinter):
         arguments = ["vec2i(at)"]
         for binding in bindings(entry)[3:]:
             if binding.kind != "buffer":
-                arguments.append(_variable_name(binding))
-        lines = [f"  let result = {self.scope[entry]}({', '.join(arguments)});"]
+                arguments.append(binding.variable)
+        lines = [f"  let result = {self.reference(entry)}({', '.join(arguments)});"]
         for index, (value, t) in enumerate(self.scalars("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
             lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
         return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
 
 
-IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"
-"""Delimiters of a static condition's number and its two texts: private-use characters."""
-
-
-# --- names and helpers ---------------------------------------------------------------------------
-
-AT_EDGE: dict[Edge, str] = {
-    "wrap": """\
-// A texel of a map or of its border, which repeats the opposite side.
-fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
-  let low = select(cell, cell + size, cell < vec2i(0));
-  return select(low, low - size, low >= size);
-}
-""",
-    "clamp": """\
-// A texel of a map or of its border, which repeats the same side.
-fn at_edge(cell: vec2i, size: vec2i) -> vec2i {
-  return clamp(cell, vec2i(0), size - 1);
-}
-""",
-}
-HELPERS = {
-    "floor_divide": """\
-fn floor_divide(a: i32, b: i32) -> i32 {
-  if (b == 0) { return 0; }
-  if (b == -1) { return -a; }
-  let quotient = a / b;
-  let rest = a - quotient * b;
-  return select(quotient, quotient - 1, rest != 0 && ((rest ^ b) < 0));
-}
-""",
-    "floor_modulo": """\
-fn floor_modulo(a: i32, b: i32) -> i32 {
-  return select(a - floor_divide(a, b) * b, 0, b == 0);
-}
-""",
-    "copysign": """\
-fn copy_sign(x: f32, sign: f32) -> f32 {
-  return select(abs(x), -abs(x), bitcast<i32>(sign) < 0);
-}
-""",
-    "pow": """\
-fn power(x: f32, y: f32) -> f32 {
-  return select(select(0.0, 1.0, y == 0.0), pow(max(x, 1.17549435e-38), y), x > 0.0);
-}
-""",
-    "log": """\
-fn log_clamped(x: f32) -> f32 {
-  return log(max(x, 1.17549435e-38));
-}
-""",
-    "log2": """\
-fn log2_clamped(x: f32) -> f32 {
-  return log2(max(x, 1.17549435e-38));
-}
-""",
-    "level_size": """\
-// The size of a level, from that of level 0. Not textureDimensions of the level: where the level
-// differs between pixels, Mesa's software driver returns the size of one for all.
-fn level_size(finest: vec2u, level: i32) -> vec2i {
-  return vec2i(max(finest >> vec2u(u32(level)), vec2u(1)));
-}
-""",
-    "corners_of_finest": """\
-// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1) of level 0 in one read: gathered
-// around their common corner. The sampler applies the edge.
-fn corners_of_finest(field: texture_2d<f32>, cell: vec2f) -> vec4f {
-  let size = vec2f(textureDimensions(field));
-  return textureGather(0, field, edge_sampler, (cell + 1.0) * (1.0 / size)).wzxy;
-}
-""",
-    "corners": """\
-// Heights of the texels (x, y), (x+1, y), (x, y+1), (x+1, y+1).
-fn corners(field: texture_2d<f32>, cell: vec2i, level: i32) -> vec4f {
-  let k = clamp(level, 0, i32(textureNumLevels(field)) - 1);
-  let size = level_size(textureDimensions(field), k);
-  let corner = clamp(cell, vec2i(-1), size - 1);
-  let a = at_edge(corner, size);
-  let b = at_edge(corner + 1, size);
-  return vec4f(
-    textureLoad(field, a, k).x,
-    textureLoad(field, vec2i(b.x, a.y), k).x,
-    textureLoad(field, vec2i(a.x, b.y), k).x,
-    textureLoad(field, b, k).x,
-  );
-}
-""",
-    "stored": """\
-// The four channels of a texel of a table.
-fn stored(map: texture_2d<u32>, cell: vec2i) -> vec4f {
-  return vec4f(textureLoad(map, cell, 0));
-}
-""",
-    "texel": """\
-// The four channels of a texel, 0 to 65535.
-fn texel(map: texture_2d<u32>, cell: vec2i, level: i32) -> vec4f {
-  let k = clamp(level, 0, i32(textureNumLevels(map)) - 1);
-  let size = level_size(textureDimensions(map), k);
-  let place = at_edge(clamp(cell, vec2i(-1), size), size);
-  return vec4f(textureLoad(map, place, k));
-}
-""",
-}
+# --- texts and names ---
 
 _SELECT_FUNCTION = """\
 fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
@@ -406,16 +235,6 @@ fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
     return then;
   }
   return otherwise;
-}
-"""
-
-_RUN = """\
-// The rows of the picture that this dispatch computes, and the layout of the planes.
-struct Run {
-  width: u32,
-  first_row: u32,
-  last_row: u32,
-  plane_stride: u32,
 }
 """
 
@@ -431,41 +250,27 @@ BODY
 }
 """
 
-_PRINTED_NAMES = {
-    "Run", "main", "id", "at",
-    *re.findall(r"fn (\w+)", "".join([*AT_EDGE.values(), *HELPERS.values()])),
-}  # fmt: skip
-"""Names that the printer declares at module scope."""
-
-# Keywords, reserved words (WGSL, §3.6 and §16.1) and the predeclared names that are printed.
-_RESERVED = frozenset(
-    re.findall(
-        r"\w+",
-        """
-        alias break case const const_assert continue continuing default diagnostic discard else
-        enable false fn for if let loop override requires return struct switch true var while
-        NULL Self abstract active alignas alignof as asm asm_fragment async attribute auto await
-        become cast catch class co_await co_return co_yield coherent column_major common compile
-        compile_fragment concept const_cast consteval constexpr constinit crate debugger
-        decltype delete demote demote_to_helper do dynamic_cast enum explicit export extends
-        extern external fallthrough filter final finally friend from fxgroup get goto
-        groupshared highp impl implements import inline instanceof interface layout lowp macro
-        macro_rules match mediump meta mod module move mut mutable namespace new nil noexcept
-        noinline nointerpolation non_coherent noncoherent noperspective null nullptr of operator
-        package packoffset partition pass patch pixelfragment precise precision premerge priv
-        protected pub public readonly ref regardless register reinterpret_cast require resource
-        restrict self set shared sizeof smooth snorm static static_assert static_cast std
-        subroutine super target template this thread_local throw trait try type typedef typeid
-        typename typeof union unless unorm unsafe unsized use using varying virtual volatile
-        wgsl where with writeonly yield abs acos asin atan atan2 bitcast bool ceil clamp corners
-        cos cross dot exp exp2 f16 f32 floor fract i32 length log log2 main max min mix
-        normalize planes pow reflect round run saturate select sin smoothstep sqrt stored tan texel
-        transpose u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u mat3x3f array atomic ptr
-        sampler texture_2d result place Run
-        """,
-    )
+# Keywords, reserved words (WGSL, §3.6 and §16.1), and predeclared names beside the intrinsics.
+WgslPrinter.reserved_words = frozenset(
+    """
+    alias break case const const_assert continue continuing default diagnostic discard else
+    enable false fn for if let loop override requires return struct switch true var while NULL
+    Self abstract active alignas alignof as asm asm_fragment async attribute auto await become
+    cast catch class co_await co_return co_yield coherent column_major common compile
+    compile_fragment concept const_cast consteval constexpr constinit crate debugger decltype
+    delete demote demote_to_helper do dynamic_cast enum explicit export extends extern
+    external fallthrough filter final finally friend from fxgroup get goto groupshared highp
+    impl implements import inline instanceof interface layout lowp macro macro_rules match
+    mediump meta mod module move mut mutable namespace new nil noexcept noinline
+    nointerpolation non_coherent noncoherent noperspective null nullptr of operator package
+    packoffset partition pass patch pixelfragment precise precision premerge priv protected
+    pub public readonly ref regardless register reinterpret_cast require resource restrict
+    self set shared sizeof smooth snorm static static_assert static_cast std subroutine super
+    target template this thread_local throw trait try type typedef typeid typename typeof
+    union unless unorm unsafe unsized use using varying virtual volatile wgsl where with
+    writeonly yield acos asin atan atan2 bitcast bool ceil f16 f32 i32 main planes round run
+    select u32 vec2 vec3 vec4 vec2f vec3f vec4f vec2i vec2u mat3x3f array atomic ptr sampler
+    texture_2d result place Run
+    """.split()  # noqa: SIM905
 )
-
-WgslPrinter.reserved_words = _RESERVED
-WgslPrinter.declared_names = frozenset(_PRINTED_NAMES)
-WgslPrinter.helper_texts = HELPERS
+WgslPrinter.declared_names = frozenset({"Run", "main", "id", "at"})

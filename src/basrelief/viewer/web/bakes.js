@@ -511,7 +511,7 @@ export class Bakes {
     encoder.copyBufferToTexture(
       {
         buffer: texel ? this.pack(kind, planes, wide, rows) : planes,
-        bytesPerRow: (texel ? 8 : 4) * wide,
+        bytesPerRow: this.gpu.format(!texel)[1] * wide,
         rowsPerImage: rows,
       },
       { texture, origin },

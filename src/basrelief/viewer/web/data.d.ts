@@ -179,11 +179,12 @@ export type Condition =
   | ["not", Condition]
   | ["and" | "or", Condition, Condition];
 
-export type Binding = {
-  kind: "run" | "planes" | "sampler" | "uniform" | "buffer" | "map";
-  name: string;
-  type: string;
-};
+/** `access` is WebGPU's type of the buffer, sampler or samples. */
+export type Binding = { name: string; type: string } & (
+  | { kind: "map"; access: GPUTextureSampleType }
+  | { kind: "sampler"; access: GPUSamplerBindingType }
+  | { kind: "run" | "planes" | "uniform" | "buffer"; access: GPUBufferBindingType }
+);
 
 export type Programs = {
   pieces: { [name: string]: string };
@@ -193,6 +194,9 @@ export type Programs = {
   bindings: { [entry: string]: Binding[] };
   bound: { [menu: string]: { [chosen: string]: { [slot: string]: string } } };
   maps: string[];
+  group: Pair;
+  run: ("width" | "first_row" | "last_row" | "plane_stride")[];
+  formats: { [map in "HeightField" | "Texture"]: [texels: GPUTextureFormat, texelBytes: number] };
 };
 
 /** Sizes and offsets in words of four bytes. */
@@ -200,6 +204,7 @@ export type Layout = {
   words: number;
   align: number;
   fields: [name: string, type: string, offset: number][];
+  scalars?: number[];
 };
 
 export type Layouts = { [record: string]: Layout };

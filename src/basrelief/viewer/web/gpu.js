@@ -1,8 +1,8 @@
-// Runs the page's programs as `engine/gpu.py` does: the same bindings, formats and uniforms.
+// Runs the page's programs as `engine/gpu.py` does, by the same description of bindings and formats.
 
 import { pack, packList } from "view/records.js";
 
-/** @import { Binding, Data, Pair } from "view/data" */
+/** @import { Binding, Data, Pair, Programs } from "view/data" */
 /** @import { Program } from "view/link.js" */
 /** @import { Level } from "view/maps.js" */
 /** @import { Value } from "view/records.js" */
@@ -26,27 +26,21 @@ import { pack, packList } from "view/records.js";
  * @typedef {{ [name: string]: Value | Value[] | Viewable | GPUBuffer }} ProgramValues
  */
 
-const GROUP = 8;
 const TIMED = 4; // programs that are timed together at most
 const TRIES = 4; // requests for a device
 const APART = 300; // milliseconds between requests
-const BUFFER_TYPES = /** @type {const} */ ({
-  run: "uniform",
-  uniform: "uniform",
-  planes: "storage",
-  buffer: "read-only-storage",
-});
 
 export class Gpu {
   /**
    * Request a device; a browser whose graphics process has just started may need several requests.
+   * @param {Programs} programs
    * @returns {Promise<Gpu>}
    */
-  static async open() {
+  static async open(programs) {
     if (!navigator.gpu) throw new Error("this browser has no WebGPU");
     for (let left = TRIES - 1; ; left--) {
       try {
-        return await Gpu.openOnce();
+        return await Gpu.openOnce(programs);
       } catch (error) {
         if (!left) throw error;
       }
@@ -54,7 +48,8 @@ export class Gpu {
     }
   }
 
-  static async openOnce() {
+  /** @param {Programs} programs */
+  static async openOnce(programs) {
     const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
     if (!adapter) throw new Error("WebGPU finds no graphics adapter here");
     const wanted = /** @type {const} */ ([
@@ -67,14 +62,16 @@ export class Gpu {
       requiredLimits: Object.fromEntries(wanted.map((name) => [name, adapter.limits[name]])),
       requiredFeatures: adapter.features.has("timestamp-query") ? ["timestamp-query"] : [],
     });
-    return new Gpu(adapter, device);
+    return new Gpu(adapter, device, programs);
   }
 
   /**
    * @param {GPUAdapter} adapter
    * @param {GPUDevice} device
+   * @param {Programs} programs
    */
-  constructor(adapter, device) {
+  constructor(adapter, device, programs) {
+    this.programs = programs;
     this.adapter = adapter;
     this.device = device;
     this.limits = device.limits;
@@ -214,7 +211,7 @@ export class Gpu {
   }
 
   /**
-   * A texture with all its levels: heights as r32float, four channels as rgba16uint.
+   * A texture with all its levels.
    * @param {Level<Uint16Array | Float32Array>[]} levels
    * @param {boolean} heights
    */
@@ -225,11 +222,19 @@ export class Gpu {
       this.device.queue.writeTexture(
         { texture, mipLevel },
         level.texels,
-        { bytesPerRow: level.width * (heights ? 4 : 8), rowsPerImage: level.height },
+        { bytesPerRow: level.width * this.format(heights)[1], rowsPerImage: level.height },
         [level.width, level.height],
       );
     });
     return texture;
+  }
+
+  /**
+   * Format of the texels of heights or of four channels, and their bytes.
+   * @param {boolean} heights
+   */
+  format(heights) {
+    return this.programs.formats[heights ? "HeightField" : "Texture"];
   }
 
   /**
@@ -246,7 +251,7 @@ export class Gpu {
     const usage = GPUTextureUsage;
     return this.device.createTexture({
       size: [width, height],
-      format: heights ? "r32float" : "rgba16uint",
+      format: this.format(heights)[0],
       mipLevelCount,
       usage: usage.TEXTURE_BINDING | usage.COPY_DST | usage.COPY_SRC,
     });
@@ -349,7 +354,8 @@ export class Job {
     this.uniforms = new Map();
     /** @type {ProgramValues} */
     this.textures = {};
-    this.run = gpu.buffer(new ArrayBuffer(16), GPUBufferUsage.UNIFORM);
+    const bytes = 4 * gpu.programs.run.length;
+    this.run = gpu.buffer(new ArrayBuffer(bytes), GPUBufferUsage.UNIFORM);
   }
 
   /**
@@ -388,8 +394,9 @@ export class Job {
   dispatch(planes, [width, height], first, last, { stamp = null, top = 0 } = {}) {
     const { gpu } = this;
     const { pipeline, program } = this.made;
-    const run = new Uint32Array([width, first, last, width * height]);
-    gpu.device.queue.writeBuffer(this.run, 0, run);
+    const run = { width, first_row: first, last_row: last, plane_stride: width * height };
+    const words = new Uint32Array(gpu.programs.run.map((word) => run[word]));
+    gpu.device.queue.writeBuffer(this.run, 0, words);
     const offset = 4 * width * (first - top);
     const resources = program.bindings.map(({ kind, name }) => {
       if (kind === "run") return this.run;
@@ -408,7 +415,8 @@ export class Job {
             endOfPassWriteIndex: 2 * stamp + 1,
           }
         : undefined;
-    const groups = [Math.ceil(width / GROUP), Math.ceil((last - first) / GROUP)];
+    const [across, down] = gpu.programs.group;
+    const groups = [Math.ceil(width / across), Math.ceil((last - first) / down)];
     gpu.compute(pipeline, resources, groups, timestampWrites);
   }
 
@@ -422,12 +430,9 @@ export class Job {
  * @param {number} binding its number
  * @returns {GPUBindGroupLayoutEntry}
  */
-function layoutEntry({ kind, type }, binding) {
+function layoutEntry({ kind, access }, binding) {
   const visibility = GPUShaderStage.COMPUTE;
-  if (kind === "map") {
-    const sampleType = type === "HeightField" ? "unfilterable-float" : "uint";
-    return { binding, visibility, texture: { sampleType } };
-  }
-  if (kind === "sampler") return { binding, visibility, sampler: { type: "non-filtering" } };
-  return { binding, visibility, buffer: { type: BUFFER_TYPES[kind] } };
+  if (kind === "map") return { binding, visibility, texture: { sampleType: access } };
+  if (kind === "sampler") return { binding, visibility, sampler: { type: access } };
+  return { binding, visibility, buffer: { type: access } };
 }

@@ -14,8 +14,8 @@
 
 // Two texts under the number of a static condition, no other such texts within them.
 const STATIC = /\ue000(\d+)\ue001([^\ue000-\ue003]*)\ue002([^\ue000-\ue003]*)\ue003/g;
-// A name that is used: not a field, nor the name of a parameter.
-const NAME = /(?<![.\w])[A-Za-z_]\w*(?!\w|\s*:)/g;
+// On both sides of the name of a piece, where it is used.
+const NAME = "\ue004";
 
 /**
  * Whether a static condition is true of choices.
@@ -46,22 +46,6 @@ function decided(text, conditions, choices) {
   return chosen === text ? text : decided(chosen, conditions, choices);
 }
 
-/** @type {Map<string, Set<string>>} */
-const names = new Map();
-
-/**
- * The distinct names in a text without comments; cached, since few texts change.
- * @param {string} text
- */
-function namesIn(text) {
-  let found = names.get(text);
-  if (!found) {
-    found = new Set(text.replace(/\/\/.*/g, "").match(NAME));
-    names.set(text, found);
-  }
-  return found;
-}
-
 /**
  * Link an entry with the slots of the choices: its WGSL, its bindings, and a key that programs of the
  * same text share.
@@ -77,15 +61,16 @@ export function linked(programs, entry, choices) {
       Object.entries(of[String(choices[menu])] ?? {}),
     ),
   );
-  const texts = new Map([["", decided(entries[entry], conditions, choices)]]);
+  // each text without its marks, names of pieces at odd places
+  const split = (/** @type {string} */ text) => decided(text, conditions, choices).split(NAME);
+  const texts = new Map([["", split(entries[entry])]]);
   // texts that are added during the iteration are visited too
-  for (const text of texts.values()) {
-    for (const name of namesIn(text)) {
-      const piece = texts.has(name) ? undefined : pieceOf(programs, name, bound);
-      if (piece !== undefined) texts.set(name, decided(piece, conditions, choices));
+  for (const parts of texts.values()) {
+    for (let k = 1; k < parts.length; k += 2) {
+      if (!texts.has(parts[k])) texts.set(parts[k], split(pieceOf(programs, parts[k], bound)));
     }
   }
-  const code = [...texts.values()].join("\n");
+  const code = [...texts.values()].map((parts) => parts.join("")).join("\n");
   const edge = choices["map.edge"];
   return {
     // the sampler depends on the edge too, which is in no piece
@@ -102,10 +87,10 @@ export function linked(programs, entry, choices) {
  * @param {Programs} programs
  * @param {string} name
  * @param {Map<string, string>} bound what each slot is bound to
- * @returns {string | undefined}
+ * @returns {string}
  */
 function pieceOf({ pieces, slots }, name, bound) {
-  if (!Object.hasOwn(slots, name)) return Object.hasOwn(pieces, name) ? pieces[name] : undefined;
+  if (!Object.hasOwn(slots, name)) return pieces[name];
   const wanted = bound.get(name);
   if (wanted === undefined || !Object.hasOwn(slots[name], wanted)) {
     throw new Error(`the page has no ${name} as ${wanted}`);

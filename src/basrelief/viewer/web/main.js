@@ -107,7 +107,7 @@ export class ViewerPage {
     }
     this.readHash();
     try {
-      this.gpu = await Gpu.open();
+      this.gpu = await Gpu.open(this.data.programs);
     } catch (error) {
       byId("without").append(` (${firstLine(error)})`);
       document.body.classList.add("without");
@@ -207,7 +207,7 @@ export class ViewerPage {
   }
 
   async reopen() {
-    this.gpu = await Gpu.open();
+    this.gpu = await Gpu.open(this.data.programs);
     this.watch(this.gpu);
   }
 

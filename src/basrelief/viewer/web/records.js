@@ -17,9 +17,10 @@ const ints = new Set(["int", "IVec2"]);
  * @param {Layouts} layouts
  */
 function put(view, word, type, value, layouts) {
-  if (layouts[type]) {
+  const layout = layouts[type];
+  if (layout && !layout.scalars) {
     const record = /** @type {{ [field: string]: Value }} */ (value);
-    for (const [name, inner, offset] of layouts[type].fields) {
+    for (const [name, inner, offset] of layout.fields) {
       if (record[name] === undefined) throw new Error(`the record ${type} needs ${name}`);
       put(view, word + offset, inner, record[name], layouts);
     }
@@ -27,8 +28,7 @@ function put(view, word, type, value, layouts) {
   }
   const numbers = /** @type {number[]} */ ([value].flat());
   for (const [k, x] of numbers.entries()) {
-    // the columns of a matrix lie four words apart
-    const place = 4 * (word + (type === "Mat3" ? 4 * Math.floor(k / 3) + (k % 3) : k));
+    const place = 4 * (word + (layout?.scalars ? layout.scalars[k] : k));
     if (ints.has(type)) view.setInt32(place, x, true);
     else view.setFloat32(place, x, true);
   }
