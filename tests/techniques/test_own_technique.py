@@ -371,7 +371,7 @@ def without_bake(field: HeightField, baked: Texture, ray: Ray, settings: Nothing
         (without_bake, "without_bake takes a table; name it, as in @technique(bake=CONE_MAP)"),
     ],
 )
-def test_what_is_no_technique_is_refused(use: str, given: Any, line: str) -> None:
+def test_what_is_no_technique_is_refused(use: str, value: Any, line: str) -> None:
     material = basrelief.sample("bricks", 16)
     calls = {
         "render": lambda: basrelief.render(material, technique=value, size=(8, 8)),
