@@ -6,7 +6,6 @@ import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,10 @@ from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
-from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
-from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
+from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
+from basrelief.scene.lights import LIGHTS, light_numbers, light_parameters
 from basrelief.scene.presets import PRESETS, preset
+from basrelief.scene.recipe import technique_text
 from basrelief.scene.records import SCENE_RECORDS
 from basrelief.scene.resolve import default_scale, default_tiles, default_transform
 from basrelief.scene.scene import default_lights
@@ -27,7 +27,6 @@ from basrelief.scene.tilings import OWN_TILINGS
 from basrelief.scene.views import FRAME_FILL
 from basrelief.settings import settings_of
 from basrelief.settings.kinds import ShapeKind
-from basrelief.shading.lights import Light
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
@@ -142,7 +141,7 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
     doc = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
     return {
         "doc": " ".join(doc[0].split()),
-        "commandName": _command_name(technique),
+        "commandName": technique_text(technique),
         "reference_height": technique.reference_height,
         "projection": technique.projection,
         "mostReads": technique.most_reads,
@@ -151,16 +150,6 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
         "heights": technique.takes_heights,
         "settings": numbers_of(technique.settings),
     }
-
-
-def _command_name(technique: Technique[..., Any]) -> str:
-    """A technique as a command line names it: NAME, or FILE.py:NAME for a user's."""
-    if technique in TECHNIQUES.values():
-        return technique.name
-    file = Path(technique.function.__code__.co_filename)
-    folder = Path.cwd()
-    shown = file.relative_to(folder) if file.is_relative_to(folder) else file.name
-    return f"{shown}:{technique.name}"
 
 
 def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
@@ -228,7 +217,7 @@ def state_of(
         "shadowing": json_value(scene.shadowing),
         "fog": json_value(scene.fog),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
-        "lights": [light_to_dict(light) for light in scene.lights],
+        "lights": [light_numbers(light) for light in scene.lights],
         "camera": camera_to_dict(scene.camera),
     }
     state["settings"][name] = json_value(obj.settings)
@@ -251,7 +240,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
             "scale": default_scale(material),
         },
         "background": [*declared["background"].default],
-        "lights": [light_to_dict(light) for light in default_lights()],
+        "lights": [light_numbers(light) for light in default_lights()],
         "camera": camera_to_dict(Orbit()),
     }
 
@@ -281,27 +270,6 @@ def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
         "target": list(map(float, camera.target)),
         "field_of_view": float(camera.field_of_view),
         "orthographic_height": camera.orthographic_height,
-    }
-
-
-def light_to_dict(light: Light) -> dict[str, Any]:
-    """A light as a mapping: intensity separate from colour, direction and cone as angles."""
-    numbers = json_value(light)
-    intensity = max(*numbers["color"], 1e-9)
-    x, y, z = (-float(component) for component in light.direction)
-    # the page can turn any light into a spot, so each has a cone
-    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
-    outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
-    return {
-        "kind": light_kind(light),
-        "position": numbers["position"],
-        "azimuth": round(math.degrees(math.atan2(x, z)), 4),
-        "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
-        "color": [round(component / intensity, 6) for component in numbers["color"]],
-        "intensity": intensity,
-        "falloff": numbers["falloff"],
-        "angle": round(math.degrees(2.0 * outer), 4),
-        "softness": round(1.0 - inner / outer if outer > 0.0 else 0.0, 4),
     }
 
 
