@@ -32,6 +32,8 @@ from basrelief.techniques import TECHNIQUES, Technique
 Options = dict[str, Any]
 FOLDER = "FOLDER"
 """Stands for a material that was not loaded from files."""
+SAMPLE_OPTIONS = ("size", "seed")
+"""Options of `basrelief.sample` that `load` and the command line do not have."""
 
 
 @dataclass(frozen=True)
@@ -140,12 +142,25 @@ def plain(value: Any) -> Any:
 
 
 def technique_text(technique: Technique[..., Any]) -> str:
-    """A technique as options name it: NAME, or FILE.py:NAME, relative to the current folder."""
+    """A technique as options name it: NAME of the library's, else FILE.py:NAME."""
     if technique in TECHNIQUES.values():
         return technique.name
-    file = Path(technique.function.__code__.co_filename)
-    here = Path.cwd()
+    file, here = Path(technique.function.__code__.co_filename), Path.cwd()
     return f"{file.relative_to(here) if file.is_relative_to(here) else file}:{technique.name}"
+
+
+def portable_source(material: Material | None, otherwise: str) -> str:
+    """A material's path for a text that others read, or `otherwise` where it has none."""
+    origin = None if material is None else material.origin
+    return otherwise if origin is None or origin.path is None else portable_path(origin.path)
+
+
+def portable_path(path: str) -> str:
+    """A path relative to the current folder, without the folders above it; samples stay."""
+    if path.startswith("sample:") or not Path(path).is_absolute():
+        return path
+    file, here = Path(path), Path.cwd()
+    return str(file.relative_to(here) if file.is_relative_to(here) else file.name)
 
 
 # --- the command line ----------------------------------------------------------------------------
@@ -156,7 +171,7 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
     origin = obj.material.origin
     yield origin.path if origin is not None and origin.path else FOLDER
     for name, value in (origin.options if origin is not None else {}).items():
-        if name not in ("size", "seed"):
+        if name not in SAMPLE_OPTIONS:
             yield from _option(name, value)
     options = {**_object_options(obj), **_scene_options(scene)}
     declared = {**settings_of(Object), **settings_of(Scene)}
@@ -169,7 +184,7 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
         elif name == "layer":
             yield from _layer_parts(value)
         elif name == "transform":
-            stretch = _stretch(obj)
+            stretch = stretch_of(obj)
             if stretch is not None:
                 yield from _option("stretch", stretch)
         elif name == "camera":
@@ -241,7 +256,7 @@ def _light_parts(lights: tuple[Light, ...]) -> Iterator[str]:
         yield from ("--light", ",".join([kind, *_arguments(arguments)]))
 
 
-def _stretch(obj: Object) -> tuple[float, ...] | None:
+def stretch_of(obj: Object) -> tuple[float, ...] | None:
     """The factors by which an object is stretched along the axes of the world; None for others."""
     default = default_transform(obj.shape, obj.material)
     relative = obj.resolved.transform @ np.linalg.inv(default)
@@ -253,19 +268,24 @@ def _stretch(obj: Object) -> tuple[float, ...] | None:
 def omitted_by_command(scene: Scene) -> Iterator[str]:
     """What a command line cannot say about a scene, in words."""
     obj = scene.objects[0]
+    yield from omitted_of_sources(obj)
+    if obj.transform is not None and stretch_of(obj) is None:
+        yield "the transform of the object"
+    if len(scene.objects) > 1:
+        yield "the further objects"
+
+
+def omitted_of_sources(obj: Object) -> Iterator[str]:
+    """What paths and options of `load` do not say about an object's materials, in words."""
     origin = obj.material.origin
     if origin is None:
         yield "the material, which was not loaded from files"
-    elif origin.options.keys() & {"size", "seed"}:
+    elif origin.options.keys() & {*SAMPLE_OPTIONS}:
         yield "the size and seed of the sample"
-    if obj.transform is not None and _stretch(obj) is None:
-        yield "the transform of the object"
     if obj.layer is not None:
         origin = obj.layer.material.origin
         if origin is None or origin.options:
             yield "how the layer is read"
-    if len(scene.objects) > 1:
-        yield "the further objects"
 
 
 # --- Python --------------------------------------------------------------------------------------
@@ -320,7 +340,7 @@ def _material_text(material: Material, *, short: bool = False) -> str:
     if origin is None:
         return json.dumps(FOLDER) if short else f"basrelief.load({json.dumps(FOLDER)})"
     options = _keywords(origin.options)
-    if origin.options.keys() & {"size", "seed"}:
+    if origin.options.keys() & {*SAMPLE_OPTIONS}:
         name = (origin.path or "").removeprefix("sample:")
         return f"basrelief.sample({', '.join([json.dumps(name), *options])})"
     source = [] if origin.path is None else [json.dumps(origin.path, ensure_ascii=False)]
@@ -362,7 +382,7 @@ def _preset_values(scene: Scene) -> dict[str, Any]:
     reading = {
         name: _absolute(value) if name in MAPS else value
         for name, value in (origin.options if origin is not None else {}).items()
-        if name not in ("size", "seed", "depth", "tile")
+        if name not in (*SAMPLE_OPTIONS, "depth", "tile")
     }
     if origin is not None and origin.options.keys() & {"depth", "tile"}:
         of_object.setdefault("scale", obj.resolved.scale)

@@ -5,21 +5,28 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
-from basrelief.material import Material
+from basrelief.material import MAPS, Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
 from basrelief.scene.lights import LIGHTS, light_numbers, light_parameters
 from basrelief.scene.presets import PRESETS, preset
-from basrelief.scene.recipe import technique_text
+from basrelief.scene.recipe import (
+    SAMPLE_OPTIONS,
+    omitted_of_sources,
+    portable_path,
+    portable_source,
+    stretch_of,
+    technique_text,
+)
 from basrelief.scene.records import SCENE_RECORDS
 from basrelief.scene.resolve import default_scale, default_tiles, default_transform
 from basrelief.scene.scene import default_lights
@@ -41,47 +48,42 @@ SHOWS = ("color", "reads", "missed", "depth")
 """Pictures that a page can show."""
 
 
-@dataclass(frozen=True)
-class Sources:
+def sources_of(scene: Scene) -> dict[str, Any]:
     """Names of the material and its layer in the Python and the commands that a page copies.
 
-    Attributes
-    ----------
-    material : str or None
-        The material as `basrelief.load` takes it; None for the name of a procedural sample, or
-        else a placeholder.
-    reading : mapping
-        Options of `basrelief.load`.
-    layer : str or None
-        The layer's material, as above.
+    `omitted` is what these do not say about them, `relative` the paths that are relative.
     """
+    obj = scene.objects[0]
+    layer = None if obj.layer is None else obj.layer.material
+    source, layer_source = portable_source(obj.material, "FOLDER"), portable_source(layer, "LAYER")
+    options = {} if obj.material.origin is None else obj.material.origin.options
+    reading = {
+        name: portable_path(value) if name in MAPS else value
+        for name, value in options.items()
+        if name not in SAMPLE_OPTIONS
+    }
+    named = [source, *(reading[name] for name in MAPS if name in reading)]
+    named += [layer_source] if layer is not None else []
+    return {
+        "source": source,
+        "reading": reading,
+        "layerSource": layer_source,
+        "relative": [path for path in named if not path.startswith("sample:")],
+        "omitted": [*omitted_of_sources(obj)],
+    }
 
-    material: str | None = None
-    reading: Mapping[str, Any] = field(default_factory=dict)
-    layer: str | None = None
 
-
-def _source_name(material: Material | None, otherwise: str) -> str:
-    """A material's name on a command line: sample:NAME of a procedural sample, else `otherwise`."""
-    if material is None:
-        return otherwise
-    sources = [map.source for _, map in material.maps()]
-    is_sample = all(source.startswith(f"sample {material.name},") for source in sources)
-    return f"sample:{material.name}" if is_sample and sources else otherwise
-
-
-def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
-    """The data of a page, except its programs and maps."""
+def manifest(
+    scene: Scene, sources: Mapping[str, Any], scaled: tuple[int, int] | None
+) -> dict[str, Any]:
+    """The data of a page, except its programs and maps; `sources` are those of `sources_of`."""
     obj = scene.objects[0]
     material = obj.material
-    layer = None if obj.layer is None else obj.layer.material
     techniques = techniques_of(obj)
     return {
         "name": material.name,
         "version": __version__,
-        "source": sources.material or _source_name(material, "FOLDER"),
-        "reading": dict(sources.reading),
-        "layerSource": sources.layer or _source_name(layer, "LAYER"),
+        **sources,
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
         "mapSources": {kind: map.source for kind, map in material.maps()},
@@ -141,7 +143,7 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
     doc = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
     return {
         "doc": " ".join(doc[0].split()),
-        "commandName": technique_text(technique),
+        "commandName": portable_path(technique_text(technique)),
         "reference_height": technique.reference_height,
         "projection": technique.projection,
         "mostReads": technique.most_reads,
@@ -174,6 +176,7 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
             [round(float(x), 9) for x in point] for point in placed_object.bounding_points()
         ],
         "world": None if transform is None else np.asarray(transform, np.float64).tolist(),
+        "stretch": None if transform is None else stretch_of(obj),
     }
 
 
