@@ -419,15 +419,62 @@ def test_every_option_draws_the_cpus_picture(
     rich: tuple[OpenPage, Material], variation: str
 ) -> None:
     seen, material = rich
-    options = dict(VARIATIONS[variation])
-    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
-    standing = None if "shape" in options else LEANING
-    obj = Object(material, **{"scale": 0.08, "transform": standing, **options})
-    scene = Scene((obj,), **{"camera": CAMERA, **of_scene})
+    scene = _varied_scene(material, variation)
     _shown_as(seen, scene)
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert drawn.hit.mean() > 0.1
     assert_agree(drawn, seen.frame(), TEXELS)
+
+
+def _varied_scene(material: Material, variation: str) -> Scene:
+    options = dict(VARIATIONS[variation])
+    of_scene = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    standing = None if "shape" in options else LEANING
+    obj = Object(material, **{"scale": 0.08, "transform": standing, **options})
+    return Scene((obj,), **{"camera": CAMERA, **of_scene})
+
+
+@pytest.mark.parametrize("variation", VARIATIONS)
+def test_copied_texts_draw_every_option(
+    rich: tuple[OpenPage, Material], variation: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen, material = rich
+    scene = _varied_scene(material, variation)
+    _shown_as(seen, scene)
+    seen.frame()
+    layer = VARIATIONS["a layer"]["layer"].material
+    copied: dict[str, Any] = {}
+    with monkeypatch.context() as patch:
+        patch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
+        patch.setattr(basrelief, "load", lambda path: layer)
+        exec(seen.page.evaluate("viewer.text('python')"), {"basrelief": basrelief})
+        patch.setattr(arguments, "load", lambda path: layer)
+        command = seen.page.evaluate("viewer.text('command')")
+        by_command = _scene_of_command(material, command)
+    assert copied.pop("size") == SIZE
+    wanted = render(scene, size=SIZE, samples=1, device="cpu").color
+    by_python = render(material, size=SIZE, samples=1, device="cpu", **copied).color
+    assert (np.abs(by_python - wanted) > 1e-3).mean() < 0.002
+    # a command has no such transform, and says so
+    omitted = scene.objects[0].transform is not None
+    assert ("the transform of the object" in command) == omitted
+    plain = replace(scene, objects=(replace(scene.objects[0], transform=None),))
+    wanted = render(plain, size=SIZE, samples=1, device="cpu").color
+    picture = render(by_command, size=SIZE, samples=1, device="cpu").color
+    assert (np.abs(picture - wanted) > 1e-3).mean() < 0.002
+
+
+def test_what_a_text_leaves_out_is_named(fresh: OpenPage) -> None:
+    fresh.state(show="depth", compare="steep")
+    fresh.page.evaluate("viewer.changed(true)")
+    command, line = (fresh.page.evaluate(f"viewer.text('{k}')") for k in ("command", "python"))
+    for text in (command, line):
+        comment = text.partition("  # ")[2]
+        assert "the picture of depth" in comment
+        assert "steep right of the divider" in comment
+    fresh.state(show="missed", compare="")
+    assert "--show missed" in fresh.page.evaluate("viewer.text('command')")
+    assert "the picture of missed" in fresh.page.evaluate("viewer.text('python')")
 
 
 def _shown_as(seen: OpenPage, scene: Scene) -> None:
@@ -737,7 +784,9 @@ def test_copied_settings_draw_the_same_picture(
     assert_agree(drawn, shown, TEXELS)
     command = fresh.page.evaluate("viewer.text('command')")
     assert command.startswith("basrelief render sample:bricks ")
-    assert command.endswith("  # without the size and seed of the sample")
+    assert command.endswith(
+        f" --size {SIZE[0]}x{SIZE[1]}  # without the size and seed of the sample"
+    )
     scene = _scene_of_command(material, command)
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), shown, TEXELS)
 
@@ -745,7 +794,9 @@ def test_copied_settings_draw_the_same_picture(
 def _scene_of_command(material: Material, command: str) -> Scene:
     """The scene that a copied command would draw."""
     words = shlex.split(command.partition("  # ")[0])[3:]
-    several = {"set": "settings", "light": "lights"}
+    several = {
+        "set": "settings", "light": "lights", "map_tiling": "map_tiling", "map_shift": "map_shift"
+    }  # fmt: skip
     options: dict[str, Any] = {}
     rest = iter([part for word in words for part in _parts(word)])
     for word in rest:
@@ -756,7 +807,7 @@ def _scene_of_command(material: Material, command: str) -> Scene:
         else:
             number = name in ("scale", "reference_height", "bias")
             options[name] = float(value) if number else value
-    assert options.pop("size") == f"{SIZE[0]}x{SIZE[1]}"
+    assert re.fullmatch(r"\d+x\d+", options.pop("size"))
     return arguments.scene(material, **options)
 
 

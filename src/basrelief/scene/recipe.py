@@ -1,7 +1,7 @@
 """Instructions to draw a picture again: as a command line, as Python, and as a preset.
 
-Settings are written out here alone; what a page copies is written by `viewer/web/state.js` in the
-same form, which a test compares.
+Settings are written out here alone, except for what a page copies: that is written by
+`viewer/web/state.js`, and tests draw both.
 """
 
 from __future__ import annotations
