@@ -54,7 +54,7 @@ OF_SCENE = {
 OPTIONS = {**OF_OBJECT, **OF_SCENE}
 CASES = [(name, value) for name, kind in OPTIONS.items() for value in get_args(kind)]
 BRICKS = sample("bricks", 16)
-UNKNOWN = ("torus", "", "Plane", "none ")
+UNKNOWN = ("torus", "", "Xyz", "0")
 
 
 def scene(**options: Any) -> Scene:
@@ -148,6 +148,26 @@ def test_menus_are_the_fields_of_literal_type() -> None:
         assert {name: s.choices for name, s in declared.items() if s.choices} == expected
     assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on"}
     assert kinds.either(["a", "b", "c"]) == "a, b or c"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "meant"),
+    [
+        ("shape", "cube", "box"), ("shape", "Sphere", "sphere"), ("edge", "repeat", "wrap"),
+        ("fog_mode", "exp2", "exponential_squared"), ("alpha", "cut-out", "mask"),
+        ("shading_model", "Blinn-Phong", "phong"), ("projection", "offset limiting", "limited"),
+        ("mapping", "tri-planar", "triplanar"), ("heights", "mipmaps", "mip"),
+    ],
+)  # fmt: skip
+def test_a_value_is_suggested_by_its_meaning(name: str, value: str, meant: str) -> None:
+    line = refusal(lambda: scene(**{name: value}))
+    assert line == f"{expected_refusal(name, value)}; did you mean {meant}?"
+
+
+def test_synonyms_mean_values_that_exist() -> None:
+    values = {value for kind in OPTIONS.values() for value in get_args(kind)}
+    assert set(kinds.SYNONYMS.values()) <= values
+    assert not values & {*kinds.SYNONYMS}
 
 
 # --- unknown values -------------------------------------------------------------------------------

@@ -827,6 +827,21 @@ def test_a_copied_command_without_lights_draws_without_lights(
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
 
+def test_controls_are_described_to_screen_readers(fresh: OpenPage) -> None:
+    """Each control of a declared setting has the meaning that its declaration has."""
+    controls = fresh.page.evaluate("viewer.data.controls.scene")
+    described = 0
+    for name, control in controls.items():
+        for field in fresh.page.locator(f"#panel [name='{name}'], #panel [name^='{name}.']").all():
+            (about,) = (field.get_attribute("aria-describedby") or "missing").split()
+            assert fresh.page.locator(f"[id='{about}']").text_content() == control["doc"]
+            described += 1
+    assert described >= 12
+    shape = fresh.page.get_by_label("Shape", exact=True)
+    api = pytest.importorskip("playwright.sync_api")
+    api.expect(shape).to_have_accessible_description(controls["shape"]["doc"])
+
+
 def test_a_slider_extends_to_its_value(fresh: OpenPage) -> None:
     fresh.state(scale=2.0, tiling=[50.0, -1.0])
     fresh.page.evaluate("viewer.changed(true)")

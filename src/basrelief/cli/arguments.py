@@ -220,11 +220,17 @@ _DECLARED = {**settings_of(Object), **settings_of(Scene)}
 def _parsed(name: str, text: Any) -> Any:
     """The value of an option of `Object` or `Scene`; other options are used as they are."""
     declared = _DECLARED.get(name)
-    match name, declared and declared.kind:
+    if declared is None:
+        return text
+    match name, declared.kind:
         case "camera", _:
             return camera_from(text)
         case "lights", _:
             return () if [*text] == ["none"] else tuple(map(light_from, text))
+        case _, "choice":
+            # as in names of techniques, case does not count, and hyphens are underscores
+            spelled = text.lower().replace("-", "_")
+            return spelled if spelled in declared.choices else text
         case _, "pair":
             return pair(text, f"--{name}")
         case _, "triple":

@@ -28,6 +28,20 @@ OcclusionKind = Literal["ambient", "directional"]
 FogKind = Literal["none", "linear", "exponential", "exponential_squared"]
 
 
+SYNONYMS = {
+    "cube": "box", "ball": "sphere", "globe": "sphere", "tube": "cylinder", "quad": "plane",
+    "linear_mip": "mip", "mipmap": "mip", "mipmaps": "mip", "trilinear": "smooth",
+    "repeat": "wrap", "tile": "wrap", "border": "clamp", "discard": "clip", "cut": "clip",
+    "uv": "planar", "tri_planar": "triplanar",
+    "transparent": "blend", "cutout": "mask", "cut_out": "mask", "clip_alpha": "mask",
+    "terrain": "landscape", "pbr": "ggx", "metallic_roughness": "ggx", "blinn_phong": "phong",
+    "off": "none", "no": "none", "on": "hard", "pcss": "soft", "ao": "ambient",
+    "exp": "exponential", "exp2": "exponential_squared", "exponential2": "exponential_squared",
+    "offset_limiting": "limited", "true": "full",
+}  # fmt: skip
+"""Words of other programs, and the value that each one means."""
+
+
 def either(values: Iterable[str]) -> str:
     """The values as an English list: a, b or c."""
     *others, last = values
