@@ -200,6 +200,14 @@ def test_samples_of_other_sizes_are_written_in_python() -> None:
     assert [*omitted_by_command(drawn)] == ["the size and seed of the sample"]
 
 
+def test_maps_named_one_by_one_are_written_in_python() -> None:
+    (file,) = write_heights(Path("wall")).iterdir()
+    drawn = scene(load(height=file))
+    line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
+    np.testing.assert_array_equal(drawn_by_python(line), color(drawn))
+    assert Recipe(drawn).command.endswith("  # without a folder: all maps were named one by one")
+
+
 def test_a_material_made_in_python_is_named_as_left_out() -> None:
     made = basrelief.Material("made", height=load(STONE).height)
     command = Recipe(scene(made)).command

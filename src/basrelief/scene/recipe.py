@@ -280,6 +280,8 @@ def omitted_of_sources(obj: Object) -> Iterator[str]:
     origin = obj.material.origin
     if origin is None:
         yield "the material, which was not loaded from files"
+    elif origin.path is None:
+        yield "a folder: all maps were named one by one"
     elif origin.options.keys() & {*SAMPLE_OPTIONS}:
         yield "the size and seed of the sample"
     if obj.layer is not None:
