@@ -19,6 +19,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, placed
+from basrelief.scene.recipe import Recipe
 from basrelief.shading.surfaces.landscape import Landscape
 from basrelief.viewer.notebook import Viewer
 from basrelief.viewer.state import state_of
@@ -190,6 +191,10 @@ def test_all_other_settings_are_in_the_scene(material: Material) -> None:
         occlusion_kind="directional",
     )
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
+    recipe = Recipe(viewer.scene())
+    assert (viewer.command, viewer.python) == (recipe.command, recipe.python)
+    assert "--edge clip" in viewer.command
+    assert 'fog_mode="linear"' in viewer.python
     viewer.surface, viewer.surface_parameters = "landscape", {"water_level": 0.6}
     assert viewer.scene().resolved[0].surface_parameters == Landscape(water_level=0.6)
     viewer.surface = "standard"

@@ -26,6 +26,7 @@ from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
 from basrelief.scene.checks import check_choice, check_range, check_setting
+from basrelief.scene.recipe import Recipe
 from basrelief.scene.records import settings_record
 from basrelief.scene.resolve import default_tiles
 from basrelief.settings import settings_of as declarations
@@ -390,6 +391,16 @@ class Viewer(_Declared):
         state = {name: getattr(self, name) for name in names}
         both = {"settings": self.settings_of, "surface_parameters": self.all_surface_parameters}
         return scene_from_state({**state, **both}, self._original)
+
+    @property
+    def command(self) -> str:
+        """The command line that draws the picture of the page again."""
+        return Recipe(self.scene()).command
+
+    @property
+    def python(self) -> str:
+        """The line of Python that draws the picture of the page again."""
+        return Recipe(self.scene()).python
 
     def _settings_checked(self, technique: str, value: Any) -> Any:
         return json_value(settings_record(self._techniques[technique].settings, value, technique))
