@@ -115,8 +115,10 @@ def spot(
 
     Parameters
     ----------
-    position, target : (float, float, float)
-        Position of the light, and a point on the axis of its cone, in world units.
+    position : (float, float, float)
+        Position in world units.
+    target : (float, float, float), default (0, 0, 0)
+        Point on the axis of the light's cone, in world units.
     color : (float, float, float), default white
         Linear RGB, 0 or above.
     intensity : float, default 1.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR
+from basrelief.scene.checks import FAR, NEAR
 from basrelief.settings import setting
 
 if TYPE_CHECKING:
@@ -21,6 +21,8 @@ FRAME_FILL = 0.92
 _AZIMUTH = {"low": -180.0, "high": 180.0, "step": 1.0}
 _ELEVATION = {"low": -89.0, "high": 89.0, "step": 1.0}
 _DISTANCE = {"low": 0.1, "high": 20.0, "step": 0.01}
+MIN_FIELD_OF_VIEW = 1e-3
+"""Smallest field of view in degrees: below it float32 loses the width of a pixel."""
 _FIELD_OF_VIEW = {"low": 1.0, "high": 120.0, "step": 1.0}
 _VIEW_HEIGHT = {"low": 0.05, "high": 10.0, "step": 0.01}
 
@@ -54,11 +56,13 @@ class Orbit:
 
     azimuth: float = setting(default=30.0, low=-FAR, high=FAR, control=_AZIMUTH)
     elevation: float = setting(default=35.0, low=-FAR, high=FAR, control=_ELEVATION)
-    distance: float | None = setting(default=None, low=1e-3, high=1e3, control=_DISTANCE)
+    distance: float | None = setting(default=None, low=NEAR, high=FAR, control=_DISTANCE)
     target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
-    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    field_of_view: float = setting(
+        default=30.0, low=MIN_FIELD_OF_VIEW, high=179.99, control=_FIELD_OF_VIEW
+    )
     orthographic_height: float | None = setting(
-        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+        default=None, low=NEAR, high=FAR, control=_VIEW_HEIGHT
     )
 
     def camera(self, size: tuple[int, int]) -> Camera:
@@ -143,9 +147,11 @@ class LookAt:
     position: tuple[float, float, float] = setting(low=-FAR, high=FAR)
     target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
     up: tuple[float, float, float] = setting(default=(0.0, 1.0, 0.0))
-    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    field_of_view: float = setting(
+        default=30.0, low=MIN_FIELD_OF_VIEW, high=179.99, control=_FIELD_OF_VIEW
+    )
     orthographic_height: float | None = setting(
-        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+        default=None, low=NEAR, high=FAR, control=_VIEW_HEIGHT
     )
 
     def camera(self, size: tuple[int, int]) -> Camera:

@@ -10,6 +10,7 @@ from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
 from basrelief.scene.checks import check_choice, check_range
 from basrelief.scene.lights import LIGHT_CONSTRUCTORS, LIGHTS, light_parameters
+from basrelief.settings import settings_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
@@ -81,7 +82,7 @@ def camera_of(value: Any) -> Orbit:
     Raises InputError for other values.
     """
     if not isinstance(value, Orbit | LookAt):
-        known = Orbit.__dataclass_fields__
+        known = settings_of(Orbit)
         if not isinstance(value, Mapping) or not all(name in known for name in value):
             raise InputError(f"camera is {value!r}: give an Orbit or a LookAt")
         value = Orbit(**value)
