@@ -78,7 +78,10 @@ def on_cpu(cases: Cases, quick: bool) -> tuple[str, dict[str, float], dict[str, 
     tasks: dict[str, Callable[[], object]] = {}
     for name, (scene, size) in cases.items():
         obj = scene.objects[0]
-        program, values = program_of(obj.resolved, scene), values_of(obj.resolved, scene, size, engine)
+        program, values = (
+            program_of(obj.resolved, scene),
+            values_of(obj.resolved, scene, size, engine),
+        )
         tasks[name] = lambda p=program, v=values, s=size: engine.run(p, v, s)
     frames = alternate(tasks, 1 if quick else 7)
     walls, busy = ({name: taken[clock] for name, taken in frames.items()} for clock in (0, 1))
