@@ -26,7 +26,7 @@ def controls() -> dict[str, Any]:
         "scene": _controls({**settings_of(Object), **settings_of(Scene)}),
         "tiling": _controls(settings_of(Tiling)),
         "camera": _controls(settings_of(Orbit)),
-        "lights": _controls(_light_settings()),
+        "lights": _controls(light_settings()),
     }
 
 
@@ -40,7 +40,7 @@ def limits() -> dict[str, Any]:
             **_ranges({**settings_of(Object), **settings_of(Scene)}),
             "divider": (0.0, 1.0),
         },
-        "lights": _ranges(_light_settings()),
+        "lights": _ranges(light_settings()),
         "camera": _ranges(settings_of(Orbit)),
         "least": NEAR,
         "most": FAR,
@@ -63,7 +63,7 @@ def numbers_of(record: type) -> list[dict[str, Any]]:
     ]
 
 
-def _light_settings() -> dict[str, Setting]:
+def light_settings() -> dict[str, Setting]:
     """The parameters of all kinds of lights; a page has angles in place of a target."""
     return {
         name: declared

@@ -17,7 +17,7 @@ from basrelief.material import Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
-from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling, spot
+from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
 from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
 from basrelief.scene.presets import PRESETS, preset
 from basrelief.scene.records import SCENE_RECORDS
@@ -31,7 +31,7 @@ from basrelief.shading.lights import Light
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
-from basrelief.viewer.controls import controls, limits, numbers_of
+from basrelief.viewer.controls import controls, light_settings, limits, numbers_of
 from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import names
 from basrelief.viewer.printed import MENUS
@@ -285,23 +285,31 @@ def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
 
 
 def light_to_dict(light: Light) -> dict[str, Any]:
-    """A light as a mapping: intensity separate from colour, direction and cone as angles."""
-    numbers = json_value(light)
-    intensity = max(*numbers["color"], 1e-9)
+    """A light as a mapping: intensity separate from colour, direction and cone as angles.
+
+    It has the numbers of all kinds, since the page can turn a light into any other. Those that its
+    own kind lacks have their defaults.
+    """
+    record, own = json_value(light), light_parameters(light)
+    numbers = {
+        name: [*usual.default] if usual.kind == "triple" and usual.default else usual.default
+        for name, usual in light_settings().items()
+    }
+    numbers |= {name: record[name] for name in own if name in record}
+    intensity = max(*record["color"], 1e-9)
     x, y, z = (-float(component) for component in light.direction)
-    # the page can turn any light into a spot, so each has a cone
-    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
-    outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
+    if "angle" in own:
+        outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
+        numbers["angle"] = round(math.degrees(2.0 * outer), 4)
+        numbers["softness"] = round(1.0 - inner / outer if outer > 0.0 else 0.0, 4)
     return {
+        **numbers,
         "kind": light_kind(light),
-        "position": numbers["position"],
+        "position": record["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
-        "color": [round(component / intensity, 6) for component in numbers["color"]],
+        "color": [round(component / intensity, 6) for component in record["color"]],
         "intensity": intensity,
-        "falloff": numbers["falloff"],
-        "angle": round(math.degrees(2.0 * outer), 4),
-        "softness": round(1.0 - inner / outer if outer > 0.0 else 0.0, 4),
     }
 
 

@@ -6,10 +6,10 @@ Without a map, a constant takes its place and nothing is sampled.
 from __future__ import annotations
 
 from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, struct
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.surfaces.surface import (
     MapTilings,
     Surface,
-    SurfaceMaps,
     SurfacePoint,
     mirrored_normal,
     oriented_normal,
