@@ -222,5 +222,9 @@ def test_every_choice_is_completed_by_render() -> None:
     assert choices == {name for command, name in CHOICES if command == "render"}
 
 
+def test_kinds_of_lights_are_completed() -> None:
+    assert completed("render", "lights") == [*LIGHTS]
+
+
 def test_bakes_are_completed() -> None:
     assert "relaxed_cone" in completed("bake", "what")

@@ -303,8 +303,8 @@ def light_to_dict(light: Light) -> dict[str, Any]:
         numbers["angle"] = round(math.degrees(2.0 * outer), 4)
         numbers["softness"] = round(1.0 - inner / outer if outer > 0.0 else 0.0, 4)
     return {
-        **numbers,
         "kind": light_kind(light),
+        **numbers,
         "position": record["position"],
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
