@@ -26,7 +26,7 @@ from typing import Any
 from urllib.parse import quote
 
 import basrelief
-from basrelief.viewer import Sources, write_view
+from basrelief.viewer import write_view
 from basrelief.viewer.state import state_of
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -204,7 +204,7 @@ def difference(state: Any, start: Any) -> Any:
 def write_view_page(file: Path) -> None:
     """Write the viewer's page without its still pictures, since the page around has one."""
     file.parent.mkdir(parents=True)
-    write_view(scene_of(START), file, sources=Sources(material="sample:bricks"), device="cpu")
+    write_view(scene_of(START), file, device="cpu")
     file.write_text(re.sub(r"<figure>.*?</figure>\n?", "", file.read_text(), flags=re.S))
 
 

@@ -49,7 +49,9 @@ def test_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo, "sample", heights_alone)
     names = ["bricks-flat.png", "bricks-offset.png", "cobbles-sphere.png"]
     output = done("demo", "--device", "cpu", "-o", "some/where")
-    assert output.splitlines()[:3] == [f"some/where/{name}" for name in names]
+    lines = output.splitlines()
+    assert lines[0:6:2] == [f"some/where/{name}" for name in names]
+    assert all(line.startswith("    basrelief render ") for line in lines[1:6:2])
     assert "The pictures are in some/where. Next: basrelief render" in output
     assert sorted(os.listdir("some/where")) == names
     pictures = [read_picture(f"some/where/{name}").pixels for name in names]
@@ -101,7 +103,9 @@ def pictures_of(words: list[str]) -> int:
 def test_demos_that_pages_show(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
     monkeypatch.setattr(
-        demo, "pictures", lambda *arguments: calls.append(arguments) or [Path("a.png")]
+        demo,
+        "pictures",
+        lambda *arguments: calls.append(arguments) or [(Path("a.png"), "basrelief render")],
     )
     for line in commands("docs/command-line.md"):
         if "demo" in line:

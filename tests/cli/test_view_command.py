@@ -68,7 +68,9 @@ def test_options_of_reading_are_on_the_page(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.code == 0, done.err
     data = page_data(page)
-    assert data["source"] == str(tmp_path)
+    # a page says nothing of the folders above
+    assert data["source"] == tmp_path.name
+    assert data["relative"] == [tmp_path.name]
     assert data["reading"] == {"height_polarity": "depth", "stretch_height": True}
     assert data["layerSource"] == "sample:gravel"
     assert data["state"]["layer"] is True

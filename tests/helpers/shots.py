@@ -12,7 +12,7 @@ from typing import Any
 
 from basrelief.material import sample
 from basrelief.scene import Object, Orbit, Scene
-from basrelief.viewer import Sources, write_view
+from basrelief.viewer import write_view
 from helpers.browser import PATIENCE, SOFTWARE, chromium
 from helpers.repository import REPOSITORY
 from helpers.served import marimo
@@ -49,7 +49,7 @@ def write_page(folder: Path) -> Path:
     """Write the page of the screenshots."""
     file = folder / "page.html"
     scene = Scene((Object(sample("cobbles", 256)),), camera=Orbit(28.0, 30.0))
-    write_view(scene, file, sources=Sources("sample:cobbles"), device="cpu")
+    write_view(scene, file, device="cpu")
     return file
 
 

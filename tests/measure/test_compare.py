@@ -165,7 +165,7 @@ def test_the_json_has_all_keys_and_numbers(comparison, tmp_path) -> None:
         assert (entry["flip"], entry["seconds"]) == (result.flip, result.seconds)
     assert {result["name"] for result in read["techniques"]} == set(comparison.objects)
     assert set(read["techniques"][0]) == {
-        "name", "technique", "settings", "reference_height", "projection",
+        "name", "technique", "settings", "reference_height", "projection", "command",
     }  # fmt: skip
     assert read["advice"]["technique"] in comparison.objects
 

@@ -126,7 +126,7 @@ def test_techniques_without_settings_and_with_fixed_settings(tmp_path) -> None:
     fixed = {"settings": {"step_length": 0.03}, "bias": 0.1, "projection": "biased"}
     result = tune(ground, missed=1.0, techniques=["fixed_length"], **SMALL, **fixed)
     assert result.settings["step_length"] == 0.03
-    assert "--set step_length=0.03 --set bias=0.1" in result.command
+    assert "--set step_length=0.03 --scale 0.5 --projection biased --bias 0.1" in result.command
     values = basrelief.preset(result.preset.save(tmp_path / "b.toml")).values["object"]
     assert (values["bias"], values["projection"]) == (0.1, "biased")
     assert values["settings"]["step_length"] == 0.03

@@ -24,14 +24,13 @@ from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
 from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
-from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
+from basrelief.scene.lights import LIGHTS, light_kind, light_numbers, light_parameters
 from basrelief.scene.presets import Preset, preset
 from basrelief.settings import kinds, settings_of
 from basrelief.settings.kinds import Projection
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import as_light_dict, light_of
-from basrelief.viewer.state import light_to_dict
 from helpers.command_line import refused as command_refused
 from helpers.command_line import write_heights
 
@@ -221,7 +220,7 @@ def test_objects_and_lights_may_be_generators() -> None:
     ],
 )
 def test_a_light_survives_the_round_trip_through_a_page(light: Light) -> None:
-    plain = light_to_dict(light)
+    plain = light_numbers(light)
     back = light_of(plain)
     was, now = (list(map(float, leaf_values(each, Light))) for each in (light, back))
     np.testing.assert_allclose(now, was, atol=2e-6)
@@ -233,7 +232,7 @@ def test_a_light_survives_the_round_trip_through_a_page(light: Light) -> None:
 def test_a_page_takes_lights_of_all_kinds_and_no_others() -> None:
     for kind in LIGHTS:
         assert light_kind(light_of(as_light_dict({"kind": kind}))) == kind
-    options = {**light_to_dict(point((1.0, 2.0, 3.0))), "kind": "lamp"}
+    options = {**light_numbers(point((1.0, 2.0, 3.0))), "kind": "lamp"}
     line = "the kind of a light is one of directional, point, spot, not 'lamp'"
     assert refusal(lambda: light_of(options)) == line
 

@@ -13,7 +13,7 @@ from basrelief.scene import SHAPES, Object, Scene
 from basrelief.shading.intersection import is_clipped
 from basrelief.shading.shapes import ShapeRay, chart, intersect_shape
 from basrelief.shading.variant import Variant
-from basrelief.viewer.state import Sources, manifest
+from basrelief.viewer.state import manifest, sources_of
 
 PLACES = np.random.default_rng(3).uniform(-0.6, 0.6, (60, 3))
 
@@ -75,7 +75,7 @@ def test_the_width_along_u_is_that_of_the_facts(name) -> None:
 
 def test_a_page_contains_flat_shapes_and_bounding_spheres() -> None:
     scene = Scene((Object(sample("bricks", 8)),))
-    shapes = manifest(scene, Sources(), None)["shapes"]
+    shapes = manifest(scene, sources_of(scene), None)["shapes"]
     assert {name for name, each in shapes.items() if each["flat"]} == {"plane"}
     radii = {name: each["radius"] for name, each in shapes.items()}
     assert radii == {"plane": 0.71, "box": 0.87, "sphere": 0.5, "cylinder": 0.71}

@@ -17,7 +17,7 @@ import pytest
 
 from basrelief.material import sample
 from basrelief.scene import Layer, LookAt, Object, Scene, Tiling, directional, placed, point, spot
-from basrelief.viewer import Sources, write_view
+from basrelief.viewer import write_view
 from helpers.repository import REPOSITORY
 from helpers.stills import no_stills
 
@@ -118,8 +118,8 @@ def test_types_fit_the_data(copy: Path, data_of: Callable[..., dict[str, Any]]) 
     )
     lights = (directional(10.0, 20.0), point((0.0, 2.0, 0.0)), spot((0.0, 2.0, 0.0)))
     camera = LookAt((1.0, 2.0, 3.0), orthographic_height=2.0)
-    sources = Sources("FOLDER", {"height_channel": "g", "stretch_height": True})
-    data = data_of(Scene((full,), camera=camera, lights=lights), texels=32, sources=sources)
+    full.material.with_origin("FOLDER", {"height_channel": "g", "stretch_height": True})
+    data = data_of(Scene((full,), camera=camera, lights=lights), texels=32)
     assert data["scaledTo"]
     assert data["constants"]["layer"]
     assert any("why" in each for each in data["presets"].values())

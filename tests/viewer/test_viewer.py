@@ -44,7 +44,7 @@ from basrelief.scene.presets import preset
 from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.lights import DIRECTIONAL, SPOT
 from basrelief.techniques import TECHNIQUES
-from basrelief.viewer import Sources, write_view
+from basrelief.viewer import write_view
 from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import place_of
 from basrelief.viewer.page import LARGEST
@@ -68,7 +68,7 @@ def material() -> Material:
 def page_file(material: Material, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("viewer") / "page.html"
     scene = Scene((Object(material, scale=0.08),), camera=CAMERA)
-    write_view(scene, file, sources=Sources("sample:bricks"), device="cpu")
+    write_view(scene, file, device="cpu")
     return file
 
 
@@ -732,16 +732,19 @@ def test_copied_settings_draw_the_same_picture(
     copied: dict[str, Any] = {}
     monkeypatch.setattr(basrelief, "render", lambda what, **options: copied.update(options))
     exec(line, {"basrelief": basrelief})
+    assert copied.pop("size") == SIZE
     drawn = render(material, size=SIZE, samples=1, device="cpu", **copied)
     assert_agree(drawn, shown, TEXELS)
-    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
-    assert words[:3] == ["basrelief", "render", "sample:bricks"]
-    scene = _scene_of_command(material, words[3:])
+    command = fresh.page.evaluate("viewer.text('command')")
+    assert command.startswith("basrelief render sample:bricks ")
+    assert command.endswith("  # without the size and seed of the sample")
+    scene = _scene_of_command(material, command)
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), shown, TEXELS)
 
 
-def _scene_of_command(material: Material, words: list[str]) -> Scene:
-    """The scene that `basrelief render` would draw."""
+def _scene_of_command(material: Material, command: str) -> Scene:
+    """The scene that a copied command would draw."""
+    words = shlex.split(command.partition("  # ")[0])[3:]
     several = {"set": "settings", "light": "lights"}
     options: dict[str, Any] = {}
     rest = iter([part for word in words for part in _parts(word)])
@@ -753,6 +756,7 @@ def _scene_of_command(material: Material, words: list[str]) -> Scene:
         else:
             number = name in ("scale", "reference_height", "bias")
             options[name] = float(value) if number else value
+    assert options.pop("size") == f"{SIZE[0]}x{SIZE[1]}"
     return arguments.scene(material, **options)
 
 
@@ -767,8 +771,7 @@ def test_a_copied_command_without_lights_draws_without_lights(
         fresh.page.get_by_role("button", name="Remove light 1").click()
     fresh.page.locator("#add-light").wait_for()
     assert fresh.page.evaluate("viewer.state.lights") == []
-    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
-    scene = _scene_of_command(material, words[3:])
+    scene = _scene_of_command(material, fresh.page.evaluate("viewer.text('command')"))
     assert scene.lights == ()
     assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), fresh.frame(), TEXELS)
 
@@ -853,9 +856,9 @@ def test_an_invalid_link_is_clamped(
     monkeypatch.setattr("os.system", lambda line: pytest.fail(line))
     exec(line, {"basrelief": basrelief})
     assert len(copied["lights"]) == len(state["lights"]) if "lights" in copied else True
-    words = shlex.split(fresh.page.evaluate("viewer.text('command')"))
-    assert "$(id)" not in " ".join(words)
-    _scene_of_command(material, words[3:])
+    command = fresh.page.evaluate("viewer.text('command')")
+    assert "$(id)" not in command
+    _scene_of_command(material, command)
     assert fresh.page.locator("#panel select[name=technique]").count() == 1
     assert fresh.console == []
     fresh.page.evaluate("history.replaceState(null, '', location.pathname)")
@@ -969,7 +972,7 @@ def test_a_user_defined_technique_is_in_the_menu(
     own = Object(material, technique="own.py:steep", settings={"share": 0.7}, scale=0.08)
     scene = Scene((own,), camera=CAMERA)
     with no_stills():
-        write_view(scene, tmp_path / "page.html", sources=Sources("sample:bricks"), device="cpu")
+        write_view(scene, tmp_path / "page.html", device="cpu")
     seen = OpenPage(browser, tmp_path / "page.html")
     drawn = render(scene, size=SIZE, samples=1, device="cpu")
     assert_agree(drawn, seen.frame(), TEXELS)

@@ -12,6 +12,7 @@ from basrelief.material import Material, sample
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
+from basrelief.scene.recipe import Recipe
 from basrelief.settings.kinds import ShapeKind
 from basrelief.techniques import TECHNIQUES
 
@@ -29,8 +30,9 @@ COUNT = len(_SHOWN) + len(_SHAPES)
 """Number of pictures."""
 
 
-def pictures(folder: Path, device: str) -> Iterator[Path]:
-    """Draw the pictures into a folder; yields the path of each when it is written."""
+def pictures(folder: Path, device: str) -> Iterator[tuple[Path, str]]:
+    """Draw the pictures into a folder; yields the path of each when it is written, and the command
+    that draws it."""
     # choosing a device and making the samples are independent: run both at once
     with ThreadPoolExecutor() as pool:
         device_choice = pool.submit(choose_device, device)
@@ -47,13 +49,15 @@ def pictures(folder: Path, device: str) -> Iterator[Path]:
     # one picture is written while the next is drawn
     with ThreadPoolExecutor(1) as writer:
         writing: Future[Path] | None = None
+        command = ""
         for name, scene in scenes.items():
             frame = render(scene, size=_SIZE, samples=_SAMPLES, device=engine)
             if writing is not None:
-                yield writing.result()
+                yield writing.result(), command
             writing = writer.submit(frame.save, folder / f"{name}.png")
+            command = Recipe(scene, {"size": _SIZE, "samples": _SAMPLES}).command
         if writing is not None:
-            yield writing.result()
+            yield writing.result(), command
 
 
 def _scenes(materials: dict[str, Material]) -> Iterator[tuple[str, Scene]]:

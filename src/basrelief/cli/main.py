@@ -134,11 +134,6 @@ def _without_none(options: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _json_options(options: dict[str, Any]) -> dict[str, Any]:
-    """Options with paths as text, for JSON."""
-    return {name: str(x) if isinstance(x, Path) else x for name, x in options.items()}
-
-
 def _load_material(path: str, **maps: Any) -> Material:
     from basrelief.material import load
 
@@ -411,7 +406,7 @@ def compare(
             settings=fixed, progress=progress.report, **of_scene,
         )  # fmt: skip
         page = result.save(output or Path(f"{material.name}-compare"))
-    print(f"{result.summary()}\n{page}  ({result.device})")
+    print(f"{result.summary()}\n\n{result.recipe.command}\n\n{page}  ({result.device})")
 
 
 @app.command()
@@ -466,7 +461,7 @@ def tune(
 
         result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=fixed, progress=progress.report, source=path, **of_scene,
+            device=device, settings=fixed, progress=progress.report, **of_scene,
         )  # fmt: skip
         written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
@@ -563,14 +558,15 @@ def demo(
     device: DeviceOption = "auto",
 ) -> None:
     """Draw the samples with every technique and on every shape."""
-    paths: list[Path] = []
+    paths: list[tuple[Path, str]] = []
     with _Progress("drawing the samples") as progress:
         from basrelief.cli.demo import COUNT, pictures
 
         for picture in pictures(output, device):
             paths.append(picture)
             progress(len(paths) / COUNT)
-    print("\n".join(map(str, paths)))
+    for path, command in paths:
+        print(f"{path}\n    {command}")
     print(f"\nThe pictures are in {output}. Next: basrelief render FOLDER --technique relief")
 
 
@@ -591,7 +587,7 @@ def view(
         import tempfile
         import webbrowser
 
-        from basrelief.viewer import Sources, write_view
+        from basrelief.viewer import write_view
 
         if texels < 1:
             raise InputError(f"--texels {texels}: give at least 1")
@@ -599,12 +595,9 @@ def view(
             raise InputError(f"--output {output}: name an HTML file, for example page.html")
         preset, maps = _preset_and_maps(values)
         scene = _scene(path, preset, maps, values)
-        sources = Sources(path, _json_options({**preset.maps, **maps}), values["layer"])
         name = scene.objects[0].material.name
         target = output or Path(tempfile.mkdtemp("-basrelief")) / f"{name}.html"
-        page = write_view(
-            scene, target, texels=texels, sources=sources, device=device, progress=progress.report
-        )
+        page = write_view(scene, target, texels=texels, device=device, progress=progress.report)
     if page.scaled_to is not None:
         width, height = page.scaled_to
         print(f"note: the page's maps are scaled to {width} × {height}", file=sys.stderr)

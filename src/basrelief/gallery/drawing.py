@@ -14,6 +14,8 @@ from basrelief.measure.truth import truth
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
 from basrelief.scene import Scene
+from basrelief.scene.recipe import Recipe, omitted_by_command
+from basrelief.techniques import TECHNIQUES
 
 FRAMES = 5
 """Number of frames of which a time is the median."""
@@ -27,6 +29,7 @@ class DrawnPanel:
 
     `reads` is the mean number of heights read in a covered pixel. `seconds` is the median time of
     frames with one sample at the picture's size, `headline_seconds` at the headline's size.
+    `command` is the command line that draws it, or "" where none can say all of it.
     """
 
     panel: Panel
@@ -35,6 +38,7 @@ class DrawnPanel:
     reads: float
     seconds: float
     headline_seconds: float | None
+    command: str
 
 
 def draw_panels(
@@ -51,8 +55,18 @@ def draw_panels(
         picture = picture_of(panel, frame, engine)
         headline = _headline_seconds(page, panel.scene, engine)
         seconds = seconds_of(panel.scene, size, engine)
-        yield DrawnPanel(panel, frame, picture, frame.mean_reads, seconds, headline)
+        command = command_of(panel, size, samples)
+        yield DrawnPanel(panel, frame, picture, frame.mean_reads, seconds, headline, command)
         progress((number + 1) / len(panels))
+
+
+def command_of(panel: Panel, size: tuple[int, int], samples: int) -> str:
+    """The command line that draws a panel, or "" where none can say all of it."""
+    own = any(obj.technique not in TECHNIQUES.values() for obj in panel.scene.resolved)
+    if own or any(omitted_by_command(panel.scene)):
+        return ""
+    shown = {"show": panel.shown} if panel.shown != "color" else {}
+    return Recipe(panel.scene, {"size": size, "samples": samples, **shown}).command
 
 
 def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:

@@ -21,6 +21,7 @@ class Figure(NamedTuple):
     caption: str
     settings: str
     cost: str
+    command: str
 
 
 class Card(NamedTuple):
@@ -83,7 +84,9 @@ def _card(page: Page) -> Card:
 def _figure(page: Page, number: int, drawn: DrawnPanel) -> Figure:
     parts = [settings_of(drawn.panel.scene), drawn.panel.settings, drawn.picture.meaning]
     settings = " · ".join(part for part in parts if part)
-    return Figure(picture_name(page, number), drawn.panel.caption, settings, _cost(page, drawn))
+    return Figure(
+        picture_name(page, number), drawn.panel.caption, settings, _cost(page, drawn), drawn.command
+    )
 
 
 def _cost(page: Page, drawn: DrawnPanel) -> str:

@@ -27,6 +27,7 @@ from basrelief.material.options import (
 from basrelief.material.samples import sample
 
 PathLike = str | os.PathLike[str]
+_DEFAULT_OPTIONS = ReadOptions()
 
 SAMPLE = "sample:"
 """Prefix by which `load` recognises the name of a procedural sample."""
@@ -104,6 +105,11 @@ def load(
     options = ReadOptions(
         normal_convention, normal_packing, height_polarity, height_channel, stretch_height
     )
+    requested = {
+        name: value
+        for name, value in {"depth": depth, "tile": tile, **vars(options)}.items()
+        if value is not None and value != getattr(_DEFAULT_OPTIONS, name, None)
+    }
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
     )  # fmt: skip
@@ -126,7 +132,10 @@ def load(
         builder = _Builder(options, file_set.name, list(file_set.notes))
         choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in samples}
     builder.add_sample_maps(samples)
-    return builder.build({**choices, **_named_choices(named_files)}, depth, tile)
+    material = builder.build({**choices, **_named_choices(named_files)}, depth, tile)
+    return material.with_origin(
+        None if path is None else os.fspath(path), {**requested, **map_files}
+    )
 
 
 def _file_set(path: PathLike | None, options: ReadOptions, named_files: dict[str, str]) -> FileSet:

@@ -7,8 +7,8 @@ height of 1 is the highest. Only base colour and emission may be encoded in sRGB
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -113,6 +113,18 @@ class Map:
         return linear
 
 
+@dataclass(frozen=True)
+class Origin:
+    """What a material was made of, to name it in a command or a script.
+
+    `path` is that of `load`, "sample:NAME", or None where every map was named; `options` are those
+    of `load`, or of `sample`, that differ from the defaults.
+    """
+
+    path: str | None
+    options: Mapping[str, Any]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Material:
     """A surface described by up to nine maps, each stretched over the whole tile.
@@ -161,6 +173,13 @@ class Material:
     depth: float | None = None
     tile: float | None = None
     notes: tuple[Note, ...] = ()
+    origin: Origin | None = field(default=None, init=False)
+    """What it was made of; None for a material that was made, or changed, in Python."""
+
+    def with_origin(self, path: str | None, options: Mapping[str, Any]) -> Material:
+        """Set the origin, and return the material itself."""
+        object.__setattr__(self, "origin", Origin(path, options))
+        return self
 
     def __post_init__(self) -> None:
         for kind, map in self.maps():

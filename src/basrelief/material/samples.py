@@ -24,11 +24,13 @@ SAMPLES = (*PATTERNS, "hole")
 OPENING = 0.6
 """Opening of the sample `hole`, 0 to 1."""
 
+_SIDE = 512
+"""Default side of a sample, in texels."""
 LARGEST = 16384
 """Largest side of a sample, in texels."""
 
 
-def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Material:
+def sample(name: str, size: int | tuple[int, int] = _SIDE, seed: int = 0) -> Material:
     """Draw a procedural material.
 
     It has base colour, normal, height, occlusion and roughness maps, some also metallic or opacity.
@@ -61,10 +63,14 @@ def sample(name: str, size: int | tuple[int, int] = 512, seed: int = 0) -> Mater
         raise InputError(f"sample {name}: a side has 1 to {LARGEST} texels, not {height}×{width}")
     if seed < 0:
         raise InputError(f"sample {name}: a seed is a whole number from 0, not {seed}")
+    options: dict[str, Any] = {"size": size} if (height, width) != (_SIDE, _SIDE) else {}
+    options |= {"seed": seed} if seed else {}
     if name == "hole":
         cracks, dust = (sample(part, (height, width), seed) for part in ("cracks", "dust"))
-        return replace(hole(cracks, dust, OPENING), name=name)
-    return _material(name, seed, PATTERNS[name](Canvas(height, width, seed)))
+        material = replace(hole(cracks, dust, OPENING), name=name)
+    else:
+        material = _material(name, seed, PATTERNS[name](Canvas(height, width, seed)))
+    return material.with_origin(f"sample:{name}", options)
 
 
 def _material(name: str, seed: int, relief: Relief) -> Material:

@@ -19,6 +19,7 @@ import numpy as np
 from basrelief._version import __version__
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError, new_name, suggestion
+from basrelief.lang.types import fields_of
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import errors, flip, has_flip, uv_error
@@ -29,6 +30,8 @@ from basrelief.measure.truth import truth
 from basrelief.measure.views import ANGLES, SET_BY_MEASURE, at_angle
 from basrelief.rendering.render import check_picture, render
 from basrelief.scene import ResolvedObject, Scene, technique_named
+from basrelief.scene.presets import scene_of
+from basrelief.scene.recipe import Recipe
 from basrelief.techniques import TECHNIQUES, Technique, exact
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
@@ -50,6 +53,11 @@ class Candidate:
     technique: Technique[..., Any]
     settings: Mapping[str, Any]
     spelled: str
+
+    def recipe(self, material: Material, options: Mapping[str, Any]) -> Recipe:
+        """The material drawn with this technique, and options of `Object` and `Scene`."""
+        own = {"technique": self.technique, "settings": self.settings}
+        return Recipe(scene_of(material, {**options, **own}))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +86,8 @@ class Comparison(Results):
         Angles between view and normal, in degrees.
     objects : dict of str to ResolvedObject
         Objects by the technique's name, the fastest first.
+    recipes : dict of str to Recipe
+        The material drawn with each technique, as a command, as Python and as a preset.
     results : tuple of Result
         Measurements by angle, then by technique, the fastest first.
     """
@@ -85,6 +95,11 @@ class Comparison(Results):
     def summary(self) -> str:
         """The recommended technique, in one or two sentences of plain text."""
         return advice(self).sentence(max(self.angles))
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recommended technique on the material."""
+        return self.recipes[advice(self).technique]
 
     def to_dict(self) -> dict[str, Any]:
         """The content of `compare.json`; docs/compare.md describes the keys."""
@@ -101,7 +116,10 @@ class Comparison(Results):
             "time": {"size": list(self.timing.size), "by": self.timing.by, "runs": self.runs},
             "angles": list(self.angles),
             "visible": VISIBLE,
-            "techniques": [_technique(name, obj) for name, obj in self.objects.items()],
+            "techniques": [
+                {**_technique(name, obj), "command": self.recipes[name].command}
+                for name, obj in self.objects.items()
+            ],
             "results": [_result(result) for result in self.results],
             "advice": advice(self).to_dict(),
         }
@@ -227,6 +245,7 @@ def compare(
         runs=runs,
         angles=angles,
         objects={name: first[name].resolved[0] for name in sorted(cost, key=lambda n: cost[n])},
+        recipes={candidate.name: candidate.recipe(material, options) for candidate in chosen},
         results=tuple(results),
     )
 
@@ -300,9 +319,7 @@ def candidates(
             )
     if not any(candidate.technique is exact and candidate.name == "exact" for candidate in chosen):
         chosen.append(Candidate("exact", exact, {}, "exact"))
-    known = {
-        name for candidate in chosen for name in candidate.technique.settings.__dataclass_fields__
-    }
+    known = {name for candidate in chosen for name in fields_of(candidate.technique.settings)}
     for name in settings:
         if name not in known:
             hint = new_name(name, known) or "none of these techniques has this setting"
@@ -321,7 +338,7 @@ def _candidate(
         return requested
     text, own = (requested, {}) if not isinstance(requested, str) else _own_settings(requested)
     technique = technique_named(text)
-    known = technique.settings.__dataclass_fields__
+    known = fields_of(technique.settings)
     for name in own:
         if name not in known:
             hint = suggestion(name, known, "it has")

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.lang import Vec3
+from basrelief.lang.types import fields_of
 from basrelief.measure.errors import Errors
 from basrelief.measure.timing import Timing
 from basrelief.scene import ResolvedObject
+from basrelief.scene.recipe import Recipe
 from basrelief.techniques import flat
 
 
@@ -61,6 +63,7 @@ class Results:
     runs: int
     angles: tuple[float, ...]
     objects: Mapping[str, ResolvedObject]
+    recipes: Mapping[str, Recipe]
     results: tuple[Result, ...]
 
     def at(self, angle: float) -> list[Result]:
@@ -77,7 +80,7 @@ def settings_of(obj: ResolvedObject) -> dict[str, Any]:
     if obj.technique is flat:
         return {}
     record = obj.settings
-    return {name: _json_value(getattr(record, name)) for name in type(record).__dataclass_fields__}
+    return {name: _json_value(getattr(record, name)) for name in fields_of(type(record))}
 
 
 def _json_value(value: Any) -> Any:

@@ -12,10 +12,8 @@ that passes, by measured time on this device.
 from __future__ import annotations
 
 import os
-import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal, assert_never
 
 import numpy as np
@@ -34,6 +32,8 @@ from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Scene
 from basrelief.scene.presets import Preset
+from basrelief.scene.recipe import Recipe
+from basrelief.settings import settings_of as settings_of_record
 from basrelief.techniques import Technique
 
 __all__ = ["Trial", "TuneResult", "tune"]
@@ -84,16 +84,10 @@ class TuneResult:
         The bound, 0 to 1.
     angles : tuple of float
         Measured angles between view and normal, in degrees, ascending.
-    source : str
-        The material as a command line names it.
-    material : str
-        Name of the material.
-    scale : float
-        Height range as a fraction of a tile's width.
+    recipe : Recipe
+        The chosen technique and settings on the material.
     settings : mapping
-        Settings of the chosen technique.
-    options : mapping
-        Fields of `Object` and `Scene` that were set.
+        All settings of the chosen technique.
     device : str
         Engine and adapter that ran the shaders.
     """
@@ -104,48 +98,29 @@ class TuneResult:
     measure: Measure
     bound: float
     angles: tuple[float, ...]
-    source: str
-    material: str
-    scale: float
+    recipe: Recipe
     settings: Mapping[str, Any]
-    options: Mapping[str, Any]
     device: str
 
     @property
     def command(self) -> str:
         """A command line that draws with the chosen technique and settings."""
-        parts = ["basrelief", "render", self.source, "--technique", self.chosen.candidate.spelled]
-        for name, value in self.settings.items():
-            parts += ["--set", f"{name}={value:g}"]
-        if "bias" in self.options:
-            parts += ["--set", f"bias={self.options['bias']:g}"]
-        parts += ["--scale", f"{self.scale:g}"]
-        for name in ("reference_height", "projection"):
-            if name in self.options:
-                value = self.options[name]
-                parts += [
-                    f"--{name.replace('_', '-')}",
-                    value if isinstance(value, str) else f"{value:g}",
-                ]
-        return shlex.join(parts)
+        return self.recipe.command
+
+    @property
+    def python(self) -> str:
+        """A line of Python that draws with the chosen technique and settings."""
+        return self.recipe.python
 
     @property
     def preset(self) -> Preset:
         """A preset of the chosen technique and settings; `preset.save("mine.toml")` writes it."""
+        name = self.recipe.scene.objects[0].material.name
         about = (
-            f"For {self.material}: the cheapest with {self._error_text(self.chosen)}, "
+            f"For {name}: the cheapest with {self._error_text(self.chosen)}, "
             f"from {self.angles[0]:g} to {self.angles[-1]:g} degrees."
         )
-        options = {
-            k: v for k, v in self.options.items() if k in ("reference_height", "projection", "bias")
-        }
-        obj = {
-            "technique": _with_absolute_path(self.chosen.candidate.spelled),
-            "scale": self.scale,
-            **options,
-            "settings": dict(self.settings),
-        }
-        return Preset(f"{self.material}-tuned", about, values={"object": obj})
+        return self.recipe.preset(f"{name}-tuned", about)
 
     def report(self) -> str:
         """The chosen settings and the faster ones that just missed, in a few lines of text."""
@@ -196,7 +171,6 @@ def tune(
     size: tuple[int, int] = (320, 180),
     device: str | Engine = "auto",
     settings: Mapping[str, Any] | None = None,
-    source: str | None = None,
     progress: Progress = lambda what, share: None,
     **options: Any,
 ) -> TuneResult:
@@ -221,8 +195,6 @@ def tune(
         "auto", "cpu" or "gpu", or an engine.
     settings : mapping, optional
         Settings with fixed values, which are not searched.
-    source : str, optional
-        The material as the command line in the result names it.
     progress : callable
         Called with the current task and the finished share, 0 to 1.
     **options
@@ -280,7 +252,6 @@ def tune(
     best = passing[0]
     cheaper = [trial for trial in timed if not trial.passed and trial.seconds < best.seconds]
     scene = evaluator.scene(best.candidate, view_angles[0])
-    obj = scene.resolved[0]
     return TuneResult(
         chosen=best,
         nearest=min(cheaper, key=lambda trial: trial.error, default=None),
@@ -288,11 +259,8 @@ def tune(
         measure=measure,
         bound=bound,
         angles=view_angles,
-        source=source or (material.name if isinstance(what, Material) else os.fspath(what)),
-        material=material.name,
-        scale=obj.scale,
-        settings=settings_of(obj),
-        options=options,
+        recipe=best.candidate.recipe(material, options),
+        settings=settings_of(scene.resolved[0]),
         device=f"{engine.name}: {engine.adapter}",
     )
 
@@ -399,9 +367,9 @@ def _search(
     effort_name = effort(candidate.technique, fixed)
     if effort_name is None:
         return [evaluate(candidate)]
-    field = candidate.technique.settings.__dataclass_fields__[effort_name]
-    low = int(field.metadata["low"])
-    high = int(min(field.metadata["high"] or MAX_EFFORT, MAX_EFFORT))
+    declared = settings_of_record(candidate.technique.settings)[effort_name]
+    low = int(declared.low or 0)
+    high = int(min(declared.high or MAX_EFFORT, MAX_EFFORT))
 
     def trial_of(count: int) -> Trial:
         return evaluate(_with_effort(candidate, effort_name, count, fixed))
@@ -431,29 +399,30 @@ def effort(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> str | No
 
 
 def _whole_numbers(technique: Technique[..., Any], fixed: Mapping[str, Any]) -> dict[str, int]:
-    fields = technique.settings.__dataclass_fields__.values()
     return {
-        f.name: int(f.default) for f in fields
-        if f.type in ("int", int) and f.name not in fixed
-    }  # fmt: skip
+        name: int(declared.default)
+        for name, declared in settings_of_record(technique.settings).items()
+        if declared.kind == "integer" and name not in fixed
+    }
 
 
 def _minimum_setting(technique: Technique[..., Any], effort_name: str) -> str | None:
     """The setting of the minimum that belongs to the maximum `effort_name`, if any."""
     name = effort_name.replace("max", "min")
-    return name if name != effort_name and name in technique.settings.__dataclass_fields__ else None
+    known = settings_of_record(technique.settings)
+    return name if name != effort_name and name in known else None
 
 
 def _with_effort(
     candidate: Candidate, effort_name: str, count: int, fixed: Mapping[str, Any]
 ) -> Candidate:
     """A candidate with this effort; a minimum number of steps changes in proportion."""
-    fields = candidate.technique.settings.__dataclass_fields__
+    declared = settings_of_record(candidate.technique.settings)
     settings = {**candidate.settings, effort_name: count}
     minimum = _minimum_setting(candidate.technique, effort_name)
     if minimum is not None and minimum not in fixed:
-        proportional = count * int(fields[minimum].default) / int(fields[effort_name].default)
-        settings[minimum] = max(int(fields[minimum].metadata["low"]), round(proportional))
+        ratio = int(declared[minimum].default) / int(declared[effort_name].default)
+        settings[minimum] = max(int(declared[minimum].low or 0), round(count * ratio))
     return replace(candidate, settings=settings)
 
 
@@ -467,9 +436,9 @@ def _variants(candidate: Candidate, fixed: Mapping[str, Any]) -> Iterator[Candid
     ]  # fmt: skip
     yield candidate
     for name in others:
-        field = candidate.technique.settings.__dataclass_fields__[name]
-        low, high = field.metadata["low"], field.metadata["high"]
-        for count in (int(field.default) // 2, int(field.default) * 2):
+        declared = settings_of_record(candidate.technique.settings)[name]
+        low, high = declared.low or 0, declared.high
+        for count in (int(declared.default) // 2, int(declared.default) * 2):
             if low <= count and (high is None or count <= high):
                 yield replace(candidate, settings={**candidate.settings, name: count})
 
@@ -477,9 +446,3 @@ def _variants(candidate: Candidate, fixed: Mapping[str, Any]) -> Iterator[Candid
 def _with_settings(trial: Trial, settings: Mapping[str, Any] | None = None) -> str:
     values = trial.candidate.settings if settings is None else settings
     return ",".join([trial.candidate.spelled, *(f"{k}={v:g}" for k, v in values.items())])
-
-
-def _with_absolute_path(technique: str) -> str:
-    """The name of a technique; FILE.py:NAME with the absolute path of the file."""
-    file, colon, name = technique.rpartition(":")
-    return f"{Path(file).resolve()}:{name}" if colon else name

@@ -61,7 +61,7 @@ def check_setting(declared: Setting, value: Any) -> None:
 
 def check_settings(record: Any) -> None:
     """Raise InputError unless all settings of a record have their kinds and ranges."""
-    for name, declared in settings_of(record.__class__).items():
+    for name, declared in settings_of(type(record)).items():
         check_setting(declared, getattr(record, name))
 
 

@@ -198,6 +198,75 @@ def light_parameters(kind: str | Light) -> Mapping[str, Setting]:
     return parameters_of(LIGHTS[name])
 
 
+def parameters_of_all_lights() -> dict[str, Setting]:
+    """Parameters of all kinds of lights by name; angles stand for a target."""
+    return {
+        name: declared
+        for kind in LIGHTS
+        for name, declared in light_parameters(kind).items()
+        if name != "target"
+    }
+
+
+def light_numbers(light: Light) -> dict[str, Any]:
+    """The kind of a light and the numbers of all kinds; a direction is two angles in degrees.
+
+    The intensity is separate from the colour, whose largest component is 1. Numbers that the
+    light's own kind lacks have their defaults.
+    """
+    own = light_parameters(light)
+    usual = {name: declared.default for name, declared in parameters_of_all_lights().items()}
+    stored = {name: getattr(light, name) for name in (*own, "position") if hasattr(light, name)}
+    intensity = max(*map(float, light.color), 1e-9)
+    x, y, z = (-float(component) for component in light.direction)
+    computed = {
+        "azimuth": round(math.degrees(math.atan2(x, z)), 4),
+        "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
+        "color": [round(float(component) / intensity, 6) for component in light.color],
+        "intensity": float(f"{intensity:.7g}"),
+    }
+    if "angle" in own:
+        outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
+        computed["angle"] = round(math.degrees(2.0 * outer), 4)
+        computed["softness"] = round(1.0 - inner / outer if outer > 0.0 else 0.0, 4)
+    plain = {name: _plain(value) for name, value in {**usual, **stored}.items()}
+    return {"kind": light_kind(light), **plain, **computed}
+
+
+def _plain(value: Any) -> float | list[float]:
+    """A number or a list of numbers, the shortest with the same 32 bits."""
+    if isinstance(value, Iterable):
+        return [float(str(component)) for component in value]
+    return float(str(value))
+
+
+def light_arguments(light: Light) -> tuple[str, dict[str, Any]]:
+    """The kind of a light, and the arguments of its constructor that differ from the defaults."""
+    numbers = light_numbers(light)
+    if "target" in light_parameters(light):
+        numbers["target"] = _target(numbers)
+    arguments = {}
+    for name, declared in light_parameters(light).items():
+        value = tuple(numbers[name]) if isinstance(numbers[name], list) else numbers[name]
+        if declared.required or value != declared.default:
+            arguments[name] = value
+    return numbers["kind"], arguments
+
+
+def light_of_numbers(numbers: Mapping[str, Any]) -> Light:
+    """The light of `light_numbers`."""
+    names, values = light_parameters(numbers["kind"]), {**numbers}
+    if "target" in names:
+        values["target"] = _target(numbers)
+    return LIGHTS[numbers["kind"]](**{name: values[name] for name in names})
+
+
+def _target(numbers: Mapping[str, Any]) -> list[float]:
+    """The point at distance 1 in the direction of a light; `directional` computes the direction."""
+    direction = directional(numbers["azimuth"], numbers["elevation"]).direction
+    return [p + float(d) for p, d in zip(numbers["position"], direction, strict=True)]
+
+
 def _light(
     kind: int,
     *,

@@ -142,9 +142,13 @@ def setting(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-@functools.cache
 def settings_of(record: Any) -> Mapping[str, Setting]:
     """The settings of a record by name: its fields that `setting` declares, in order."""
+    return _settings_of(record)
+
+
+@functools.cache
+def _settings_of(record: Any) -> Mapping[str, Setting]:
     meanings = _meanings(record)
     return {
         field.name: _setting(record, field, *meanings.get(field.name, ("", "")))

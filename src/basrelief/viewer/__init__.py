@@ -9,12 +9,11 @@ widget `Viewer`, which needs the extra `notebook`.
 from typing import TYPE_CHECKING, Any
 
 from basrelief.viewer.page import ViewerPage, write_view
-from basrelief.viewer.state import Sources
 
 if TYPE_CHECKING:
     from basrelief.viewer.notebook import Viewer
 
-__all__ = ["Sources", "Viewer", "ViewerPage", "write_view"]
+__all__ = ["Viewer", "ViewerPage", "write_view"]
 
 
 def __getattr__(name: str) -> Any:

@@ -40,7 +40,6 @@ from basrelief.viewer.printed import MENUS
 from basrelief.viewer.shown import as_light_dict, camera_of, scene_from_state, tiling_of
 from basrelief.viewer.state import (
     SHOWS,
-    Sources,
     check_drawable,
     state_of,
     techniques_of,
@@ -353,8 +352,7 @@ class Viewer(_Declared):
         self._all_settings = state.pop("settings")
         self._all_surface_parameters_sent = state.pop("surface_parameters")
         self._all_tilings = state["tilings"]
-        sources = Sources(str(what) if isinstance(what, str | Path) else None)
-        page = page_of(scene, texels, sources, device, progress or (lambda what, share: None))
+        page = page_of(scene, texels, device, progress or (lambda what, share: None))
         super().__init__(
             _page=page.html.encode(),
             height=height,

@@ -28,7 +28,7 @@ from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
 from basrelief.viewer.printed import program_library
-from basrelief.viewer.state import Sources, check_drawable, manifest, techniques_of
+from basrelief.viewer.state import check_drawable, manifest, sources_of, techniques_of
 
 __all__ = ["ViewerPage", "write_view"]
 
@@ -73,7 +73,6 @@ def write_view(
     path: str | Path,
     *,
     texels: int = 1024,
-    sources: Sources | None = None,
     device: str | Engine = "auto",
     progress: Progress | None = None,
 ) -> ViewerPage:
@@ -88,8 +87,6 @@ def write_view(
     texels : int
         Largest side of the page's maps, in texels. Maps are scaled further until the page has
         at most 12 MB.
-    sources : Sources, optional
-        Names of the material and its layer in the Python and the commands that the page copies.
     device : str or Engine
         "auto", "cpu" or "gpu", or an engine, for bakes and still pictures.
     progress : callable, optional
@@ -108,16 +105,12 @@ def write_view(
     file = Path(path)
     check_overwritable(file, GENERATOR, "a page of the viewer")
     check_drawable(scene)
-    page = page_of(
-        scene, texels, sources or Sources(), device, progress or (lambda what, share: None)
-    )
+    page = page_of(scene, texels, device, progress or (lambda what, share: None))
     write_page(file, page.html)
     return page
 
 
-def page_of(
-    scene: Scene, texels: int, sources: Sources, device: str | Engine, progress: Progress
-) -> ViewerPage:
+def page_of(scene: Scene, texels: int, device: str | Engine, progress: Progress) -> ViewerPage:
     """The page of a scene."""
     obj = scene.objects[0]
     progress("printing the programs", 0.0)
@@ -138,7 +131,7 @@ def page_of(
     data = {
         "programs": programs.to_dict(),
         "records": layouts(programs.library.names),
-        **manifest(replace(scene, objects=(scaled_obj,)), sources, scaled),
+        **manifest(replace(scene, objects=(scaled_obj,)), sources_of(scene), scaled),
     }
     return ViewerPage(_html(obj.material.name, data, maps, stills), scaled)
 

@@ -7,13 +7,19 @@ from dataclasses import replace
 from typing import Any
 
 from basrelief.errors import InputError
-from basrelief.scene import LookAt, Orbit, Scene, Tiling, directional
+from basrelief.scene import LookAt, Orbit, Scene, Tiling
 from basrelief.scene.checks import check_choice, check_range
-from basrelief.scene.lights import LIGHT_CONSTRUCTORS, LIGHTS, light_parameters
+from basrelief.scene.lights import (
+    LIGHT_CONSTRUCTORS,
+    LIGHTS,
+    light_numbers,
+    light_of_numbers,
+    light_parameters,
+)
 from basrelief.settings import settings_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
-from basrelief.viewer.state import camera_to_dict, light_to_dict, techniques_of
+from basrelief.viewer.state import camera_to_dict, techniques_of
 
 _SHARED = (
     *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading",
@@ -98,14 +104,7 @@ def light_of(value: Mapping[str, Any]) -> Light:
     """A light from a page's mapping. Raises InputError for invalid numbers."""
     check_range("intensity", float(value["intensity"]), 0.0, None)
     check_choice("the kind of a light", value["kind"], tuple(LIGHTS))
-    names, numbers = light_parameters(value["kind"]), {**value}
-    if "target" in names:
-        # the direction is that of a directional light at these angles
-        direction = directional(value["azimuth"], value["elevation"]).direction
-        numbers["target"] = [
-            p + float(d) for p, d in zip(value["position"], direction, strict=True)
-        ]
-    return LIGHTS[value["kind"]](**{name: numbers[name] for name in names})
+    return light_of_numbers(value)
 
 
 def as_light_dict(value: Any) -> dict[str, Any]:
@@ -114,13 +113,13 @@ def as_light_dict(value: Any) -> dict[str, Any]:
     Missing numbers are those of the kind's function. Raises InputError for other values.
     """
     if isinstance(value, Light):
-        return light_to_dict(value)
+        return light_numbers(value)
     if not isinstance(value, Mapping):
         raise InputError(f"a light is {value!r}: give one made by {LIGHT_CONSTRUCTORS}")
     kind = value.get("kind", "directional")
     check_choice("the kind of a light", kind, tuple(LIGHTS))
     place = {"position": (0.0, 1.0, 0.0)} if "position" in light_parameters(kind) else {}
-    defaults = light_to_dict(LIGHTS[kind](**place))
+    defaults = light_numbers(LIGHTS[kind](**place))
     for name in value:
         check_choice("a light's number", name, tuple(defaults))
     light = {**defaults, **value}

@@ -5,21 +5,28 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
-from basrelief.material import Material
+from basrelief.material import MAPS, Material
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
-from basrelief.scene.lights import LIGHTS, light_kind, light_parameters
+from basrelief.scene.lights import LIGHTS, light_numbers, light_parameters
 from basrelief.scene.presets import PRESETS, preset
+from basrelief.scene.recipe import (
+    SAMPLE_OPTIONS,
+    omitted_of_sources,
+    portable_path,
+    portable_source,
+    stretch_of,
+    technique_text,
+)
 from basrelief.scene.records import SCENE_RECORDS
 from basrelief.scene.resolve import default_scale, default_tiles, default_transform
 from basrelief.scene.scene import default_lights
@@ -27,11 +34,10 @@ from basrelief.scene.tilings import OWN_TILINGS
 from basrelief.scene.views import FRAME_FILL
 from basrelief.settings import settings_of
 from basrelief.settings.kinds import ShapeKind
-from basrelief.shading.lights import Light
 from basrelief.techniques import TECHNIQUES, Technique
 from basrelief.techniques.height import Smoothing
 from basrelief.viewer.bakes import bake_numbers
-from basrelief.viewer.controls import controls, light_settings, limits, numbers_of
+from basrelief.viewer.controls import controls, limits, numbers_of
 from basrelief.viewer.layouts import json_value
 from basrelief.viewer.names import names
 from basrelief.viewer.printed import MENUS
@@ -42,47 +48,42 @@ SHOWS = ("color", "reads", "missed", "depth")
 """Pictures that a page can show."""
 
 
-@dataclass(frozen=True)
-class Sources:
+def sources_of(scene: Scene) -> dict[str, Any]:
     """Names of the material and its layer in the Python and the commands that a page copies.
 
-    Attributes
-    ----------
-    material : str or None
-        The material as `basrelief.load` takes it; None for the name of a procedural sample, or
-        else a placeholder.
-    reading : mapping
-        Options of `basrelief.load`.
-    layer : str or None
-        The layer's material, as above.
+    `omitted` is what these do not say about them, `relative` the paths that are relative.
     """
+    obj = scene.objects[0]
+    layer = None if obj.layer is None else obj.layer.material
+    source, layer_source = portable_source(obj.material, "FOLDER"), portable_source(layer, "LAYER")
+    options = {} if obj.material.origin is None else obj.material.origin.options
+    reading = {
+        name: portable_path(value) if name in MAPS else value
+        for name, value in options.items()
+        if name not in SAMPLE_OPTIONS
+    }
+    named = [source, *(reading[name] for name in MAPS if name in reading)]
+    named += [layer_source] if layer is not None else []
+    return {
+        "source": source,
+        "reading": reading,
+        "layerSource": layer_source,
+        "relative": [path for path in named if not path.startswith("sample:")],
+        "omitted": [*omitted_of_sources(obj)],
+    }
 
-    material: str | None = None
-    reading: Mapping[str, Any] = field(default_factory=dict)
-    layer: str | None = None
 
-
-def _source_name(material: Material | None, otherwise: str) -> str:
-    """A material's name on a command line: sample:NAME of a procedural sample, else `otherwise`."""
-    if material is None:
-        return otherwise
-    sources = [map.source for _, map in material.maps()]
-    is_sample = all(source.startswith(f"sample {material.name},") for source in sources)
-    return f"sample:{material.name}" if is_sample and sources else otherwise
-
-
-def manifest(scene: Scene, sources: Sources, scaled: tuple[int, int] | None) -> dict[str, Any]:
-    """The data of a page, except its programs and maps."""
+def manifest(
+    scene: Scene, sources: Mapping[str, Any], scaled: tuple[int, int] | None
+) -> dict[str, Any]:
+    """The data of a page, except its programs and maps; `sources` are those of `sources_of`."""
     obj = scene.objects[0]
     material = obj.material
-    layer = None if obj.layer is None else obj.layer.material
     techniques = techniques_of(obj)
     return {
         "name": material.name,
         "version": __version__,
-        "source": sources.material or _source_name(material, "FOLDER"),
-        "reading": dict(sources.reading),
-        "layerSource": sources.layer or _source_name(layer, "LAYER"),
+        **sources,
         "scaledTo": scaled,
         "hasHeights": material.height is not None,
         "mapSources": {kind: map.source for kind, map in material.maps()},
@@ -142,7 +143,7 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
     doc = inspect.cleandoc(technique.__doc__ or "").split("\n\n")
     return {
         "doc": " ".join(doc[0].split()),
-        "commandName": _command_name(technique),
+        "commandName": portable_path(technique_text(technique)),
         "reference_height": technique.reference_height,
         "projection": technique.projection,
         "mostReads": technique.most_reads,
@@ -151,16 +152,6 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
         "heights": technique.takes_heights,
         "settings": numbers_of(technique.settings),
     }
-
-
-def _command_name(technique: Technique[..., Any]) -> str:
-    """A technique as a command line names it: NAME, or FILE.py:NAME for a user's."""
-    if technique in TECHNIQUES.values():
-        return technique.name
-    file = Path(technique.function.__code__.co_filename)
-    folder = Path.cwd()
-    shown = file.relative_to(folder) if file.is_relative_to(folder) else file.name
-    return f"{shown}:{technique.name}"
 
 
 def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
@@ -185,6 +176,7 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
             [round(float(x), 9) for x in point] for point in placed_object.bounding_points()
         ],
         "world": None if transform is None else np.asarray(transform, np.float64).tolist(),
+        "stretch": None if transform is None else stretch_of(obj),
     }
 
 
@@ -228,7 +220,7 @@ def state_of(
         "shadowing": json_value(scene.shadowing),
         "fog": json_value(scene.fog),
         "background": list(map(float, scene.background or (0.0, 0.0, 0.0))),
-        "lights": [light_to_dict(light) for light in scene.lights],
+        "lights": [light_numbers(light) for light in scene.lights],
         "camera": camera_to_dict(scene.camera),
     }
     state["settings"][name] = json_value(obj.settings)
@@ -251,7 +243,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
             "scale": default_scale(material),
         },
         "background": [*declared["background"].default],
-        "lights": [light_to_dict(light) for light in default_lights()],
+        "lights": [light_numbers(light) for light in default_lights()],
         "camera": camera_to_dict(Orbit()),
     }
 
@@ -281,35 +273,6 @@ def camera_to_dict(camera: Orbit | LookAt) -> dict[str, Any]:
         "target": list(map(float, camera.target)),
         "field_of_view": float(camera.field_of_view),
         "orthographic_height": camera.orthographic_height,
-    }
-
-
-def light_to_dict(light: Light) -> dict[str, Any]:
-    """A light as a mapping: intensity separate from colour, direction and cone as angles.
-
-    It has the numbers of all kinds, since the page can turn a light into any other. Those that its
-    own kind lacks have their defaults.
-    """
-    record, own = json_value(light), light_parameters(light)
-    numbers = {
-        name: [*usual.default] if usual.kind == "triple" and usual.default else usual.default
-        for name, usual in light_settings().items()
-    }
-    numbers |= {name: record[name] for name in own if name in record}
-    intensity = max(*record["color"], 1e-9)
-    x, y, z = (-float(component) for component in light.direction)
-    if "angle" in own:
-        outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
-        numbers["angle"] = round(math.degrees(2.0 * outer), 4)
-        numbers["softness"] = round(1.0 - inner / outer if outer > 0.0 else 0.0, 4)
-    return {
-        "kind": light_kind(light),
-        **numbers,
-        "position": record["position"],
-        "azimuth": round(math.degrees(math.atan2(x, z)), 4),
-        "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
-        "color": [round(component / intensity, 6) for component in record["color"]],
-        "intensity": intensity,
     }
 
 

@@ -121,6 +121,7 @@ export type ShapeData = {
   radius: number;
   outline: Vec3[];
   world: number[][] | null;
+  stretch: number[] | null; // the same, where it stretches along the axes alone
 };
 
 /** A preset as a state, or the reason why the page cannot draw it. */
@@ -232,6 +233,8 @@ export type Data = {
   source: string;
   reading: { [option: string]: string | number | boolean };
   layerSource: string;
+  omitted: string[]; // what the sources do not say about the materials
+  relative: string[]; // the sources that are relative paths
   scaledTo: Pair | null;
   hasHeights: boolean;
   mapSources: { [slot: Slot]: string | undefined };

@@ -672,8 +672,11 @@ export class ViewerPage {
 
   /** @param {CopyKind} kind */
   text(kind) {
-    if (kind === "python") return toPython(this.state, this.data);
-    if (kind === "command") return toCommand(this.state, this.data);
+    const { width, height } = this.canvas;
+    /** @type {import("view/state.js").Shown} */
+    const shown = { size: [width, height], mapsChanged: this.pictures !== this.original };
+    if (kind === "python") return toPython(this.state, this.data, shown);
+    if (kind === "command") return toCommand(this.state, this.data, shown);
     if (kind !== "link") throw new Error(`unknown kind of copy: ${kind}`);
     return location.href.split("#")[0] + toHash(this.state, this.start);
   }

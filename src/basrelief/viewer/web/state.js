@@ -147,10 +147,37 @@ function lightOf(light, { lightKinds }) {
 }
 
 /**
+ * What a page knows of its picture beside the state: its size, and whether its maps were changed.
+ * @typedef {{ size: Pair, mapsChanged: boolean }} Shown
+ */
+
+/**
+ * A comment on what a text does not say.
  * @param {State} state
  * @param {Data} data
+ * @param {Shown} shown
+ * @param {string[]} omitted
  */
-export function toCommand(state, data) {
+function comment(state, data, { mapsChanged }, omitted) {
+  const without = [...data.omitted, ...omitted];
+  if (state.compare && state.compare !== state.technique)
+    without.push(`${state.compare} right of the divider`);
+  if (mapsChanged) without.push("the maps that were changed on the page");
+  const remarks = [
+    ...(without.length ? [`without ${without.join(", ")}`] : []),
+    ...(data.relative.length
+      ? [`run it in the folder that contains ${data.relative.join(" and ")}`]
+      : []),
+  ];
+  return remarks.length ? `  # ${remarks.join("; ")}` : "";
+}
+
+/**
+ * @param {State} state
+ * @param {Data} data
+ * @param {Shown} shown
+ */
+export function toCommand(state, data, shown) {
   const options = changedOptions(state, data);
   /** @type {(each: Fields, sign: string) => string[]} */
   const values = (each, sign) =>
@@ -197,14 +224,23 @@ export function toCommand(state, data) {
   for (const light of options.lights ?? []) {
     parts.push("--light", [light.kind, ...values(lightOf(light, data), "/")].join(","));
   }
-  return parts.map(quoted).join(" ");
+  const { world, stretch } = data.shapes[state.shape];
+  if (stretch) joined("stretch", stretch);
+  if (["reads", "missed"].includes(state.show)) option("show", state.show);
+  option("size", tiles(shown.size));
+  const omitted = [
+    ...(world && !stretch ? ["the transform of the object"] : []),
+    ...(state.show === "depth" ? ["the picture of depth"] : []),
+  ];
+  return parts.map(quoted).join(" ") + comment(state, data, shown, omitted);
 }
 
 /**
  * @param {State} state
  * @param {Data} data
+ * @param {Shown} shown
  */
-export function toPython(state, data) {
+export function toPython(state, data, shown) {
   const options = changedOptions(state, data);
   /** @type {(x: unknown) => string} */
   const value = (x) => {
@@ -243,8 +279,11 @@ export function toPython(state, data) {
     const each = options.lights.map((l) => `${call(l.kind, lightOf(l, data))},`);
     args.push(`lights=(${each.join(" ")})`);
   }
+  args.push(`size=${value(shown.size)}`);
   const source = JSON.stringify(data.source);
   const reading = listed(data.reading);
   const what = reading.length ? `basrelief.load(${[source, ...reading].join(", ")})` : source;
-  return `import basrelief; basrelief.render(${[what, ...args].join(", ")})`;
+  const omitted = state.show === "color" ? [] : [`the picture of ${state.show}`];
+  const line = `import basrelief; basrelief.render(${[what, ...args].join(", ")})`;
+  return line + comment(state, data, shown, omitted);
 }

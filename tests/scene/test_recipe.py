@@ -1,0 +1,294 @@
+"""Pictures drawn again from what recipes write: a command, Python, and a preset."""
+
+from __future__ import annotations
+
+import functools
+import re
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import basrelief
+from basrelief import Layer, LookAt, Object, Orbit, Scene, Tiling, directional, load, point, spot
+from basrelief.gallery import PAGES
+from basrelief.gallery.drawing import TEXELS, command_of
+from basrelief.images import read_picture, write_data
+from basrelief.scene import LYING, placed
+from basrelief.scene.presets import preset
+from basrelief.scene.recipe import Recipe, omitted_by_command
+from basrelief.settings import settings_of
+from helpers.command_line import done, write_heights
+
+SIZE = (48, 32)
+DRAWING = {"size": SIZE, "samples": 1}
+STONE, GRAVEL = "sample:stone", "sample:gravel"
+
+
+def scene(material: Any = None, objects: tuple[Object, ...] = (), **options: Any) -> Scene:
+    of_scene = {name: options.pop(name) for name in [*options] if name in settings_of(Scene)}
+    main = Object(load(STONE) if material is None else material, **options)
+    return Scene((main, *objects), **of_scene)
+
+
+@functools.cache
+def scenes() -> dict[str, Scene]:
+    """Scenes that together have a value for every setting."""
+    return {
+        "defaults": scene(),
+        "a technique": scene(
+            technique="parallax_occlusion", settings={"min_steps": 6, "max_steps": 24}, scale=0.13,
+            reference_height=0.25, projection="biased", bias=0.2, camera=Orbit(20.0, 20.0),
+        ),
+        "heights": scene(
+            heights="smooth", smoothing={"mip_bias": 2.0}, fade=(1.0, 4.5), edge="clamp",
+            tiling=(2.0, -3.0), shift=(-0.25, 0.5),
+            camera=LookAt((0.5, 0.9, 1.1), field_of_view=50.0),
+        ),
+        "a surface": scene(
+            shape="box", mapping="triplanar", alpha="mask",
+            surface_parameters={"base_color": (1.0, 0.5, 0.25), "roughness": 0.3},
+            tilings={"normal": Tiling((3.0, 2.0), (0.5, 0.0)), "base_color": Tiling((-1.0, 1.0))},
+            camera=Orbit(-35.0, 25.0, 3.0, (0.1, 0.0, -0.1), 40.0),
+        ),
+        "a landscape": scene(
+            surface="landscape", surface_parameters={"water_level": 0.3},
+            layer=Layer(load(GRAVEL), Tiling((6.0, 5.0), (0.25, 0.0))), background=(0.2, 0.3, 0.5),
+        ),
+        "a stretched shape": scene(
+            shape="cylinder", transform=placed(scale=(0.5, 1.25, 0.75)), casts="opaque",
+            camera=Orbit(orthographic_height=2.0),
+        ),
+        "lights": scene(
+            lights=(
+                directional(70.0, 25.0, (1.0, 0.5, 0.25), 1.5),
+                point((-0.5, 0.75, 0.5), falloff=1.0),
+                spot((0.5, 1.0, 0.75), (0.125, 0.0, 0.25), (0.5, 1.0, 0.5), 3.0, 1.5, 50.0, 0.5),
+            ),
+            shading_model="phong", shading={"ambient": 0.1, "shininess": 60.0}, shadows="hard",
+            shadowing={"shadow_steps": 24, "shadow_softness": 0.1}, occlusion_kind="directional",
+            shadows_on="polygon", shadow_map_size=512,
+        ),
+        "fog without a light": scene(
+            lights=(), fog_mode="linear", fog={"fog_start": 0.5, "fog_end": 4.0, "fog_color": 0.25},
+            surface_parameters={"emission": (0.25, 0.5, 0.75)},
+        ),
+        "no background": scene(shape="sphere", background=None),
+    }  # fmt: skip
+
+
+NAMES = (
+    "defaults",
+    "a technique",
+    "heights",
+    "a surface",
+    "a landscape",
+    "a stretched shape",
+    "lights",
+    "fog without a light",
+    "no background",
+)
+
+
+@pytest.fixture(autouse=True)
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def color(drawn: Scene) -> np.ndarray:
+    return basrelief.render(drawn, device="cpu", **DRAWING).color
+
+
+def drawn_by_command(command: str, *more: str) -> np.ndarray:
+    """The pixels of the picture that a command line draws."""
+    program, *arguments = shlex.split(command, comments=True)
+    assert program == "basrelief"
+    done(*arguments, "-o", "again.png", "--device", "cpu", *more)
+    return read_picture(Path("again.png")).pixels
+
+
+def drawn_by_python(line: str) -> np.ndarray:
+    """The colour of the frame that a line of Python draws."""
+    namespace: dict[str, Any] = {}
+    exec(line.replace("; basrelief.render(", "; frame = basrelief.render("), namespace)
+    return namespace["frame"].color
+
+
+def as_file(drawn: Scene) -> np.ndarray:
+    basrelief.render(drawn, device="cpu", **DRAWING).save("once.png")
+    return read_picture(Path("once.png")).pixels
+
+
+# --- every setting --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_command_draws_the_same_picture(name: str) -> None:
+    command = Recipe(scenes()[name], DRAWING).command
+    assert "#" not in command
+    np.testing.assert_array_equal(drawn_by_command(command), as_file(scenes()[name]))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_python_draws_the_same_picture(name: str) -> None:
+    line = Recipe(scenes()[name], {**DRAWING, "device": "cpu"}).python
+    assert np.abs(drawn_by_python(line) - color(scenes()[name])).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    "name", [n for n in NAMES if n not in ("a stretched shape", "no background")]
+)
+def test_the_preset_draws_the_same_picture(name: str) -> None:
+    file = Recipe(scenes()[name]).preset("again").save("again.toml")
+    again = preset(file).scene(load(STONE, **preset(file).maps))
+    assert np.abs(color(again) - color(scenes()[name])).max() < 1e-5
+
+
+def test_every_setting_is_written_in_a_scene() -> None:
+    assert tuple(scenes()) == NAMES
+    for record in (Object, Scene):
+        for name, declared in settings_of(record).items():
+            owners = [s.objects[0] if record is Object else s for s in scenes().values()]
+            assert any(
+                getattr(owner, name) is not declared.default
+                and repr(getattr(owner, name)) != repr(declared.default)
+                for owner in owners
+            ), name
+
+
+# --- sources --------------------------------------------------------------------------------------
+
+
+def test_options_of_reading_are_written() -> None:
+    folder = write_heights(
+        Path("wall"), np.linspace(9000, 40000, 20 * 28).reshape(20, 28, 1).astype(np.uint16)
+    )
+    other = write_heights(Path("other"))
+    (file,) = other.iterdir()
+    material = load(
+        folder, height=file, height_polarity="depth", stretch_height=True, depth=0.1, tile=0.8
+    )
+    drawn = scene(material)
+    recipe = Recipe(drawn, DRAWING)
+    for option in ("--height ", "--height-polarity depth", "--stretch-height", "--depth 0.1"):
+        assert option in recipe.command
+    np.testing.assert_array_equal(drawn_by_command(recipe.command), as_file(drawn))
+    line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
+    np.testing.assert_array_equal(drawn_by_python(line), color(drawn))
+    saved = recipe.preset("again").save("again.toml")
+    np.testing.assert_array_equal(drawn_by_command(f"basrelief render wall --preset {saved}",
+                                                   "--size", "48x32", "--samples", "1"),
+                                  as_file(drawn))  # fmt: skip
+
+
+def test_further_objects_are_written_in_python() -> None:
+    ball = Object(load(GRAVEL), shape="sphere", transform=placed((0.0, 0.4, 0.0), 0.3) @ LYING)
+    drawn = scene(objects=(ball,), shadows="soft", camera=Orbit(distance=2.5))
+    line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
+    assert np.abs(drawn_by_python(line) - color(drawn)).max() < 1e-5
+    assert Recipe(drawn).command.endswith("  # without the further objects")
+
+
+def test_samples_of_other_sizes_are_written_in_python() -> None:
+    drawn = scene(basrelief.sample("stone", 64, seed=3))
+    line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
+    assert 'basrelief.sample("stone", size=64, seed=3)' in line
+    np.testing.assert_array_equal(drawn_by_python(line), color(drawn))
+    assert [*omitted_by_command(drawn)] == ["the size and seed of the sample"]
+
+
+def test_a_material_made_in_python_is_named_as_left_out() -> None:
+    made = basrelief.Material("made", height=load(STONE).height)
+    command = Recipe(scene(made)).command
+    assert (
+        command
+        == "basrelief render FOLDER  # without the material, which was not loaded from files"
+    )
+
+
+def test_what_a_preset_cannot_say_is_refused() -> None:
+    for drawn, why in (
+        (scenes()["a stretched shape"], "no transform"),
+        (scenes()["no background"], "no transparent background"),
+        (scene(objects=(Object(load(GRAVEL)),)), "describes one object"),
+    ):
+        with pytest.raises(basrelief.InputError, match=why):
+            Recipe(drawn).preset("again")
+
+
+# --- commands that other commands print -----------------------------------------------------------
+
+
+def printed_command(output: str) -> str:
+    (line,) = re.findall(r"^basrelief render .*$", output, re.MULTILINE)
+    return line
+
+
+@pytest.mark.parametrize(
+    "measure", [("tune", "--missed", "60%"), ("compare", "--angles", "60", "--size", "32x24")]
+)
+def test_what_is_measured_is_drawn_by_the_printed_command(measure: tuple[str, ...]) -> None:
+    """The printed command has the options of reading, and draws the same relief."""
+    folder = write_heights(Path("wall"))
+    extra = write_data(Path("slanted.png"), np.full((4, 6, 3), 150, np.uint8))
+    reading = (
+        "--normal", str(extra), "--height-polarity", "depth", "--stretch-height",
+        "--normal-convention", "dx",
+    )  # fmt: skip
+    technique = (
+        "--technique",
+        "steep",
+        "--scale",
+        "0.2",
+        "--bias",
+        "0.3",
+        "--projection",
+        "biased",
+    )
+    out = done(measure[0], folder, *measure[1:], *technique, *reading, "--device", "cpu",
+               "-o", "out.toml" if measure[0] == "tune" else "out")  # fmt: skip
+    command = printed_command(out)
+    assert "--normal-convention dx" in command
+    small = ("--size", "48x32", "--samples", "1")
+    again = drawn_by_command(command, *small)
+    techniques = shlex.split(command)[shlex.split(command).index("--technique") + 1]
+    settings = [
+        w for k, w in enumerate(shlex.split(command)) if shlex.split(command)[k - 1] == "--set"
+    ]
+    material = load(
+        folder, normal=extra, height_polarity="depth", stretch_height=True, normal_convention="dx"
+    )
+    numbers = {name: float(value) for name, _, value in (s.partition("=") for s in settings)}
+    wanted = scene(
+        material, technique=techniques, settings=numbers, scale=0.2, bias=0.3, projection="biased"
+    )
+    np.testing.assert_array_equal(again, as_file(wanted))
+    if measure[0] == "tune":
+        with_preset = "basrelief render wall --preset out.toml"
+        np.testing.assert_array_equal(drawn_by_command(with_preset, *small), again)
+
+
+cached_sample = functools.cache(basrelief.sample)
+GALLERY = [
+    (page.name, number, panel)
+    for page in PAGES.values()
+    for number, panel in enumerate(page.panels(TEXELS))
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "panel"),
+    [case for case in GALLERY if command_of(case[2], SIZE, 1)],
+    ids=lambda value: str(value) if isinstance(value, str | int) else "",
+)
+def test_commands_of_the_gallery_draw_its_pictures(
+    name: str, number: int, panel: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # the gallery's samples have the size that commands draw
+    monkeypatch.setattr(sys.modules["basrelief.material.loading"], "sample", cached_sample)
+    command = command_of(panel, SIZE, 1).replace(f" --show {panel.shown}", "")
+    difference = drawn_by_command(command).astype(int) - as_file(panel.scene)
+    assert (np.abs(difference) > 1).mean() < 0.002
