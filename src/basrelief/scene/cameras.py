@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
-from basrelief.scene.views import MIN_FIELD_OF_VIEW
+from basrelief.scene.checks import MIN_FIELD_OF_VIEW
 from basrelief.shading.camera import Camera
 
 __all__ = ["look_at", "orbit"]

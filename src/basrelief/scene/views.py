@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR, NEAR
+from basrelief.scene.checks import FAR, MIN_FIELD_OF_VIEW, NEAR
 from basrelief.settings import setting
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ FRAME_FILL = 0.92
 _AZIMUTH = {"low": -180.0, "high": 180.0, "step": 1.0}
 _ELEVATION = {"low": -89.0, "high": 89.0, "step": 1.0}
 _DISTANCE = {"low": 0.1, "high": 20.0, "step": 0.01}
-MIN_FIELD_OF_VIEW = 1e-3
-"""Smallest field of view in degrees: below it float32 loses the width of a pixel."""
 _FIELD_OF_VIEW = {"low": 1.0, "high": 120.0, "step": 1.0}
 _VIEW_HEIGHT = {"low": 0.05, "high": 10.0, "step": 0.01}
 
