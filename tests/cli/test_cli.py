@@ -20,6 +20,7 @@ from basrelief.engine import choose_device, cpu, gpu
 from basrelief.images import read_picture, srgb_encode, write_data
 from basrelief.material import describe, report
 from basrelief.scene import Layer, Tiling, placed, rotated
+from basrelief.settings import settings_of
 from basrelief.shading.surfaces.standard import SurfaceParameters
 from basrelief.techniques import TECHNIQUES
 from helpers.command_line import (
@@ -493,7 +494,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
     assert list(parts)[: len(TECHNIQUES)] == list(TECHNIQUES)
     for name, made in TECHNIQUES.items():
         assert "Cost: " in " ".join(parts[name].split())
-        for setting in made.settings.__dataclass_fields__:
+        for setting in settings_of(made.settings):
             assert f"\n    {setting}=" in parts[name]
     assert "Reference: F. Policarpo" in " ".join(parts["relief"].split())
     assert "----" not in printed
@@ -501,12 +502,21 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
     assert "    min_steps=8     1 to 4096  steps when looking straight down" in parts["relief"]
     assert "--set sets the numbers below" in parts["with every technique"]
     for heading, shown in (
-        ("the standard surface", "base_color=1/1/1 from 0 colour, multiplied with the map"),
-        ("a landscape (--surface landscape)", "water_level=0.4 0 to 1 height of the water"),
-        ("smooth heights (--heights smooth)", "mip_bias=1 0 to 16 mip levels"),
-        ("light and shading", "shininess=10 1 to 1000"),
+        (
+            "the standard surface (--surface standard)",
+            "base_color=1/1/1 from 0 Factor of the base colour map, linear",
+        ),
+        (
+            "the landscape surface (--surface landscape)",
+            "water_level=0.4 0 to 1 height of the water",
+        ),
+        ("smooth heights (--heights smooth, mip)", "mip_bias=1 0 to 16 mip levels"),
+        ("the shading", "shininess=10 1 to 1000"),
         ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
-        ("fog (--fog-mode linear, exponential, exponential_squared)", "fog_density=0.3 0 to 1000"),
+        (
+            "the fog (--fog-mode linear, exponential, exponential_squared)",
+            "fog_density=0.3 0 to 1000",
+        ),
     ):
         assert f" {shown}" in " ".join(parts[heading].split())
     assert max(map(len, printed.splitlines())) <= 100

@@ -13,8 +13,8 @@ from basrelief.lang.resources import members_of
 from basrelief.lang.values import IVec2
 from basrelief.shading import pixel as pixels
 from basrelief.shading.geometry import Geometry, Vertex
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.shadow_map import ShadowMapView
-from basrelief.shading.surfaces.surface import SurfaceMaps
 
 
 def pixel_in_python(program: Program, values: Mapping[str, Any], x: int, y: int) -> pixels.Pixel:

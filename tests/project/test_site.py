@@ -7,6 +7,7 @@ import importlib
 import json
 import os
 import re
+import runpy
 import subprocess
 import sys
 import threading
@@ -89,6 +90,15 @@ def navigation(entries: Any) -> Iterator[str]:
     for entry in entries:
         for value in entry.values():
             yield from [value] if isinstance(value, str) else navigation(value)
+
+
+# --- the table of settings ------------------------------------------------------------------------
+
+
+def test_the_table_of_settings_is_that_of_the_declarations() -> None:
+    """After a change of a setting, run `scripts/docs`."""
+    scope = runpy.run_path(str(SOURCES / "settings.py"))
+    assert scope["PAGE"].read_text(encoding="utf-8") == scope["text"]()
 
 
 # --- pages ----------------------------------------------------------------------------------------

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import fields
 from typing import Any
 
 import pytest
 
 from basrelief.lang import static_fields
+from basrelief.lang.resources import members_of
 from basrelief.material import sample
 from basrelief.rendering.programs import program_of, variant_of
 from basrelief.scene import Object, Scene
+from basrelief.shading.maps import AvailableMaps, SurfaceMaps
 from basrelief.shading.variant import Variant
 from basrelief.viewer.printed import program_library
 
@@ -68,3 +71,8 @@ def test_a_value_in_no_menu_is_refused(name: str) -> None:
         Object(sample("tiles", 16), **{name: "sideways"}) if of_object else Scene(
             (obj,), **{name: "sideways"}
         )
+
+
+def test_every_map_of_a_surface_has_a_condition() -> None:
+    conditions = [field.name for field in fields(AvailableMaps)]
+    assert conditions == [f"{name}_map" for name in members_of(SurfaceMaps)]

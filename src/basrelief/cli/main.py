@@ -16,6 +16,7 @@ from basrelief._version import __version__
 from basrelief.baking.files import FILE_BAKES, checked_bakes
 from basrelief.cli import options
 from basrelief.errors import BasreliefError, InputError, new_name
+from basrelief.settings import settings_of
 
 if TYPE_CHECKING:
     from basrelief.material import Material
@@ -180,13 +181,17 @@ def techniques() -> None:
     """List the techniques: method, cost, source and settings."""
     import inspect
 
-    from basrelief.shading.brdf import Shading
-    from basrelief.shading.fog import Fog
-    from basrelief.shading.self_shadow import Shadowing
-    from basrelief.shading.surfaces.landscape import Landscape
-    from basrelief.shading.surfaces.standard import SurfaceParameters
+    from basrelief.scene import Object, Scene
+    from basrelief.scene.records import SCENE_RECORDS
+    from basrelief.scene.resolve import SURFACES
     from basrelief.techniques import TECHNIQUES
     from basrelief.techniques.height import Smoothing
+
+    def with_choice(what: str, record: type, name: str) -> str:
+        """A heading with the values of a choice that make its numbers count."""
+        choice = settings_of(record)[name]
+        acting = [value for value in choice.choices if value != choice.default]
+        return f"{what} ({choice.option} {', '.join(acting)})"
 
     for technique in TECHNIQUES.values():
         height, projection = technique.reference_height, technique.projection
@@ -195,15 +200,15 @@ def techniques() -> None:
         paragraphs = doc.replace("References\n----------\n", "Reference: ").split("\n\n")
         _print_entry(technique.name, [*paragraphs, defaults], technique.settings)
     _print_entry("with every technique", ["Besides its own, --set sets the numbers below."])
-    for name, record in (
-        ("smooth heights (--heights smooth)", Smoothing),
-        ("the standard surface", SurfaceParameters),
-        ("a landscape (--surface landscape)", Landscape),
-        ("light and shading", Shading),
-        ("shadows of the relief on itself (--shadows hard, soft)", Shadowing),
-        ("fog (--fog-mode linear, exponential, exponential_squared)", Fog),
-    ):
-        _print_entry(name, [], record)
+    _print_entry(with_choice("smooth heights", Object, "heights"), [], Smoothing)
+    for surface, record in SURFACES.items():
+        _print_entry(f"the {surface} surface (--surface {surface})", [], record)
+    headings = {
+        "shadowing": with_choice("shadows of the relief on itself", Scene, "shadows"),
+        "fog": with_choice("the fog", Scene, "fog_mode"),
+    }
+    for name, (record, owner) in SCENE_RECORDS.items():
+        _print_entry(headings.get(name, owner), [], record)
 
 
 @app.command()
@@ -232,7 +237,9 @@ def _print_entry(name: str, paragraphs: list[str], *records: Any) -> None:
             )
         )
     rows = [
-        _setting_row(field) for record in records for field in record.__dataclass_fields__.values()
+        (f"{name}={declared.default_text}", declared.range_text, declared.doc)
+        for record in records
+        for name, declared in settings_of(record).items()
     ]
     # zip(*rows) is empty, and nothing is printed, where there are no settings
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -240,17 +247,6 @@ def _print_entry(name: str, paragraphs: list[str], *records: Any) -> None:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
         print("    " + "  ".join(cells).rstrip())
     print()
-
-
-def _setting_row(field: Any) -> tuple[str, str, str]:
-    """A setting with its default, its range and its meaning."""
-    from basrelief.lang import Vec3
-
-    low, high = field.metadata["low"], field.metadata["high"]
-    values = [*field.default] if isinstance(field.default, Vec3) else [field.default]
-    default = "/".join(f"{x:g}" for x in values)
-    ends = f"from {low:g}" if high is None else f"{low:g} to {high:g}"
-    return f"{field.name}={default}", ends, field.metadata["doc"]
 
 
 @app.command()

@@ -76,8 +76,18 @@ def _text(help: str, metavar: str) -> Any:
     return Annotated[Text, typer.Option(help=help, metavar=metavar)]
 
 
-def _texts(help: str, metavar: str, *names: str) -> Any:
-    return Annotated[Texts, typer.Option(*names, help=help, metavar=metavar)]
+def _texts(
+    help: str, metavar: str, *names: str, completion: Callable[[], list[str]] | None = None
+) -> Any:
+    option = typer.Option(*names, help=help, metavar=metavar, autocompletion=completion)
+    return Annotated[Texts, option]
+
+
+def _light_kinds() -> list[str]:
+    # imported here, since help does not need it
+    from basrelief.scene.lights import LIGHTS
+
+    return [*LIGHTS]
 
 
 RELIEF: Options = {
@@ -100,6 +110,7 @@ LIGHT: Options = {
         "spot, position=1/2/1, angle=30; all also color=1/1/1, intensity=2; repeatable; or none.",
         "KIND,NAME=VALUE…",
         "--light",
+        completion=_light_kinds,
     ),
     **_options_of(Object, Scene, group="Light"),
 }

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from basrelief.material.options import MAPS
+
 Green = Literal["gl", "dx"]
 
 
@@ -98,18 +100,26 @@ _SPELLINGS: Mapping[str, Meaning] = {
     "mra mrao metallicroughnessao metallicroughnessocclusion": _MRAO,
     "metallicroughness metalroughness metalrough metalnessroughness": _METAL_ROUGH,
     "metallicsmoothness metallicgloss metalsmoothness metallicglossiness": _METAL_GLOSS,
-    "specular spec specularlevel reflection refl ior f0 sss subsurface scattering": _UNUSED,
-    "translucency translucent transmission thickness curvature cavity id detail": _UNUSED,
-    "anisotropy anisotropic sheen fuzz clearcoat coat position worldnormal bentnormal": _UNUSED,
-    "cone relaxedcone horizon bounds": _UNUSED,
-    "basrelief preview previews thumb thumbnail render rendered renders sphere screenshot": _UNUSED,
 }
+_NOT_USED = (
+    "specular spec specularlevel reflection refl ior f0 sss subsurface scattering "
+    "translucency translucent transmission thickness curvature cavity id detail "
+    "anisotropy anisotropic sheen fuzz clearcoat coat position worldnormal bentnormal "
+    "cone relaxedcone horizon bounds "
+    "basrelief preview previews thumb thumbnail render rendered renders sphere screenshot"
+)
+"""Names of maps that no surface reads, and of other pictures that lie beside maps."""
 
 
 def _table() -> dict[str, Meaning]:
-    """Meanings by spelling, each also with the suffixes "map", "tex" and "texture"."""
+    """Meanings by spelling, each also with the suffixes "map", "tex" and "texture".
+
+    Every map is found under its own name, and under those of `_SPELLINGS`.
+    """
     table = {"maskmap": _MASK_MAP}
-    for spellings, meaning in _SPELLINGS.items():
+    own = [(name.replace("_", ""), _single(name)) for name in MAPS]
+    # a map's own name counts for more than a list of maps that are not used
+    for spellings, meaning in ((_NOT_USED, _UNUSED), *own, *_SPELLINGS.items()):
         for spelling in spellings.split():
             for suffix in ("", "map", "tex", "texture"):
                 table[spelling + suffix] = meaning

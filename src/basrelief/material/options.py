@@ -76,9 +76,9 @@ class Lengths:
     Attributes
     ----------
     depth : float
-        Height range, in metres.
+        Full height range in metres, above 0.
     tile : float
-        Width of a tile, in metres.
+        Width of a tile in metres, above 0.
     """
 
     depth: float | None = setting(default=None, group="Maps")

@@ -18,10 +18,11 @@ from basrelief.scene import ResolvedObject, Scene
 from basrelief.scene.resolve import default_scale
 from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import Light
+from basrelief.shading.maps import AvailableMaps, SurfaceMaps
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.landscape import landscape_surface
 from basrelief.shading.surfaces.standard import standard_surface
-from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
+from basrelief.shading.surfaces.surface import surface_at
 from basrelief.shading.variant import Variant
 from basrelief.shading.view_ray import view_ray
 from basrelief.techniques import Nothing, Technique, displace, flat
@@ -99,18 +100,17 @@ def depth_program_of(obj: ResolvedObject) -> Program:
     """The program that draws an object into a shadow map."""
     opaque = obj.casts == "opaque"
     variant = variant_of(obj, _DEFAULT_SCENE)
+    maps: dict[str, Any] = {field.name: False for field in fields(AvailableMaps)}
+    # of the surface only the opacity matters
+    maps["base_color_map"] = variant.base_color_map and not opaque
     variant = replace(
         variant,
         depth_only=True,
         # a relief fades with the distance from the camera, not from a light
         fades=False,
-        # of the surface only the opacity matters
         alpha="opaque" if opaque else variant.alpha,
-        base_color_map=variant.base_color_map and not opaque,
-        normal_map=False,
-        response_map=False,
-        emission_map=False,
         layer=False,
+        **maps,
     )
     return _program(obj, variant)
 

@@ -20,6 +20,7 @@ from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
+from basrelief.settings import settings_of
 from basrelief.shading.intersection import CameraSample
 
 Progress = Callable[[float], None]
@@ -115,7 +116,7 @@ def scene_of(what: Any, options: dict[str, Any]) -> Scene:
         what = load(what, **preset_record.maps)
     if isinstance(what, Material):
         return preset_record.scene(what, **options)
-    scene_options = {k: options.pop(k) for k in list(options) if k in Scene.__dataclass_fields__}
+    scene_options = {k: options.pop(k) for k in list(options) if k in settings_of(Scene)}
     if isinstance(what, Object):
         what = Scene((what,), **scene_options)
         scene_options = {}

@@ -184,7 +184,7 @@ MATERIAL_TEXTURES: dict[str, TextureSource] = {
         light=True,
     ),
 }
-"""Textures that a surface reads of its material (`shading.surfaces.surface.SurfaceMaps`)."""
+"""Textures that a surface reads of its material (`shading.maps.SurfaceMaps`)."""
 LAYER_TEXTURES: dict[str, TextureSource] = {
     "layer_color": MATERIAL_TEXTURES["base_color"],
     "layer_normal": MATERIAL_TEXTURES["normal"],

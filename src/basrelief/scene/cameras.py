@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
+from basrelief.scene.checks import MIN_FIELD_OF_VIEW
 from basrelief.shading.camera import Camera
 
 __all__ = ["look_at", "orbit"]
-
-MIN_FIELD_OF_VIEW = 1e-3
-"""Smallest field of view in degrees: below it float32 loses the width of a pixel."""
 
 _Vector = NDArray[np.float64]
 

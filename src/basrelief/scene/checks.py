@@ -14,6 +14,8 @@ from basrelief.settings.kinds import SYNONYMS
 
 NEAR, FAR = 1e-6, 1e6
 """Range of sizes, coordinates and tilings whose squares, cubes and quotients fit in float32."""
+MIN_FIELD_OF_VIEW = 1e-3
+"""Smallest field of view in degrees: below it float32 loses the width of a pixel."""
 
 FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
 """Message for a fog mode passed as `fog`, its former name."""

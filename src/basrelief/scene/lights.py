@@ -115,8 +115,10 @@ def spot(
 
     Parameters
     ----------
-    position, target : (float, float, float)
-        Position of the light, and a point on the axis of its cone, in world units.
+    position : (float, float, float)
+        Position in world units.
+    target : (float, float, float), default (0, 0, 0)
+        Point on the axis of the light's cone, in world units.
     color : (float, float, float), default white
         Linear RGB, 0 or above.
     intensity : float, default 1.0
@@ -196,27 +198,46 @@ def light_parameters(kind: str | Light) -> Mapping[str, Setting]:
     return parameters_of(LIGHTS[name])
 
 
+def parameters_of_all_lights() -> dict[str, Setting]:
+    """Parameters of all kinds of lights by name; angles stand for a target."""
+    return {
+        name: declared
+        for kind in LIGHTS
+        for name, declared in light_parameters(kind).items()
+        if name != "target"
+    }
+
+
 def light_numbers(light: Light) -> dict[str, Any]:
     """The kind of a light and the numbers of all kinds; a direction is two angles in degrees.
 
-    The intensity is separate from the colour, whose largest component is 1.
+    The intensity is separate from the colour, whose largest component is 1. Numbers that the
+    light's own kind lacks have their defaults.
     """
+    own = light_parameters(light)
+    usual = {name: declared.default for name, declared in parameters_of_all_lights().items()}
+    stored = {name: getattr(light, name) for name in (*own, "position") if hasattr(light, name)}
     intensity = max(*map(float, light.color), 1e-9)
     x, y, z = (-float(component) for component in light.direction)
-    # any light can be turned into a spot, so each has a cone
-    cone = light if "angle" in light_parameters(light) else spot((0.0, 1.0, 0.0))
-    outer, inner = (math.acos(float(c)) for c in (cone.cos_outer, cone.cos_inner))
-    return {
-        "kind": light_kind(light),
-        "position": [float(str(component)) for component in light.position],
+    computed = {
         "azimuth": round(math.degrees(math.atan2(x, z)), 4),
         "elevation": round(math.degrees(math.asin(max(-1.0, min(1.0, y)))), 4),
         "color": [round(float(component) / intensity, 6) for component in light.color],
         "intensity": float(f"{intensity:.7g}"),
-        "falloff": float(str(light.falloff)),
-        "angle": round(math.degrees(2.0 * outer), 4),
-        "softness": round(1.0 - inner / outer if outer > 0.0 else 0.0, 4),
     }
+    if "angle" in own:
+        outer, inner = (math.acos(float(c)) for c in (light.cos_outer, light.cos_inner))
+        computed["angle"] = round(math.degrees(2.0 * outer), 4)
+        computed["softness"] = round(1.0 - inner / outer if outer > 0.0 else 0.0, 4)
+    plain = {name: _plain(value) for name, value in {**usual, **stored}.items()}
+    return {"kind": light_kind(light), **plain, **computed}
+
+
+def _plain(value: Any) -> float | list[float]:
+    """A number or a list of numbers, the shortest with the same 32 bits."""
+    if isinstance(value, Iterable):
+        return [float(str(component)) for component in value]
+    return float(str(value))
 
 
 def light_arguments(light: Light) -> tuple[str, dict[str, Any]]:

@@ -11,6 +11,7 @@ import numpy as np
 from basrelief.errors import InputError, suggestion
 from basrelief.lang.types import VECTORS, fields_of, is_record
 from basrelief.scene.checks import check_range, is_number
+from basrelief.settings import Setting, settings_of
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.self_shadow import Shadowing
@@ -48,11 +49,11 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
     for name, field in known.items():
         if field.default is MISSING and name not in values:
             raise InputError(f"{owner} needs a value for {name}")
-    types = fields_of(record)
-    return record(**{n: _checked(n, v, types[n], known[n].metadata) for n, v in values.items()})
+    types, declared = fields_of(record), settings_of(record)
+    return record(**{n: _checked(n, v, types[n], declared.get(n)) for n, v in values.items()})
 
 
-def _checked(name: str, value: Any, type_: Any, metadata: Mapping[str, Any]) -> Any:
+def _checked(name: str, value: Any, type_: Any, declared: Setting | None) -> Any:
     """A number, or the components of a vector, within the setting's range and 32 bits."""
     component: Any
     component, size = (type_, 1) if type_ in (int, float) else VECTORS.get(type_, (None, 0))
@@ -65,7 +66,8 @@ def _checked(name: str, value: Any, type_: Any, metadata: Mapping[str, Any]) -> 
             raise InputError(f"{name} is a number, not {value!r}")
         if abs(float(number)) > _LARGEST_32_BIT[component]:
             raise InputError(f"{name} does not fit in 32 bits; give a smaller number")
-        check_range(name, float(number), metadata.get("low"), metadata.get("high"))
+        low, high = (declared.low, declared.high) if declared else (None, None)
+        check_range(name, float(number), low, high)
         if component is int and int(number) != number:
             raise InputError(f"{name} is a whole number, not {number:g}")
     if len(numbers) not in (1, size):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from basrelief.errors import InputError
-from basrelief.scene.checks import FAR
+from basrelief.scene.checks import FAR, MIN_FIELD_OF_VIEW, NEAR
 from basrelief.settings import setting
 
 if TYPE_CHECKING:
@@ -54,11 +54,13 @@ class Orbit:
 
     azimuth: float = setting(default=30.0, low=-FAR, high=FAR, control=_AZIMUTH)
     elevation: float = setting(default=35.0, low=-FAR, high=FAR, control=_ELEVATION)
-    distance: float | None = setting(default=None, low=1e-3, high=1e3, control=_DISTANCE)
+    distance: float | None = setting(default=None, low=NEAR, high=FAR, control=_DISTANCE)
     target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
-    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    field_of_view: float = setting(
+        default=30.0, low=MIN_FIELD_OF_VIEW, high=179.99, control=_FIELD_OF_VIEW
+    )
     orthographic_height: float | None = setting(
-        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+        default=None, low=NEAR, high=FAR, control=_VIEW_HEIGHT
     )
 
     def camera(self, size: tuple[int, int]) -> Camera:
@@ -143,9 +145,11 @@ class LookAt:
     position: tuple[float, float, float] = setting(low=-FAR, high=FAR)
     target: tuple[float, float, float] = setting(default=(0.0, 0.0, 0.0), low=-FAR, high=FAR)
     up: tuple[float, float, float] = setting(default=(0.0, 1.0, 0.0))
-    field_of_view: float = setting(default=30.0, low=0.1, high=170.0, control=_FIELD_OF_VIEW)
+    field_of_view: float = setting(
+        default=30.0, low=MIN_FIELD_OF_VIEW, high=179.99, control=_FIELD_OF_VIEW
+    )
     orthographic_height: float | None = setting(
-        default=None, low=1e-3, high=1e3, control=_VIEW_HEIGHT
+        default=None, low=NEAR, high=FAR, control=_VIEW_HEIGHT
     )
 
     def camera(self, size: tuple[int, int]) -> Camera:

@@ -45,6 +45,8 @@ class Setting:
         Value where none is given; None where it is computed, and where a value is required.
     doc : str
         Meaning, a phrase without a full stop.
+    details : str
+        The sentences of the docstring after the first, such as how a default is computed.
     low, high : float or None
         The inclusive range of its numbers; None leaves that side open.
     choices : tuple of str
@@ -73,11 +75,35 @@ class Setting:
     control: Mapping[str, float] = dataclasses.field(default_factory=dict)
     spelling: str = ""
     group: str = ""
+    details: str = ""
 
     @property
     def option(self) -> str:
         """The option of the command line."""
         return f"--{self.name.replace('_', '-')}"
+
+    @property
+    def default_text(self) -> str:
+        """The default as the command line writes it; "" where there is none."""
+        default = self.default
+        if default is None or self.kind in ("numbers", "other"):
+            return ""
+        if isinstance(default, bool | str):
+            return str(default).lower()
+        # of a pair, a triple or a vector
+        numbers = [default] if isinstance(default, int | float) else [*default]
+        return "/".join(f"{number:g}" for number in numbers)
+
+    @property
+    def range_text(self) -> str:
+        """The range in words, such as "0 to 10" or "from 0"; "" where it is open."""
+        low, high = (
+            None if end is None else f"{end:.10g}".replace("-", "−", end < 0.0)
+            for end in (self.low, self.high)
+        )
+        if low is None or high is None:
+            return f"from {low}" if low else f"up to {high}" if high else ""
+        return f"{low} to {high}"
 
 
 def setting(
@@ -125,13 +151,13 @@ def settings_of(record: Any) -> Mapping[str, Setting]:
 def _settings_of(record: Any) -> Mapping[str, Setting]:
     meanings = _meanings(record)
     return {
-        field.name: _setting(record, field, meanings.get(field.name, ""))
+        field.name: _setting(record, field, *meanings.get(field.name, ("", "")))
         for field in dataclasses.fields(record)
         if "doc" in field.metadata
     }
 
 
-def _setting(record: Any, field: dataclasses.Field[Any], meaning: str) -> Setting:
+def _setting(record: Any, field: dataclasses.Field[Any], meaning: str, details: str) -> Setting:
     annotation = field.type if isinstance(field.type, str) else field.type.__name__
     plain = annotation.removesuffix(" | None")
     literal = vars(sys.modules[record.__module__]).get(plain)
@@ -149,6 +175,7 @@ def _setting(record: Any, field: dataclasses.Field[Any], meaning: str) -> Settin
             "name": field.name,
             "default": default,
             "doc": field.metadata["doc"] or meaning,
+            "details": "" if field.metadata["doc"] else details,
             "choices": choices,
             "optional": plain != annotation,
             "required": required,
@@ -170,9 +197,10 @@ def parameters_of(function: Any) -> Mapping[str, Setting]:
         kind = declared.get("kind") or _kind_of(str(parameter.annotation), "number")
         required = parameter.default is parameter.empty
         default = None if required else parameter.default
+        doc, details = meanings.get(name, ("", ""))
         result[name] = Setting(
             **{**declared, "name": name, "kind": kind, "default": default, "required": required,
-               "doc": meanings.get(name, "")}
+               "doc": doc, "details": details}
         )  # fmt: skip
     return result
 
@@ -181,12 +209,15 @@ def _kind_of(annotation: str, otherwise: Kind) -> Kind:
     return _KINDS.get(annotation, otherwise)
 
 
-def _meanings(record: Any) -> dict[str, str]:
-    """The first sentence about each field in the docstring of a record, without its full stop."""
+def _meanings(record: Any) -> dict[str, tuple[str, str]]:
+    """The first sentence about each field in the docstring of a record, and the others.
+
+    The first is without its full stop.
+    """
     doc = inspect.cleandoc(record.__doc__ or "")
     entries = re.findall(r"^(\w[\w, ]*) : .*\n((?:(?:    .*)?\n?)+)", doc, re.MULTILINE)
-    return {
-        name: re.split(r"\.(?:\s|$)", " ".join(text.split()))[0]
-        for names, text in entries
-        for name in names.split(", ")
-    }
+    meanings = {}
+    for names, text in entries:
+        first, *others = re.split(r"\.(?:\s|$)", " ".join(text.split()), maxsplit=1)
+        meanings.update(dict.fromkeys(names.split(", "), (first, "".join(others))))
+    return meanings

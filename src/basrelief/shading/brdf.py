@@ -71,20 +71,11 @@ class Shading:
         Strength of the directional occlusion of lights, 0 to 1.
     """
 
-    ambient: Vec3 = setting(default=Vec3(0.1), doc="ambient light, linear", low=0.0)
-    diffuse: float = setting(default=1.0, doc="strength of the Phong diffuse term", low=0.0)
-    specular: Vec3 = setting(
-        default=Vec3(1.0), doc="colour of the Phong highlight, linear", low=0.0
-    )
-    shininess: float = setting(
-        default=10.0, doc="exponent of the Phong highlight", low=1.0, high=1000.0
-    )
-    directional_occlusion: float = setting(
-        default=1.0,
-        doc="strength of directional occlusion",
-        low=0.0,
-        high=1.0,
-    )
+    ambient: Vec3 = setting(default=Vec3(0.1), low=0.0)
+    diffuse: float = setting(default=1.0, low=0.0)
+    specular: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    shininess: float = setting(default=10.0, low=1.0, high=1000.0)
+    directional_occlusion: float = setting(default=1.0, low=0.0, high=1.0)
 
 
 @shader

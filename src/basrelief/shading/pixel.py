@@ -31,6 +31,7 @@ from basrelief.shading.intersection import (
     is_clipped,
 )
 from basrelief.shading.lights import Light, incident_light
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import (
     ReliefHit,
@@ -45,7 +46,6 @@ from basrelief.shading.shapes import max_tile_width
 from basrelief.shading.surfaces.surface import (
     MapTilings,
     Surface,
-    SurfaceMaps,
     SurfacePoint,
     SurfaceSettings,
     surface_at,

@@ -16,10 +16,11 @@ from basrelief.settings.kinds import (
     ShapeKind,
     SurfaceKind,
 )
+from basrelief.shading.maps import AvailableMaps
 
 
 @static
-class Variant:
+class Variant(AvailableMaps):
     """The options of `Object` and `Scene` that select a pixel's code.
 
     All others are numbers or maps, which never change a program. A program also depends on its
@@ -27,7 +28,7 @@ class Variant:
 
     `displaced`: the object has a relief; `columns`: its height field is one column per texel;
     `fades`: it fades with distance. `own_tilings`: maps have tilings of their own; `layer`: there
-    is a second layer; `X_map`: the map X exists. `shadow_maps`: other objects cast shadows on this
+    is a second layer. `shadow_maps`: other objects cast shadows on this
     one. `depth_only`: the picture is a depth map, which needs distance and opacity alone. Of the
     values of `edge` only "clip" matters here; the others are the edge of the maps.
     """
@@ -45,12 +46,6 @@ class Variant:
     mapping: MappingKind = "planar"
     own_tilings: bool = False
     layer: bool = False
-    base_color_map: bool = False
-    normal_map: bool = False
-    response_map: bool = False
-    emission_map: bool = False
-    layer_color_map: bool = False
-    layer_normal_map: bool = False
     # --- of the scene
     shadows: ShadowsKind = "none"
     shadow_maps: bool = False

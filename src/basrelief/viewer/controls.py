@@ -8,7 +8,7 @@ from typing import Any
 from basrelief.lang.types import fields_of
 from basrelief.scene import Object, Orbit, Scene, Tiling
 from basrelief.scene.checks import FAR, NEAR
-from basrelief.scene.lights import LIGHTS, light_parameters
+from basrelief.scene.lights import parameters_of_all_lights
 from basrelief.settings import Setting, settings_of
 from basrelief.viewer.layouts import json_value
 
@@ -26,7 +26,7 @@ def controls() -> dict[str, Any]:
         "scene": _controls({**settings_of(Object), **settings_of(Scene)}),
         "tiling": _controls(settings_of(Tiling)),
         "camera": _controls(settings_of(Orbit)),
-        "lights": _controls(_light_settings()),
+        "lights": _controls(parameters_of_all_lights()),
     }
 
 
@@ -40,7 +40,7 @@ def limits() -> dict[str, Any]:
             **_ranges({**settings_of(Object), **settings_of(Scene)}),
             "divider": (0.0, 1.0),
         },
-        "lights": _ranges(_light_settings()),
+        "lights": _ranges(parameters_of_all_lights()),
         "camera": _ranges(settings_of(Orbit)),
         "least": NEAR,
         "most": FAR,
@@ -61,16 +61,6 @@ def numbers_of(record: type) -> list[dict[str, Any]]:
         for name, declared in settings_of(record).items()
         if not declared.required
     ]
-
-
-def _light_settings() -> dict[str, Setting]:
-    """The parameters of all kinds of lights; a page has angles in place of a target."""
-    return {
-        name: declared
-        for kind in LIGHTS
-        for name, declared in light_parameters(kind).items()
-        if name != "target"
-    }
 
 
 def _controls(declared: Mapping[str, Setting]) -> dict[str, dict[str, Any]]:

@@ -16,9 +16,10 @@ from basrelief.lang.resources import buffer_record, members_of
 from basrelief.rendering.programs import SURFACES
 from basrelief.scene import Object, Scene
 from basrelief.settings import settings_of
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.missed_hit import missed_hit
 from basrelief.shading.pixel import pixel
-from basrelief.shading.surfaces.surface import SurfaceMaps, surface_at
+from basrelief.shading.surfaces.surface import surface_at
 from basrelief.techniques import TECHNIQUES, Technique, displace
 from basrelief.viewer.bakes import PROGRAMS
 

@@ -16,6 +16,7 @@ from basrelief.scene.lights import (
     light_of_numbers,
     light_parameters,
 )
+from basrelief.settings import settings_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, techniques_of
@@ -87,7 +88,7 @@ def camera_of(value: Any) -> Orbit:
     Raises InputError for other values.
     """
     if not isinstance(value, Orbit | LookAt):
-        known = Orbit.__dataclass_fields__
+        known = settings_of(Orbit)
         if not isinstance(value, Mapping) or not all(name in known for name in value):
             raise InputError(f"camera is {value!r}: give an Orbit or a LookAt")
         value = Orbit(**value)

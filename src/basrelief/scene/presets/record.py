@@ -225,7 +225,7 @@ class Preset:
         ):
             other = {"settings": "technique", "surface_parameters": "surface"}[name]
             if name in defaults and other in overrides and record is not None:
-                known = record.__dataclass_fields__
+                known = settings_of(record)
                 defaults[name] = {
                     key: value for key, value in defaults[name].items() if key in known
                 }

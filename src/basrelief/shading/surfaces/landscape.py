@@ -8,11 +8,11 @@ After habrador, Advanced shaders in Unity: 3. Parallax mapping.
 from __future__ import annotations
 
 from basrelief.lang import Vec3, mix, setting, shader, struct
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.surfaces.standard import base_color_of, layer_color_of, normal_of
 from basrelief.shading.surfaces.surface import (
     MapTilings,
     Surface,
-    SurfaceMaps,
     SurfacePoint,
     oriented_normal,
     point_on_map,

@@ -6,10 +6,10 @@ Without a map, a constant takes its place and nothing is sampled.
 from __future__ import annotations
 
 from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, struct
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.surfaces.surface import (
     MapTilings,
     Surface,
-    SurfaceMaps,
     SurfacePoint,
     mirrored_normal,
     oriented_normal,
@@ -34,40 +34,30 @@ class SurfaceParameters:
     base_color : Vec3
         Factor of the base colour map, linear.
     normal_strength : float
-        Factor of the normal map's slopes, 0 to 4.
+        Factor of the normal map's slopes, 0 to 4; 1 is as stored.
     roughness, metallic : float
-        Factors of the maps, 0 to 1.
+        Factor of the map, 0 to 1.
     occlusion : float
         Strength of the ambient occlusion map, 0 to 1.
     emission : Vec3
         Factor of the emission map, linear.
     cutoff : float
-        The least opacity that is drawn where `alpha` is "mask", 0 to 1.
+        Least opacity that is drawn where `alpha` is "mask", 0 to 1.
     layer_color : float
         Strength of the second layer's colour, 0 to 1.
     layer_normal : float
-        Factor of the second layer's slopes, 0 to 4.
+        Factor of the second layer's slopes, 0 to 4; 1 is as stored.
     """
 
-    base_color: Vec3 = setting(
-        default=Vec3(1.0), doc="colour, multiplied with the map's, linear", low=0.0
-    )
-    normal_strength: float = setting(
-        default=1.0, doc="slope of the normals; 1 is as stored", low=0.0, high=4.0
-    )
-    roughness: float = setting(default=1.0, doc="multiplied with the map's", low=0.0, high=1.0)
-    metallic: float = setting(default=1.0, doc="multiplied with the map's", low=0.0, high=1.0)
-    occlusion: float = setting(default=1.0, doc="strength of the occlusion map", low=0.0, high=1.0)
-    emission: Vec3 = setting(default=Vec3(1.0), doc="multiplied with the map's, linear", low=0.0)
-    cutoff: float = setting(
-        default=0.5, doc="opacity below which a mask cuts out", low=0.0, high=1.0
-    )
-    layer_color: float = setting(
-        default=1.0, doc="strength of the second layer's colour", low=0.0, high=1.0
-    )
-    layer_normal: float = setting(
-        default=1.0, doc="slope of the second layer's normals; 1 is as stored", low=0.0, high=4.0
-    )
+    base_color: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    normal_strength: float = setting(default=1.0, low=0.0, high=4.0)
+    roughness: float = setting(default=1.0, low=0.0, high=1.0)
+    metallic: float = setting(default=1.0, low=0.0, high=1.0)
+    occlusion: float = setting(default=1.0, low=0.0, high=1.0)
+    emission: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    cutoff: float = setting(default=0.5, low=0.0, high=1.0)
+    layer_color: float = setting(default=1.0, low=0.0, high=1.0)
+    layer_normal: float = setting(default=1.0, low=0.0, high=4.0)
 
 
 # --- base colour and opacity ------------------------------------------------------------------

@@ -7,17 +7,16 @@ a technique's are.
 from __future__ import annotations
 
 from basrelief.lang import (
-    Texture,
     TypeSlot,
     Vec2,
     Vec3,
     Vec4,
     copysign,
-    resources,
     shader,
     slot,
     struct,
 )
+from basrelief.shading.maps import SurfaceMaps
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.variant import Variant
 
@@ -68,22 +67,6 @@ class Surface:
     roughness: float
     metallic: float
     emission: Vec3
-
-
-@resources
-class SurfaceMaps:
-    """The maps of a material without its heights, and those of the second layer.
-
-    `base_color` is linear, with opacity; `normal` in tangent space; `response` holds occlusion,
-    roughness, metallic and the mask of the layer; `emission` is linear.
-    """
-
-    base_color: Texture
-    normal: Texture
-    response: Texture
-    emission: Texture
-    layer_color: Texture
-    layer_normal: Texture
 
 
 class SurfaceSettings(TypeSlot):

@@ -26,7 +26,7 @@ export type Orbit = {
   orthographic_height: number | null;
 };
 
-/** A light with the numbers of all kinds; angles in degrees. */
+/** A light with the numbers of all kinds; angles in degrees. The page names those that it computes. */
 export type Light = {
   kind: string;
   position: Vec3;
@@ -34,29 +34,25 @@ export type Light = {
   elevation: number;
   color: Vec3;
   intensity: number;
-  falloff: number;
   angle: number;
   softness: number;
+  [number: string]: string | number | number[];
 };
 
-/** The settings of menus. */
-export type Chosen = {
+/** The state of a scene: `state_of`. Choices that only programs and menus use have no type here. */
+export type SceneState = {
   technique: string;
   shape: string;
   projection: Projection;
   heights: Heights;
   edge: "wrap" | "clamp" | "clip";
-  mapping: "planar" | "triplanar";
-  alpha: "blend" | "mask" | "opaque";
+  alpha: string;
   surface: string;
-  shadows: "none" | "hard" | "soft";
-  shading_model: "ggx" | "phong";
-  occlusion_kind: "ambient" | "directional";
-  fog_mode: "none" | "linear" | "exponential" | "exponential_squared";
-};
-
-/** The state of a scene: `state_of`. */
-export type SceneState = Chosen & {
+  shadows: string;
+  shading_model: string;
+  occlusion_kind: string;
+  fog_mode: string;
+  [choice: string]: unknown;
   scale: number;
   reference_height: number;
   bias: number;
@@ -131,7 +127,7 @@ export type ShapeData = {
 /** A preset as a state, or the reason why the page cannot draw it. */
 export type Preset = { about: string; state?: SceneState; why?: string };
 
-export type Menus = { [Name in keyof Chosen]: Chosen[Name][] };
+export type Menus = { heights: Heights[]; [choice: string]: string[] };
 
 export type Limits = {
   numbers: { [name: string]: Pair };
@@ -260,7 +256,7 @@ export type Data = {
   samples: Pair[];
   state: SceneState;
   defaults: {
-    options: Omit<Chosen, "technique" | "projection"> & { scale: number; bias: number };
+    options: { [name: string]: string | number };
     background: Vec3;
     lights: Light[];
     camera: Orbit;

@@ -617,18 +617,19 @@ export class Drawing {
 }
 
 /**
- * A light as `scene.lights` makes it; shaders ignore the numbers of other kinds.
+ * A light as `scene.lights` makes it: numbers of its record, and those that are computed. Shaders
+ * ignore the numbers of other kinds.
  * @param {Light} light
  * @param {string[]} kinds
  */
-function lightRecord(light, kinds) {
+function lightRecord({ kind, ...light }, kinds) {
   const half = ((light.angle / 2) * Math.PI) / 180;
+  const numbers = /** @type {Values} */ (light);
   return {
-    kind: kinds.indexOf(light.kind),
-    position: light.position,
+    ...numbers,
+    kind: kinds.indexOf(kind),
     direction: travelling(light.azimuth, light.elevation),
     color: light.color.map((c) => c * light.intensity),
-    falloff: light.falloff,
     cos_inner: Math.cos(half * (1 - light.softness)),
     cos_outer: Math.cos(half),
   };

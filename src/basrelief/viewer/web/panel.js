@@ -4,7 +4,7 @@ import { button, check, color, element, menu, number, section } from "view/contr
 import { maps } from "view/mappanel.js";
 import { words } from "view/text.js";
 
-/** @import { Control, Menus, Setting } from "view/data" */
+/** @import { Control, Setting } from "view/data" */
 /** @import { Child, NumberOptions, Option, Path } from "view/controls.js" */
 /** @import { ViewerPage } from "view/main.js" */
 
@@ -18,6 +18,8 @@ const LABELS = {
   occlusion_kind: "Occlusion",
   shading_model: "Shading",
 };
+/** @type {{ [name: string]: string }} */
+const LIGHT_LABELS = { angle: "cone" };
 /**
  * Conditions under which settings have an effect, by record and name; others always have one.
  * @type {{ [setting: string]: (view: ViewerPage) => boolean }}
@@ -231,13 +233,11 @@ function plain(view, name, control) {
 function choice(view, name, doc, after) {
   const text = words(name);
   const label = LABELS[name] ?? text[0].toUpperCase() + text.slice(1);
-  /** @type {string[]} */
-  const values = view.data.menus[/** @type {keyof Menus} */ (name)];
   return menu(
     view,
     [name],
     label,
-    values.map((each) => [each, words(each)]),
+    view.data.menus[name].map((each) => [each, words(each)]),
     after,
     doc,
   );
@@ -261,22 +261,21 @@ function heightsOptions({ data, state }) {
 const relief = (view) => section("Relief", true, settings(view, "Relief"));
 
 /**
- * Rows for a light; `k` counts from 0.
+ * Rows for a light; `k` counts from 0. A target is set by the angles of its direction.
  * @param {ViewerPage} view
  * @param {number} k
  */
 function lamp(view, k) {
   const kinds = view.data.lightKinds;
-  const numbers = kinds[view.state.lights[k].kind];
+  const { lights } = view.data.controls;
   const path = ["lights", k];
   const name = `light ${k + 1}`;
-  // a row, where the light's kind has this number
-  /** @type {(part: string, range: Range, label?: string, by?: string[], rest?: Path) => Child} */
-  const row = (part, range, label = part, by = [part], rest = []) =>
-    by.some((each) => numbers.includes(each)) &&
-    number(view, [...path, part, ...rest], { ...range, label: `${name} ${label}` });
-  const aimed = ["azimuth", "target"];
-  const { lights } = view.data.controls;
+  /** @type {(part: string, label: string, rest?: Path) => Child} */
+  const row = (part, label, rest = []) =>
+    number(view, [...path, part, ...rest], { ...lights[part], label: `${name} ${label}` });
+  const parts = kinds[view.state.lights[k].kind].flatMap((part) =>
+    part === "target" ? ["azimuth", "elevation"] : [part],
+  );
   return [
     menu(
       view,
@@ -284,14 +283,13 @@ function lamp(view, k) {
       `Light ${k + 1}`,
       Object.keys(kinds).map((each) => [each, each]),
     ),
-    row("azimuth", lights.azimuth, "azimuth", aimed),
-    row("elevation", lights.elevation, "elevation", aimed),
-    ...[0, 1, 2].map((c) => row("position", lights.position, "xyz"[c], ["position"], [c])),
-    row("falloff", lights.falloff),
-    row("angle", lights.angle, "cone"),
-    row("softness", lights.softness),
-    row("intensity", lights.intensity),
-    color(view, [...path, "color"], `${name} color`),
+    ...parts.flatMap((part) => {
+      if (part.endsWith("color")) {
+        return color(view, [...path, part], `${name} ${words(part)}`, lights[part].doc);
+      }
+      if (lights[part].kind === "number") return row(part, LIGHT_LABELS[part] ?? words(part));
+      return [0, 1, 2].map((c) => row(part, "xyz"[c], [c]));
+    }),
     buttons(
       button(`Remove light ${k + 1}`, () => view.removeLight(k), { id: `remove-light-${k + 1}` }),
     ),
