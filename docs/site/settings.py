@@ -6,10 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import typer.main
-
-from basrelief.baking.files import FILE_BAKES
-from basrelief.cli.main import app
+from basrelief.baking.files import FILE_BAKES, FileOptions
 from basrelief.material.options import MAPS, Lengths, ReadOptions
 from basrelief.scene import SURFACES, LookAt, Object, Orbit, Scene, Tiling
 from basrelief.scene.lights import LIGHTS, light_parameters
@@ -130,12 +127,7 @@ def _sections() -> Iterator[str]:
         " the functions of Python."
     )
     yield _lines(("map", "meaning"), ((_code(name), b.help) for name, b in FILE_BAKES.items()))
-    bake = typer.main.get_command(app).commands["bake"]  # type: ignore[attr-defined]
-    own = [p for p in bake.params if getattr(p, "rich_help_panel", "") is None and p.default]
-    yield _lines(
-        ("option", "default", "meaning"),
-        ((_code(p.opts[-1]), _code(str(p.default)), p.help) for p in own),
-    )
+    yield _table(settings_of(FileOptions).values(), Spelling("", "--{}", ""))
 
 
 def _techniques_by_record() -> dict[Any, list[str]]:
@@ -197,8 +189,8 @@ def _values(setting: Setting) -> str:
     return "`true` or `false`" if setting.kind == "flag" else VALUES[setting.name]
 
 
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(map(_code, names))
+def _listed(names: Iterable[Any]) -> str:
+    return ", ".join(_code(str(name)) for name in names)
 
 
 def _code(words: str) -> str:

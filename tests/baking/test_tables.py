@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from basrelief.baking import passes
-from basrelief.baking.files import FILE_BAKES, BakeInput
+from basrelief.baking.files import FILE_BAKES, BakeInput, FileOptions
 from basrelief.baking.horizon import ambient_occlusion, horizon_map
 from basrelief.baking.normal import normal_map
 from basrelief.baking.tables import TABLES, bake_function, table
@@ -53,7 +53,7 @@ def test_the_command_line_has_an_option_for_each(name: str) -> None:
     option = FILE_BAKES[name.removesuffix("_map")]
     assert option.help == TABLES[name][1]
     result = option.make(
-        BakeInput(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8)
+        BakeInput(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, FileOptions())
     )
     assert set(result.files) == {name.removesuffix("_map")}
     np.testing.assert_array_equal(*result.files.values(), table(BAKES[name], HEIGHTS, "wrap", CPU))

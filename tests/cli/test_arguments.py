@@ -34,7 +34,17 @@ from basrelief.scene import (
 )
 from basrelief.scene.presets import preset
 from basrelief.shading.surfaces.standard import SurfaceParameters
-from basrelief.techniques import TECHNIQUES, relief
+from basrelief.techniques import (
+    TECHNIQUES,
+    HeightField,
+    Hit,
+    Ray,
+    hit_at,
+    relief,
+    struct,
+    t_at,
+    technique,
+)
 
 
 @functools.cache
@@ -219,6 +229,25 @@ def test_settings_go_to_their_records() -> None:
     # the last one wins
     twice = scene(settings=["steps=8", "steps=9"], technique="steep").objects[0]
     assert twice.resolved.settings.steps == 9
+
+
+@struct
+class Plain:
+    """Settings of a technique of one's own, one of them without a range."""
+
+    depth: float = 0.5
+
+
+@technique()
+def halfway(field: HeightField, ray: Ray, settings: Plain) -> Hit:
+    """The ray at a fixed height."""
+    return hit_at(ray, t_at(ray, settings.depth), True, 0)
+
+
+def test_a_setting_without_a_range_is_set() -> None:
+    obj = scene(technique=halfway, settings=["depth=0.25"]).objects[0]
+    assert obj.resolved.settings.depth == 0.25
+    assert "there are depth" in refused(lambda: scene(technique=halfway, settings=["deep=1"]))
 
 
 def test_positions_and_sizes() -> None:

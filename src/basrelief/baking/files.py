@@ -12,10 +12,11 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, assert_never
+from typing import TYPE_CHECKING, Any, Literal, assert_never
 
 from basrelief.baking.tables import TABLES, table
 from basrelief.errors import InputError, suggestion
+from basrelief.settings import check_choices, setting
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +25,32 @@ if TYPE_CHECKING:
     from basrelief.engine import Engine
     from basrelief.lang.resources import Edge
     from basrelief.material import Material
-    from basrelief.material.conventions import Green
+
+
+GreenKind = Literal["gl", "dx"]
+BitsKind = Literal[8, 16]
+
+
+@dataclass(frozen=True)
+class FileOptions:
+    """Options of the files that `basrelief bake` writes.
+
+    Attributes
+    ----------
+    green : {"gl", "dx"}
+        Green of normals, up (gl) or down (dx).
+    bits : {8, 16}
+        Bits of normals, heights and occlusion.
+    directions : int
+        Directions of the horizon, four per file.
+    """
+
+    green: GreenKind = setting(default="gl", group="Bake")
+    bits: BitsKind = setting(default=16, group="Bake")
+    directions: int = setting(default=8, low=1, group="Bake")
+
+    def __post_init__(self) -> None:
+        check_choices(self)
 
 
 @dataclass(frozen=True)
@@ -35,9 +61,7 @@ class BakeInput:
     engine: Engine
     edge: Edge
     scale: float
-    bits: int
-    green: Green
-    directions: int
+    options: FileOptions
 
     def heights(self) -> NDArray[np.float32]:
         """Heights of the material, (height, width)."""
@@ -52,7 +76,7 @@ class BakeInput:
         """Values from 0 to 1 as integer codes of `bits` bits."""
         import numpy as np
 
-        kind = np.uint8 if self.bits == 8 else np.uint16
+        kind = np.uint8 if self.options.bits == 8 else np.uint16
         codes: NDArray[Any] = np.rint(np.clip(values, 0.0, 1.0) * np.iinfo(kind).max)
         return codes.astype(kind)
 
@@ -89,16 +113,20 @@ def _horizon(baking: BakeInput) -> BakeResult:
     from basrelief.baking import horizon_map
     from basrelief.baking.cache import cached
 
-    if baking.directions % 4:
+    if baking.options.directions % 4:
         raise InputError(
-            f"--directions {baking.directions}: must be a multiple of 4, as a file stores four"
+            f"--directions {baking.options.directions}: must be a multiple of 4, "
+            "as a file stores four"
         )
     pixels = cached(
         horizon_map, baking.heights(), baking.edge, baking.engine,
-        scale=baking.scale, directions=baking.directions,
+        scale=baking.scale, directions=baking.options.directions,
     )  # fmt: skip
     return BakeResult(
-        {f"horizon_{k // 4}": pixels[:, :, k : k + 4] for k in range(0, baking.directions, 4)}
+        {
+            f"horizon_{k // 4}": pixels[:, :, k : k + 4]
+            for k in range(0, baking.options.directions, 4)
+        }
     )
 
 
@@ -116,14 +144,14 @@ def _normal(baking: BakeInput) -> BakeResult:
     from basrelief.baking import normal_map
 
     pixels = normal_map(baking.heights(), baking.edge, baking.scale, baking.engine)
-    match baking.green:
+    match baking.options.green:
         case "gl":
             pass
         case "dx":
             pixels[:, :, 1] *= -1.0
         case _:
-            assert_never(baking.green)
-    return BakeResult({f"normal_{baking.green}": baking.codes(pixels * 0.5 + 0.5)})
+            assert_never(baking.options.green)
+    return BakeResult({f"normal_{baking.options.green}": baking.codes(pixels * 0.5 + 0.5)})
 
 
 def _height(baking: BakeInput) -> BakeResult:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.errors import InputError, suggestion
+from basrelief.lang.types import fields_of
 from basrelief.material import Map, Material, load
 from basrelief.measure.views import SET_BY_MEASURE
 from basrelief.scene import (
@@ -305,9 +306,9 @@ def measured_options(
     surface = options.get("surface", "standard")
     check_setting(_DECLARED["surface"], surface)
     named = [technique_named(text.partition(",")[0]) for text in techniques or TECHNIQUES]
-    known = {name for technique in named for name in settings_of(technique.settings)}
+    known = {name for technique in named for name in fields_of(technique.settings)}
     records = number_records(flat, surface).values()
-    others = {name for record in records for name in settings_of(record)}
+    others = {name for record in records for name in fields_of(record)}
     values = dict(name_and_value(text, "--set") for text in settings)
     for name in values.keys() - known - others - _DECLARED.keys():
         hint = suggestion(name, sorted(known | others))
@@ -368,7 +369,7 @@ def _by_record(
     """
     check_setting(_DECLARED["surface"], surface)
     records = number_records(technique, surface)
-    known = {owner: [*settings_of(record)] for owner, record in records.items()}
+    known = {owner: [*fields_of(record)] for owner, record in records.items()}
     values: dict[str, dict[str, Any]] = {owner: {} for owner in known}
     for name, text in settings.items():
         owner = next((owner for owner, names in known.items() if name in names), None)

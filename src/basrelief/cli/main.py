@@ -482,25 +482,19 @@ def bake(
     output: Annotated[
         Path | None, typer.Option(*_OUTPUT, help="Folder for the files (FOLDER/baked).")
     ] = None,
-    green: Annotated[str, typer.Option(help="Green of normals: up (gl) or down (dx).")] = "gl",
-    bits: Annotated[
-        int, typer.Option(help="Bits of normals, heights and occlusion: 8 or 16.")
-    ] = 16,
-    directions: Annotated[int, typer.Option(help="Directions of the horizon, four per file.")] = 8,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace existing files.")] = False,
     device: DeviceOption = "auto",
     **values: Any,
 ) -> None:
     """Bake maps from a material's heights, or heights from its normals, for other programs."""
-    from basrelief.baking.files import BakeInput, bake_to
+    from basrelief.baking.files import BakeInput, FileOptions, bake_to
 
     for name, file in values.items():
         if name in FILE_BAKES and str(file).startswith("-"):
             raise InputError(f"--{name} names a file; {BAKE_EXAMPLE}")
     names = checked_bakes(what or [])
-    for option, value, known in (("green", green, ("gl", "dx")), ("bits", bits, (8, 16))):
-        if value not in known:
-            raise InputError(f"--{option} {value}: choose {known[0]} or {known[1]}")
+    of_files = {name: values.pop(name) for name in settings_of(FileOptions)}
+    file_options = FileOptions(**_without_none(of_files))
     with _Progress(f"reading {path}") as progress:
         from basrelief.engine import choose_device
         from basrelief.rendering.programs import map_edge
@@ -509,8 +503,8 @@ def bake(
         (obj,) = _scene(path, preset, maps, values).resolved
         progress.task = f"baking {obj.material.name}"
         baking = BakeInput(
-            obj.material, choose_device(device), map_edge(obj), obj.scale, bits, green, directions  # type: ignore[arg-type]
-        )  # fmt: skip
+            obj.material, choose_device(device), map_edge(obj), obj.scale, file_options
+        )
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         files = bake_to(folder, names, baking, overwrite=overwrite)
     for file, note in files:

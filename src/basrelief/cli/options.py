@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
+from basrelief.baking.files import FileOptions
 from basrelief.material.options import MAPS, Lengths, ReadOptions
 from basrelief.scene.objects import Object
 from basrelief.scene.scene import Scene
@@ -48,16 +49,18 @@ def option_of(declared: Setting) -> Any:
     """The option of a setting, as an annotated type."""
     help = declared.doc.replace("`", "")
     if declared.choices:
-        help += f": {', '.join(declared.choices)}"
-    choices = declared.choices
+        help += f": {', '.join(map(str, declared.choices))}"
+    choices = [str(choice) for choice in declared.choices]
+    # a choice of numbers is a number
+    type_ = int | None if isinstance(next(iter(declared.choices), ""), int) else None
     names = (declared.option,) if declared.kind == "flag" else ()
     return Annotated[
-        _TYPES[declared.kind],
+        type_ or _TYPES[declared.kind],
         typer.Option(
             *names,
             help=f"{help}.",
             metavar=declared.spelling or None,
-            autocompletion=(lambda: list(choices)) if choices else None,
+            autocompletion=(lambda: choices) if choices else None,
         ),
     ]
 
@@ -136,9 +139,12 @@ FURTHER: Options = {
         "SHAPE,NAME=VALUE…",
     ),
 }
-BAKE: Options = {name: RELIEF[name] for name in ("preset", "scale", "edge")}
+BAKE: Options = {
+    **{name: RELIEF[name] for name in ("preset", "scale", "edge")},
+    **_options_of(FileOptions, group="Bake"),
+}
 _PANELS = (
-    ("Relief", RELIEF), ("Relief", BAKE), ("Surface", SURFACE), ("Light", LIGHT),
+    ("Relief", RELIEF), ("Bake", BAKE), ("Surface", SURFACE), ("Light", LIGHT),
     ("Fog and background", FOG),
     ("Camera", CAMERA), ("Maps", MAPS_OPTIONS), ("Further objects", FURTHER),
 )  # fmt: skip

@@ -115,7 +115,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Origin:
-    """What a material was made of, to name it in a command or a script.
+    """The source of a material, to name it in a command or a script.
 
     `path` is that of `load`, "sample:NAME", or None where every map was named; `options` are those
     of `load`, or of `sample`, that differ from the defaults.
@@ -174,7 +174,7 @@ class Material:
     tile: float | None = None
     notes: tuple[Note, ...] = ()
     origin: Origin | None = field(default=None, init=False)
-    """What it was made of; None for a material that was made, or changed, in Python."""
+    """Its source; None for a material that was made, or changed, in Python."""
 
     def with_origin(self, path: str | None, options: Mapping[str, Any]) -> Material:
         """Set the origin, and return the material itself."""

@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from basrelief.errors import InputError
-from basrelief.settings import setting, settings_of
+from basrelief.settings import check_choices, setting
 
 NormalConvention = Literal["auto", "gl", "dx"]
 HeightPolarity = Literal["auto", "height", "depth"]
@@ -63,10 +62,7 @@ class ReadOptions:
     stretch_height: bool = setting(default=False, group="Maps")
 
     def __post_init__(self) -> None:
-        for name, declared in settings_of(ReadOptions).items():
-            value = getattr(self, name)
-            if declared.choices and value not in declared.choices:
-                raise InputError(f"{name} is one of {', '.join(declared.choices)}, not {value!r}")
+        check_choices(self)
 
 
 @dataclass(frozen=True)

@@ -266,7 +266,7 @@ def stretch_of(obj: Object) -> tuple[float, ...] | None:
 
 
 def omitted_by_command(scene: Scene) -> Iterator[str]:
-    """What a command line cannot say about a scene, in words."""
+    """The parts of a scene that a command line cannot say, in words."""
     obj = scene.objects[0]
     yield from omitted_of_sources(obj)
     if obj.transform is not None and stretch_of(obj) is None:
@@ -276,7 +276,7 @@ def omitted_by_command(scene: Scene) -> Iterator[str]:
 
 
 def omitted_of_sources(obj: Object) -> Iterator[str]:
-    """What paths and options of `load` do not say about an object's materials, in words."""
+    """The parts of an object's materials that paths and options of `load` do not say, in words."""
     origin = obj.material.origin
     if origin is None:
         yield "the material, which was not loaded from files"

@@ -3,6 +3,12 @@
 It lies below all other packages and imports little, since the command line's help needs it.
 """
 
-from basrelief.settings.declaration import Setting, parameters_of, setting, settings_of
+from basrelief.settings.declaration import (
+    Setting,
+    check_choices,
+    parameters_of,
+    setting,
+    settings_of,
+)
 
-__all__ = ["Setting", "parameters_of", "setting", "settings_of"]
+__all__ = ["Setting", "check_choices", "parameters_of", "setting", "settings_of"]

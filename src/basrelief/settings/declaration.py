@@ -16,6 +16,8 @@ import sys
 from collections.abc import Mapping
 from typing import Any, Literal, get_args, get_origin
 
+from basrelief.errors import InputError
+
 Kind = Literal[
     "choice", "text", "flag", "integer", "number", "pair", "triple", "vector", "numbers", "other"
 ]
@@ -49,7 +51,7 @@ class Setting:
         The sentences of the docstring after the first, such as how a default is computed.
     low, high : float or None
         The inclusive range of its numbers; None leaves that side open.
-    choices : tuple of str
+    choices : tuple
         The values of a choice.
     optional : bool
         Whether None is allowed.
@@ -69,7 +71,7 @@ class Setting:
     doc: str
     low: float | None = None
     high: float | None = None
-    choices: tuple[str, ...] = ()
+    choices: tuple[Any, ...] = ()
     optional: bool = False
     required: bool = False
     control: Mapping[str, float] = dataclasses.field(default_factory=dict)
@@ -181,6 +183,15 @@ def _setting(record: Any, field: dataclasses.Field[Any], meaning: str, details: 
             "required": required,
         }
     )
+
+
+def check_choices(record: Any) -> None:
+    """Raise InputError unless each choice of a record is one of its values."""
+    for name, declared in settings_of(type(record)).items():
+        value = getattr(record, name)
+        if declared.choices and value not in declared.choices:
+            known = ", ".join(map(str, declared.choices))
+            raise InputError(f"{name} is one of {known}, not {value!r}")
 
 
 @functools.cache
