@@ -133,6 +133,9 @@ def test_gamedev_follows_its_article() -> None:
     assert (obj.resolved.technique.name, obj.resolved.projection) == ("parallax_occlusion", "full")
     assert (obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (4, 20)
     assert (obj.scale, obj.reference_height) == (0.1, 1.0)
+    # mip levels by the gradients of the undisplaced coordinates, as SampleGrad takes them
+    assert obj.heights == "smooth"
+    assert obj.smoothing == {"mip_bias": 0.0, "mip_fade": 0.0}
     assert scene.shading_model == "phong"
     assert scene.shading.ambient == Vec3(0.1)
     assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))

@@ -6,7 +6,8 @@ Nothing here is shared with the shaders: the articles' loops read their own bili
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,8 @@ from basrelief.lang import HeightField, IVec2, Texture, Vec2, cos, shader, sin, 
 from basrelief.lang.program import Program
 from basrelief.material import SAMPLES, sample
 from basrelief.measure.oracle import intersect_height_field
-from basrelief.techniques import Ray, displace, relief
-from basrelief.techniques.march import Relief
+from basrelief.techniques import Ray, displace, parallax_occlusion, relief
+from basrelief.techniques.march import March, Relief
 from basrelief.techniques.technique import Settings
 from helpers.rays import maps, scattered
 
@@ -70,6 +71,26 @@ def policarpo(surface: Surface, count: int, steps: int, search_steps: int) -> Fl
     return best
 
 
+def gamedev(surface: Surface, cosine: Floats, min_steps: int, max_steps: int) -> Floats:
+    """Zink 2006: the number of samples truncated; the first sample above the ray gives the chord of
+    its step; a ray without one ends at the full limit, t = 1."""
+    samples = np.trunc(max_steps + (min_steps - max_steps) * cosine)
+    step = 1.0 / samples
+    ray, last = np.ones_like(cosine), np.ones_like(cosine)
+    t, result = np.zeros_like(cosine), np.full_like(cosine, np.nan)
+    for k in range(max_steps):
+        sampled = surface(t)
+        active = np.isnan(result) & (k < samples)
+        over, under = sampled - ray, ray + step - last
+        hit = active & (over > 0.0)
+        ratio = over / np.where(hit, over + under, 1.0)
+        result = np.where(hit, t - ratio * step, result)
+        going_on = active & ~hit
+        ray, t = np.where(going_on, ray - step, ray), np.where(going_on, t + step, t)
+        last = np.where(going_on, sampled, last)
+    return np.where(np.isnan(result), 1.0, result)
+
+
 ARTICLES = {"catlike": catlike, "policarpo": policarpo}
 
 
@@ -84,6 +105,7 @@ class Views:
     scale: float
     columns: float
     rows: float
+    lod: float
 
 
 @struct
@@ -93,6 +115,7 @@ class TracedView:
     uv: Vec2
     travel: Vec2
     hit_uv: Vec2
+    cosine: float
     t: float
     found: bool
 
@@ -108,9 +131,9 @@ def traced(
     azimuth = scattered(n + 3) * 6.2831853
     reach = tan(angle) * views.scale
     travel = Vec2(cos(azimuth), sin(azimuth) * views.columns / views.rows) * reach
-    ray = Ray(uv, travel, 1.0, 1.0, cos(angle), scale=views.scale)
+    ray = Ray(uv, travel, 1.0, 1.0, cos(angle), scale=views.scale, lod=views.lod)
     hit = displace(field, baked, ray, settings)
-    return TracedView(uv, travel, hit.uv, hit.t, hit.found)
+    return TracedView(uv, travel, hit.uv, ray.cosine, hit.t, hit.found)
 
 
 @functools.cache
@@ -157,14 +180,16 @@ def surface_of(heights: NDArray[np.float32], uv: Floats, travel: Floats) -> Surf
     return surface
 
 
-def rays_of(name: str, settings: Any) -> tuple[Floats, Floats, dict[str, NDArray[Any]]]:
-    """The rays of a map, traced by `relief` on the CPU: uv and travel, (n, 2), and the planes."""
-    heights = heights_of(name)
-    program = Program(traced, {displace: relief}, "wrap")
-    rows, columns = heights.shape
+def rays_of(
+    name: str, technique: Any, settings: Any, levels: Sequence[NDArray[np.float32]], lod: float
+) -> tuple[Floats, Floats, dict[str, NDArray[Any]]]:
+    """The rays of a map, traced on the CPU: uv and travel, (n, 2), and the planes."""
+    kind = "smooth" if len(levels) > 1 else "sharp"
+    program = Program(traced, {displace: technique}, "wrap", kind)
+    rows, columns = levels[0].shape
     arguments = {
-        "field": HeightField([heights], "wrap"),
-        "views": Views(SCALE, float(columns), float(rows)),
+        "field": HeightField(levels, "wrap", kind),
+        "views": Views(SCALE, float(columns), float(rows), lod),
         "settings": settings,
     }
     planes = CpuEngine().run(program, arguments, PICTURE)
@@ -192,7 +217,9 @@ def test_relief_misses_no_more_than_the_code_of_its_articles(name: str) -> None:
     """The share of rays that end more than one texel off, with the same steps: at most that of
     either article. All rays are found, since the base is under every surface."""
     for steps, search_steps in ((10, 3), (16, 5), (32, 6)):
-        uv, travel, planes = rays_of(name, Relief(steps, steps, search_steps))
+        uv, travel, planes = rays_of(
+            name, relief, Relief(steps, steps, search_steps), [heights_of(name)], 0.0
+        )
         assert planes["found"].all()
         surface = surface_of(heights_of(name), uv, travel)
         share = (texels_off(name, planes["t"].astype(np.float64), uv, travel) > 1.0).mean()
@@ -206,7 +233,9 @@ def test_catlike_march_ends_where_its_article_does(name: str) -> None:
     """Within 0.002 texel, on noise: also where the surface lies below the last layer."""
     settings = preset("catlike-march").values["object"]["settings"]
     steps, search_steps = settings["min_steps"], settings["search_steps"]
-    uv, travel, planes = rays_of(name, Relief(steps, steps, search_steps))
+    uv, travel, planes = rays_of(
+        name, relief, Relief(steps, steps, search_steps), [heights_of(name)], 0.0
+    )
     t = catlike(surface_of(heights_of(name), uv, travel), len(uv), steps, search_steps)
     texels = travel * heights_of(name).shape[::-1]
     off = np.abs(planes["t"] - t) * np.hypot(texels[:, 0], texels[:, 1])
@@ -216,3 +245,49 @@ def test_catlike_march_ends_where_its_article_does(name: str) -> None:
     assert (t[starts_above] > 1.0 - 1.0 / steps).any()
     # a comparison that float32 decides otherwise moves a search by a halving
     assert (off[starts_above] > 0.002).mean() < 1e-3
+
+
+@pytest.mark.parametrize("lod", [0.0, 0.6, 2.3])
+@pytest.mark.parametrize("name", NOISE)
+def test_gamedev_ends_where_its_article_does(name: str, lod: float) -> None:
+    """Within 0.002 texel, with trilinear heights at the level of the undisplaced coordinates.
+
+    On purpose another: where no sample is above the ray the article ends at the full limit. Here
+    the chord of the last step ends between there and the last sample.
+    """
+    made = preset("gamedev").values["object"]
+    settings = made["settings"]
+    assert (made["heights"], made["smoothing"]["mip_bias"], made["smoothing"]["mip_fade"]) == (
+        "smooth", 0.0, 0.0,
+    )  # fmt: skip
+    least, most = settings["min_steps"], settings["max_steps"]
+    levels = levels_of(heights_of(name))
+    uv, travel, planes = rays_of(name, parallax_occlusion, March(least, most), levels, lod)
+    finer = math.floor(lod)
+    surfaces = [surface_of(levels[finer + k], uv, travel) for k in (0, 1)]
+
+    def trilinear(t: Floats) -> Floats:
+        return surfaces[0](t) * (finer + 1 - lod) + surfaces[1](t) * (lod - finer)
+
+    cosine = planes["cosine"].astype(np.float64)
+    samples = np.trunc(most + (least - most) * cosine)
+    t = gamedev(trilinear, cosine, least, most)
+    texels = travel * levels[0].shape[::-1]
+    off = np.abs(planes["t"] - t) * np.hypot(texels[:, 0], texels[:, 1])
+    unhit = t == 1.0
+    assert planes["found"].all()
+    assert unhit.mean() < 0.4
+    assert unhit.any() or lod > 1.0
+    assert (planes["t"][unhit] >= 1.0 - 1.0 / samples[unhit] - 1e-6).all()
+    assert (off[~unhit] > 0.002).mean() < 1e-3
+
+
+def levels_of(heights: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+    """The map at level 0, then smaller maps; here any will do."""
+    levels = [heights]
+    while min(levels[-1].shape) > 1:
+        rows, columns = (n // 2 * 2 for n in levels[-1].shape)
+        even = levels[-1][:rows, :columns].astype(np.float64)
+        mean = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
+        levels.append(mean.astype(np.float32))
+    return levels

@@ -281,11 +281,12 @@ def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
 
 @shader
 def step_count_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
-    """mix(max_steps, min_steps, V · N): more steps at flatter angles.
+    """max_steps + (min_steps − max_steps) · V · N, truncated: more steps at flatter angles.
 
     N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
     """
-    return int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
+    # unlike `mix` exact for min_steps = max_steps, which it might truncate to one less
+    return int(float(max_steps) + float(min_steps - max_steps) * saturate(ray.cosine))
 
 
 @shader
