@@ -30,7 +30,16 @@ from basrelief.measure.views import at_angle
 from basrelief.rendering.frame import Frame, Image
 from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene
-from helpers.synthetic import SIZE, drawn, map_of, noise, on_plane, rays, uniform_material
+from helpers.synthetic import (
+    SIZE,
+    bilinear,
+    drawn,
+    map_of,
+    noise,
+    on_plane,
+    rays,
+    uniform_material,
+)
 
 SMALL = (40, 24)
 TEXELS = 32
@@ -86,6 +95,33 @@ def test_the_rays_of_the_truth_are_those_of_the_camera(reference_height) -> None
     np.testing.assert_allclose(true.distance[inside], expected, atol=1e-5)
     assert true.texels == (36, 24)
     assert true.wraps
+
+
+@pytest.mark.parametrize("alpha", ["mask", "blend", "opaque"])
+def test_what_is_cut_out_does_not_count(alpha: str) -> None:
+    """Stripes of opacity along u: the object is seen where the opacity at the true hit is ½ or
+    more, and `exact` misses nothing. `offset` puts the stripes elsewhere."""
+    heights = noise(4, (24, 36), 1)
+    stripes = np.where(np.arange(36) % 12 < 5, 0.0, 1.0)[None, :].repeat(24, axis=0)
+    material = Material("stripes", height=map_of(heights), opacity=map_of(stripes))
+    camera = LookAt((0.3, -0.9, 0.6), field_of_view=40.0)
+    frames, options = {}, {"scale": 0.15, "alpha": alpha, "transform": np.eye(4)}
+    for technique in ("exact", "offset"):
+        obj = Object(material, technique=technique, reference_height=0.6, **options)
+        frames[technique] = drawn(obj, camera=camera)
+        true = truth(Scene((obj,), camera=camera), SIZE, device="cpu")
+    whole = truth(
+        Scene((Object(material, reference_height=0.6, **{**options, "alpha": "opaque"}),), camera),
+        SIZE,
+        device="cpu",
+    )
+    opacity = bilinear(stripes, whole.uv)[..., 0]
+    expected = whole.there if alpha == "opaque" else whole.there & (opacity >= 0.5)
+    # at the borders of stripes the picture's filter decides
+    clear = np.abs(opacity - 0.5) > 0.35
+    np.testing.assert_array_equal(true.there[clear], expected[clear])
+    assert errors(frames["exact"], true).missed == 0.0
+    assert errors(frames["offset"], true).missed > 0.02
 
 
 def test_exact_equals_the_truth() -> None:

@@ -121,6 +121,7 @@ def test_wikibooks_follows_its_article() -> None:
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0))
     assert obj.scale == pytest.approx(0.04)
     assert obj.resolved.settings.max_offset == pytest.approx(0.04)
+    assert obj.resolved.settings.max_offset_ratio == 1.0
     obj, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
     assert (obj.scale, obj.resolved.settings.max_offset) == (0.1, 0.5)
     # the tiled coordinates are shifted
@@ -132,6 +133,9 @@ def test_gamedev_follows_its_article() -> None:
     assert (obj.resolved.technique.name, obj.resolved.projection) == ("parallax_occlusion", "full")
     assert (obj.resolved.settings.min_steps, obj.resolved.settings.max_steps) == (4, 20)
     assert (obj.scale, obj.reference_height) == (0.1, 1.0)
+    # mip levels by the gradients of the undisplaced coordinates, as SampleGrad takes them
+    assert obj.heights == "smooth"
+    assert obj.smoothing == {"mip_bias": 0.0, "mip_fade": 0.0}
     assert scene.shading_model == "phong"
     assert scene.shading.ambient == Vec3(0.1)
     assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))
@@ -188,8 +192,8 @@ def test_habrador_follows_its_article() -> None:
 
 
 def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Shift of texture coordinates on a plane of constant height, (n, 2), and the unit view vectors
-    in tangent space, (n, 3)."""
+    """Shift of the mesh's texture coordinates on a plane of constant height, (n, 2), and the unit
+    view vectors in tangent space, (n, 3)."""
     camera = basrelief.LookAt((0.6, 0.5, 0.9))
     options = {"camera": camera, "transform": np.eye(4), **options}
     standing = {"lights": [basrelief.directional()], **options}
@@ -197,12 +201,14 @@ def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray
     flat = basrelief.render(
         material_of_heights(value), **SMALL, **{**standing, "technique": "flat"}
     )
-    flat_uv = flat.uv.astype(np.float64)
+    tiling = options.get("tiling", (1.0, 1.0))
+    flat_uv = flat.uv.astype(np.float64) / tiling
     points = np.stack([flat_uv[..., 0] - 0.5, 0.5 - flat_uv[..., 1], 0.0 * flat_uv[..., 0]], -1)
     view = np.array(camera.position) - points
     view /= np.linalg.norm(view, axis=-1, keepdims=True)
     visible = frame.hit & flat.hit
-    return (frame.uv - flat_uv)[visible], view[visible]
+    shift = frame.uv.astype(np.float64) / tiling - flat_uv
+    return shift[visible], view[visible]
 
 
 def to_texture(move: np.ndarray) -> np.ndarray:
@@ -230,6 +236,15 @@ def test_the_clamped_offset() -> None:
     shift, view = displayed_shift("wikibooks", 1.0, scale=0.2)
     expected = np.clip(to_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
     assert (np.abs(expected) == 0.01).any()
+    assert shift == pytest.approx(expected, abs=2e-6)
+
+
+@pytest.mark.parametrize("tiling", [(1.0, 1.0), (2.0, 4.0), (4.0, 1.0)])
+def test_the_clamp_is_in_the_coordinates_of_the_mesh(tiling: tuple[float, float]) -> None:
+    """W3: 0.01 along u and along v, whatever the tilings of the maps."""
+    shift, view = displayed_shift("wikibooks", 1.0, tiling=tiling, scale=0.2 * tiling[0])
+    expected = np.clip(to_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
+    assert (np.abs(expected) == 0.01).any(axis=0).all()
     assert shift == pytest.approx(expected, abs=2e-6)
 
 

@@ -161,6 +161,15 @@ def test_a_ray_without_a_hit_shows_the_sky() -> None:
         np.testing.assert_allclose(color(land(0.5, settings=settings)), wanted, atol=1e-4)
 
 
+def test_a_ray_that_runs_out_of_steps_below_the_water_level_shows_the_sky() -> None:
+    """L6: only a hit is water. At a scale of 0.5, 31 reads end at height 0.4, above the ground at
+    0.1; 47 reach it."""
+    for steps, wanted in ((32, [1.0, 0.5, 0.0]), (48, [0.01, 0.03, 0.08])):
+        settings = {"steps": steps, "step_length": 0.01}
+        obj = land(0.1, water_level=0.45, settings=settings)
+        np.testing.assert_allclose(color(obj), wanted, atol=1e-4)
+
+
 @pytest.mark.parametrize("elevation", [0.0, 40.0, 75.0])
 def test_the_ground_is_lit_by_lamberts_law(elevation: float) -> None:
     """L1."""
@@ -351,9 +360,9 @@ def test_without_a_layer_the_ground_is_the_same_everywhere() -> None:
     np.testing.assert_allclose(color, 0.4, atol=1e-3)
 
 
-@pytest.mark.parametrize("technique", ["steep", "parallax_occlusion", "relief"])
+@pytest.mark.parametrize("technique", ["parallax_occlusion", "relief", "fixed_length"])
 def test_ground_of_height_0_is_water_and_not_sky(technique) -> None:
-    """A march that ends above ground of height 0 ends below the water level."""
+    """A march to the base at height 0 has hit the ground of the lake."""
     ground = Material("pit", height=Map(np.zeros((4, 4, 1), np.float32), False, "pit"))
     obj = Object(ground, technique=technique, surface="landscape", transform=np.eye(4))
     camera = LookAt((0.0, 0.0, 3.0), up=(0.0, 1.0, 0.0))

@@ -746,9 +746,9 @@ def test_each_face_of_the_box_shows_the_whole_texture(face) -> None:
 PARALLAX = {
     "corners", "faded_relief", "object_height_range", "height_lod", "relief_ray",
     "relief_interval", "trace", "max_shell_distance", "offset_per_height", "sharp", "height_under",
-    "surface_height", "march", "chord", "at", "height_at", "hit_at", "t_at", "steps_by_angle",
-    "step_count_by_angle", "step_count", "shifted", "full", "biased", "limited", "grid_line",
-    "cone_reach",
+    "surface_height", "march", "march_to_end", "chord", "at", "height_at", "hit_at", "t_at",
+    "steps_by_angle", "step_count_by_angle", "step_count", "shifted", "full", "biased", "limited",
+    "grid_line", "cone_reach",
     # `texel` is also the name of an intrinsic
     *(name for name in TECHNIQUES if name != "texel"),
 }  # fmt: skip

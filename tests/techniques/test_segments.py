@@ -334,6 +334,43 @@ def test_a_segment_above_the_surface_ends_without_a_hit(technique, settings, sha
     assert float(hit.height) == 0.5
 
 
+TO_BASE = [case for case in CASES if case.id in (
+    "parallax_occlusion", "relief", "secant", "contact", "fixed_length",
+)]  # fmt: skip
+"""Marches that end at the base where nothing is above it."""
+
+
+@pytest.mark.parametrize("bend", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("end", [0.0, -0.15])
+@pytest.mark.parametrize(("technique", "settings"), TO_BASE)
+def test_a_segment_that_ends_at_the_base_or_below_hits_it(technique, settings, end, bend) -> None:
+    """At the root of 0.4 − drop · t − bend · t (1 − t), on a map of zeros."""
+    heights = np.zeros((16, 16), np.float32)
+    ray = Ray(Vec2(0.3, 0.4), Vec2(0.2, 0.1), 0.4, 0.4 - end, 0.5, bend=bend, share=0.5, scale=0.2)
+    hit = technique(HeightField([heights]), ray, settings)
+    roots = np.roots([bend, end - 0.4 - bend, 0.4])
+    wanted = min(root.real for root in roots if 0.0 < root.real <= 1.0 + 1e-12)
+    assert hit.found
+    # a bent ray does not follow the chord of a step
+    within = {relief: 1 / 24 / 2**8, contact: 1 / 12 / 24}.get(technique, abs(bend) / 1000)
+    assert float(hit.t) == pytest.approx(wanted, abs=within + 1e-5)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.26, 1.0])
+@pytest.mark.parametrize(("technique", "settings"), CASES)
+def test_a_segment_that_ends_just_above_the_base_does_not_hit_it(
+    technique, settings, share: float
+) -> None:
+    heights = np.zeros((16, 16), np.float32)
+    field: list[Any] = [HeightField([heights])]
+    if technique.bake is not None:
+        make = {exact: baking.bounds, cone: baking.cone_map, relaxed_cone: baking.relaxed_cone_map}
+        field.append(Texture([make[technique](heights, "wrap")]))
+    ray = Ray(Vec2(0.3, 0.4), Vec2(0.2, 0.1), 1.0, 0.999, 0.5, share=share, scale=0.2)
+    hit = technique(*field, ray, settings)
+    assert (bool(hit.found), float(hit.t)) == (False, 1.0)
+
+
 def test_a_ray_out_of_steps_ends_before_t_1() -> None:
     heights = np.zeros((64, 64), np.float32)
     heights[:, ::8] = 0.9

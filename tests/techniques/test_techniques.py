@@ -21,6 +21,7 @@ from basrelief.lang import HeightField, IVec2, Mat3, Texture, Vec2, Vec3, bound,
 from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.lang.types import leaf_values
+from basrelief.scene import LookAt, Object
 from basrelief.shading.intersection import Intersection, Placement
 from basrelief.shading.ray_differentials import Footprint
 from basrelief.shading.relief import (
@@ -69,6 +70,7 @@ from basrelief.techniques.ray import at, t_at
 from basrelief.techniques.refine import Contact, Secant
 from basrelief.techniques.technique import Settings
 from helpers.rays import flat_ray
+from helpers.synthetic import drawn, uniform_material
 
 Surface = Callable[[float, float], float]
 """A height for every u and v, in float64."""
@@ -160,11 +162,14 @@ def all_techniques(steps: int = 10):
     ]
 
 
+MARCHES_TO_BASE = [
+    (parallax_occlusion, lambda n: March(n, n)),
+    (relief, lambda n: Relief(n, n, 0)),
+    (secant, lambda n: Secant(n, n, 0)),
+]
 MARCHING = [
     pytest.param(steep, Steps, id="steep"),
-    pytest.param(parallax_occlusion, lambda n: March(n, n), id="parallax_occlusion"),
-    pytest.param(relief, lambda n: Relief(n, n, 0), id="relief"),
-    pytest.param(secant, lambda n: Secant(n, n, 0), id="secant"),
+    *(pytest.param(technique, steps, id=technique.name) for technique, steps in MARCHES_TO_BASE),
 ]
 
 
@@ -241,7 +246,7 @@ def test_steep_stops_at_the_first_layer_below_the_surface(height: float, steps: 
     np.testing.assert_allclose(read, layers[: hit.reads], atol=ROUNDING * 10)
 
 
-@given(st.floats(0.12, 1), st.integers(10, 60), st.integers(0, 16))
+@given(st.floats(0, 1), st.integers(1, 60), st.integers(0, 16))
 def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings: int) -> None:
     ray = ray_of()
     hit, _ = traced(relief, level_surface(height), ray, Relief(steps, steps, halvings))
@@ -252,16 +257,29 @@ def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings
 # --- the march ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("technique", "steps"), MARCHING)
-@pytest.mark.parametrize("count", [1, 2, 7, 10, 100])
-def test_a_march_reads_at_one_less_k_nths_and_ends_at_the_last(technique, steps, count) -> None:
+@pytest.mark.parametrize("count", [1, 2, 7, 10, 49, 100])
+def test_steep_reads_at_one_less_k_nths_and_ends_at_the_last(count) -> None:
     """C11: no hit on a surface at height 0; N reads, and the last position remains."""
     ray = ray_of(reference_height=0.5)
-    hit, read = traced(technique, level_surface(0.0), ray, steps(count))
+    hit, read = traced(steep, level_surface(0.0), ray, Steps(count))
     np.testing.assert_allclose(read, [1 - k / count for k in range(count)], atol=1e-5)
     assert hit.reads == count
     assert not hit.found
     assert_ends(hit, ray, 1 / count)
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 10, 49, 100])
+@pytest.mark.parametrize(
+    ("technique", "steps", "reads_base"),
+    [(technique, steps, technique is parallax_occlusion) for technique, steps in MARCHES_TO_BASE],
+)
+def test_the_base_is_under_every_surface(technique, steps, reads_base: bool, count) -> None:
+    """A surface at height 0 is hit at t = 1 exactly, which rounding of N · 1/N must not miss: with
+    a read there, or without."""
+    ray = ray_of(reference_height=0.5)
+    hit, read = traced(technique, level_surface(0.0), ray, steps(count))
+    np.testing.assert_allclose(read, [1 - k / count for k in range(count + reads_base)], atol=1e-5)
+    assert (hit.found, float(hit.t), float(hit.height)) == (True, 1.0, 0.0)
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
@@ -290,9 +308,38 @@ def test_few_steps_miss_a_thin_ridge_and_many_hit_it(technique, steps) -> None:
     ray = ray_of(uv=(0.77, 0.5), travel=(-0.5, 0.1))
     few, _ = traced(technique, ridge, ray, steps(4))
     many, _ = traced(technique, ridge, ray, steps(64))
-    assert not few.found
+    # the base is hit instead
+    assert_ends(few, ray, 0.25 if technique is steep else 0.0)
+    assert few.found == (technique is not steep)
     assert many.found
     assert float(many.height) == pytest.approx(0.4, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("technique", "within"),
+    [
+        ("parallax_occlusion", 0.0), ("secant", 0.0), ("exact", 0.0), ("cone", 0.0),
+        ("fixed_length", 0.0), ("relief", 1 / 15 / 2**5), ("contact", 1 / 7 / 7),
+    ],
+)  # fmt: skip
+def test_the_ground_of_an_empty_map_is_at_the_full_depth(technique: str, within: float) -> None:
+    """Zeros at 45° and scale 0.1: the ray travels 0.1 tiles and is 0.1 · √2 long. `relief` and
+    `contact`, of 15 and 7 steps, are within their last interval."""
+    camera = LookAt((0.5, 0.0, 0.5), up=(0.0, 0.0, 1.0), orthographic_height=0.4)
+    frame, polygon = (
+        drawn(
+            Object(uniform_material(height=0.0), technique=name, scale=0.1, transform=np.eye(4)),
+            camera=camera,
+        )
+        for name in (technique, "flat")
+    )
+    assert frame.hit.all()
+    shift = frame.uv.astype(np.float64) - polygon.uv
+    np.testing.assert_allclose(shift[..., 0], -0.1, atol=0.1 * within + 2e-6)
+    np.testing.assert_allclose(shift[..., 1], 0.0, atol=2e-6)
+    np.testing.assert_allclose(
+        frame.distance - polygon.distance, 0.1 * math.sqrt(2), atol=0.15 * within + 2e-6
+    )
 
 
 # --- ramps ----------------------------------------------------------------------------------------
@@ -305,7 +352,7 @@ def ramps(draw):
     uv, travel = (tuple(draw(st.floats(-0.6, 0.6)) for _ in range(2)) for _ in range(2))
     assume(max(map(abs, travel)) > 0.05)
     reference_height = draw(st.sampled_from([0.0, 0.5, 1.0]))
-    height = draw(st.floats(0.12, 0.95))
+    height = draw(st.floats(0.02, 0.95))
     ray = ray_of(uv, travel, reference_height)
     u, v = place_on(ray, height)
 
@@ -327,7 +374,7 @@ def test_parallax_occlusion_is_exact_on_a_ramp(ramp, steps: int) -> None:
     assert_ends(hit, ray, height, 5e-5)
 
 
-@given(ramps(), st.integers(10, 50))
+@given(ramps(), st.integers(50, 90))
 def test_steep_is_less_than_a_step_below_a_ramp(ramp, steps: int) -> None:
     form, ray, height, _ = ramp
     hit, _ = traced(steep, form, ray, Steps(steps))
@@ -423,13 +470,32 @@ def test_the_search_halves_the_range(height: float, wanted: list[float]) -> None
     assert hit.reads == 6
 
 
-@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_step_to_halve_relief_reads_no_more(height: float) -> None:
-    """Without a hit the last layer remains; a hit on the first read is at the top."""
-    hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, 5))
-    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
-    assert_ends(hit, ray_of(), read[-1])
-    assert hit.found == (height == 1.0)
+TOP_HITS = [
+    pytest.param(relief, Relief(4, 4, 5), id="relief"),
+    pytest.param(secant, Secant(4, 4, 5), id="secant"),
+    pytest.param(contact, Contact(4, 4), id="contact"),
+]
+
+
+@pytest.mark.parametrize(("technique", "settings"), TOP_HITS)
+def test_a_hit_on_the_first_read_is_at_the_top(technique, settings) -> None:
+    """It has no layer above the surface before it, so no step to search."""
+    hit, read = traced(technique, level_surface(1.0), ray_of(), settings)
+    assert read == [1.0]
+    assert_ends(hit, ray_of(), 1.0)
+    assert hit.found
+
+
+@pytest.mark.parametrize(
+    ("height", "wanted"),
+    [(0.0, [0.125, 0.0625, 0.03125]), (0.1, [0.125, 0.0625, 0.09375]), (0.2, [0.125, 0.1875])],
+)
+def test_below_the_last_layer_relief_halves_the_step_to_the_base(height, wanted) -> None:
+    """Four layers, the last at ¼: the middle of ¼ … 0 is read next."""
+    hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, len(wanted)))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, *wanted], abs=1e-6)
+    assert hit.found
+    assert abs(float(hit.height) - height) <= 0.25 / 2 ** len(wanted) + ROUNDING
 
 
 def test_the_search_starts_in_the_middle_of_the_last_step() -> None:
@@ -450,19 +516,16 @@ def test_without_a_search_relief_is_steep() -> None:
 @given(ramps(), st.integers(10, 50), st.integers(0, 6))
 def test_secant_is_exact_on_a_ramp(ramp, steps: int, cuts: int) -> None:
     form, ray, height, _ = ramp
+    # the step to the base has no chord before the first cut
+    assume(cuts > 0 or height > 1 / steps)
     hit, _ = traced(secant, form, ray, Secant(steps, steps, cuts))
     assert hit.found
     assert_ends(hit, ray, height, 5e-5)
 
 
 def test_the_first_split_reads_where_the_chord_crosses_the_ray() -> None:
-    """h = u²: layers at ½ (surface 0.09) and 0 (0.64); ½ − ½ · 0.41 ÷ 1.05 is read, u = 0.4952."""
-    ray = ray_of(uv=(-0.2, 0.5), travel=(1.0, 0.0))
-    hit, read = traced(secant, lambda u, v: u * u, ray, Secant(2, 2, 0))
-    assert read == pytest.approx([1.0, 0.5])
-    assert not hit.found
+    """h = u²: layers at ½ (surface 0.16) and ¼ (0.36)."""
     ray = ray_of(uv=(0.0, 0.5), travel=(0.8, 0.0))
-    # 1, ⅔, ⅓: surfaces 0, (0.8 ÷ 3)², (1.6 ÷ 3)²; the last is below none, so four steps: ¼ is
     hit, read = traced(secant, lambda u, v: u * u, ray, Secant(4, 4, 1))
     over, under = 0.5 - 0.4**2, 0.6**2 - 0.25
     first = 0.5 - 0.25 * over / (over + under)
@@ -511,12 +574,13 @@ def test_secant_at_a_wall_uses_the_illinois_rule() -> None:
     assert errors[2] < 1e-4
 
 
-@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_step_to_split_secant_reads_no_more(height: float) -> None:
-    hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 5))
-    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
-    assert_ends(hit, ray_of(), read[-1])
-    assert hit.found == (height == 1.0)
+@pytest.mark.parametrize("height", [0.0, 0.1, 0.2])
+def test_below_the_last_layer_secant_first_cuts_at_the_base(height: float) -> None:
+    """Four layers, the last at ¼; the read at 0 gives the chord, which is the surface."""
+    hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 2))
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, 0.0, height], abs=1e-6)
+    assert_ends(hit, ray_of(), height)
+    assert (hit.found, hit.reads) == (True, 6)
 
 
 # --- contact refinement ---------------------------------------------------------------------------
@@ -543,16 +607,20 @@ def test_contact_is_within_a_fine_step_of_a_ramp(ramp, steps: int) -> None:
     hit, _ = traced(contact, form, ray, Contact(steps, steps))
     assert hit.found
     assert height - 1 / steps**2 - 1e-4 <= float(hit.height) <= height + 1e-4
-    assert hit.reads <= 2 * steps - 1
+    assert hit.reads <= 2 * steps
     assert_ends(hit, ray, float(hit.height))
 
 
-@pytest.mark.parametrize("height", [0.0, 0.1, 1.0])
-def test_without_a_previous_layer_there_is_no_refinement(height: float) -> None:
+@pytest.mark.parametrize(
+    ("height", "fine", "end"),
+    [(0.0, [0.1875, 0.125, 0.0625], 0.0), (0.15, [0.1875, 0.125], 0.125)],
+)
+def test_below_the_last_layer_contact_refines_the_step_to_the_base(height, fine, end) -> None:
+    """Four layers, the last at ¼, and the base; then from ¼ in steps of 1/16: 2 N reads at most."""
     hit, read = traced(contact, level_surface(height), ray_of(), Contact(4, 4))
-    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25] if height < 1.0 else [1.0])
-    assert_ends(hit, ray_of(), read[-1])
-    assert hit.found == (height == 1.0)
+    assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, 0.0, *fine], abs=1e-6)
+    assert_ends(hit, ray_of(), end)
+    assert (hit.found, hit.reads) == (True, 5 + len(fine))
 
 
 @pytest.mark.parametrize(("technique", "record"), [(secant, Secant), (contact, Contact)])
@@ -577,7 +645,7 @@ def test_steps_follow_the_angle(cosine: float, steps: int) -> None:
     """G4: lerp(max, min, V·N), clamped to 4 … 20."""
     assert steps_by_angle(ray_of(cosine=cosine), 4, 20) == steps
     hit, _ = traced(parallax_occlusion, level_surface(0.0), ray_of(cosine=cosine), March(4, 20))
-    assert hit.reads == steps
+    assert hit.reads == steps + 1
 
 
 @given(st.floats(-1, 2), st.integers(1, 60), st.integers(1, 60))
@@ -615,7 +683,7 @@ def test_steps_by_texels_equal_the_texels_crossed(columns, rows, travel, per_tex
     settings = March(4, 20, per_texel)
     assert step_count(field, ray_of(travel=travel), settings) == steps
     hit = parallax_occlusion(field, ray_of(travel=travel), settings)
-    assert hit.reads == steps
+    assert hit.reads == steps + 1
 
 
 # --- one read: offsets ----------------------------------------------------------------------------

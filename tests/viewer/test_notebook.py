@@ -210,7 +210,10 @@ def test_a_technique_and_a_shape_set_their_defaults(viewer: Viewer) -> None:
     viewer.settings = {"max_steps": 64}
     viewer.camera = Orbit(24.0, 32.0, 3.0, (0.1, 0.2, 0.0))
     viewer.technique = "offset"
-    assert (viewer.reference_height, viewer.settings) == (0.5, {"max_offset": 1.0})
+    assert (viewer.reference_height, viewer.settings) == (
+        0.5,
+        {"max_offset": 1.0, "max_offset_ratio": 1.0},
+    )
     viewer.technique = "relief"
     assert (viewer.reference_height, viewer.settings["max_steps"]) == (1.0, 64)
     viewer.shape = "sphere"
@@ -499,7 +502,7 @@ def test_settings_go_both_ways(shown: NotebookPage, viewer: Viewer) -> None:
     shown.frame().locator("#canvas").focus()
     shown.page.keyboard.press("ArrowRight")
     shown.saved("model.get('camera').azimuth === 44 && model.saved.length")
-    assert viewer.settings == {"max_offset": 0.25}
+    assert viewer.settings == {"max_offset": 0.25, "max_offset_ratio": 1.0}
     assert viewer.camera == Orbit(44.0, 25.0)
     assert_agree(_drawn(viewer.scene()), shown.drawn(), TEXELS)
 

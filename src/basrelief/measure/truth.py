@@ -1,12 +1,13 @@
 """The truth of a picture: first hits of its view rays by the oracle, pixel by pixel.
 
 Only the rays come from the shaders: their points on the polygon and their travel. The oracle uses
-the heights of the same field that techniques read, in 32 bits.
+the heights of the same field that techniques read, in 32 bits. What is cut out at the true hit
+comes from a picture drawn by `exact`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from basrelief.lang.resources import Edge
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
 from basrelief.rendering.programs import map_edge, values_of, view_ray_program_of
-from basrelief.rendering.render import check_picture
+from basrelief.rendering.render import check_picture, render
 from basrelief.scene import Object, ResolvedObject, Scene
 
 __all__ = ["Truth", "truth"]
@@ -42,7 +43,7 @@ class Truth:
     distance : ndarray of float64, shape (h, w)
         Distance to the hit along the ray, in world units.
     there : ndarray of bool, shape (h, w)
-        Whether the pixel shows the object; where False, the hit is 0.
+        Whether the pixel shows the object, which it does not where the true hit is cut out.
     travel : ndarray of float64, shape (h, w, 2)
         Change of the texture coordinates while the ray falls from height 1 to 0.
     texels : (int, int)
@@ -104,10 +105,29 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
     if obj.edge == "clip":
         tile_uv = (uv - obj.tiling.shift) / obj.tiling.tiles
         there &= ((tile_uv >= 0.0) & (tile_uv <= 1.0)).all(-1)
+    if obj.material.opacity is not None and obj.alpha != "opaque":
+        there &= _covered(scene, obj, size, engine)
     return Truth(
         uv, height, np.where(there, distance, 0.0), there, travel, heights.shape[::-1],
         map_edge(obj) == "wrap",
     )  # fmt: skip
+
+
+def _covered(
+    scene: Scene, obj: ResolvedObject, size: tuple[int, int], engine: Engine
+) -> NDArray[np.bool_]:
+    """Whether a pixel is covered at its true hit, drawn by `exact` with the picture's filter."""
+    exact = replace(
+        scene.objects[0],
+        technique="exact",
+        settings={},
+        projection="full",
+        heights="sharp",
+        scale=obj.scale,
+        reference_height=obj.reference_height,
+    )
+    drawn = replace(scene, objects=(exact,), lights=(), shadows="none", fog_mode="none")
+    return render(drawn, size=size, samples=1, device=engine).hit
 
 
 def measurable(scene: Scene) -> ResolvedObject:

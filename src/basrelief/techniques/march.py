@@ -15,9 +15,14 @@ the ray is not above it. The hit lies between this layer and the one before. `st
 itself, `parallax_occlusion` intersects the chord, `relief` searches by halving; `secant` and
 `contact` (`refine.py`) search by chords and by finer layers.
 
-Features thinner than a step can be missed. Where nothing is hit, the last position is the result. A
-segment that is a `share` of the whole ray takes that share of the steps; one that ends above the
-base is read at its end too, from where the next segment continues.
+No surface is lower than the base at height 0. So a ray that ends there and has hit nothing by its
+last layer has its hit in one more step, from height 1/N to 0. `parallax_occlusion` and `contact`
+read at its end. `relief` and `secant` search in it without that read. `steep` ends at the last
+layer, without a hit.
+
+Features thinner than a step can be missed. A segment that is a `share` of the whole ray takes that
+share of the steps; one that ends above the base is read at its end too, from where the next segment
+continues.
 """
 
 from __future__ import annotations
@@ -104,7 +109,7 @@ def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
 
         t = k/N, k the least with height_at(k/N) ≤ surface(k/N)
 
-    Layers are visible as steps.
+    Layers are visible as steps. A surface lower than the last layer is not hit: the ray ends there.
     Cost: up to `steps` reads.
 
     References
@@ -115,20 +120,20 @@ def steep(field: HeightField, ray: Ray, settings: Steps) -> Hit:
     return hit_at(ray, end.t, end.above <= 0.0, end.reads)
 
 
-@technique(most_reads=32)
+@technique(most_reads=33)
 def parallax_occlusion(field: HeightField, ray: Ray, settings: March) -> Hit:
     """Parallax occlusion mapping: a march, then the intersection with the chord of its last step.
 
         t = t₁ + (t₂ − t₁) · a₁ ÷ (a₁ − a₂),  a the ray's height above the surface at t₁ and t₂
 
-    Cost: as many reads as steps.
+    Cost: as many reads as steps, and one more where the ray ends at the base.
 
     References
     ----------
     Z. Brawley and N. Tatarchuk, Parallax Occlusion Mapping: Self-Shadowing, Perspective-Correct
     Bump Mapping Using Reverse Height Map Tracing, 2004.
     """
-    end = march(field, ray, step_count(field, ray, settings))
+    end = march_to_end(field, ray, step_count(field, ray, settings))
     found = end.above <= 0.0
     return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
@@ -147,10 +152,9 @@ def relief(field: HeightField, ray: Ray, settings: Relief) -> Hit:
     Surfaces, 2005.
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
-    end = march(field, ray, steps)
+    end = last_step_to_base(ray, march(field, ray, steps))
     found = end.above <= 0.0
-    # a step to halve exists only between a layer above the surface and one below
-    rounds = settings.search_steps if found and end.reads > 1 else 0
+    rounds = search_rounds(end, settings.search_steps)
     t = end.t
     below = True
     half = end.step
@@ -177,7 +181,10 @@ def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
     """
     # the whole ray is scale ÷ cosine tile widths long
     step = settings.step_length * max(ray.cosine, MIN_COSINE) / (ray.scale * ray.share)
-    end = layers(field, ray, min(settings.steps, int(1.0 / step) + 2), step)
+    # the first step that ends behind the segment: at its end, or below the base at full length
+    count = int(min(1.0 / step, float(MAX_READS))) + 1
+    t_end = 1.0 if continues(ray) else float(count) * step
+    end = layers(field, ray, min(max(settings.steps, 1), count + 1), step, count, t_end)
     found = end.above <= 0.0
     return hit_at(ray, chord(end) if found else end.t, found, end.reads)
 
@@ -186,31 +193,65 @@ def fixed_length(field: HeightField, ray: Ray, settings: FixedLength) -> Hit:
 
 
 @shader
-def march(field: HeightField, ray: Ray, steps: int) -> LastStep:
-    """March along the whole segment in a number of equal steps."""
-    return layers(field, ray, steps, 1.0 / float(min(max(steps, 1), MAX_READS)))
+def continues(ray: Ray) -> bool:
+    """Whether the segment ends above the base at height 0, so that the ray goes on past it."""
+    return height_at(ray, 1.0) > 0.0
 
 
 @shader
-def layers(field: HeightField, ray: Ray, steps: int, step: float) -> LastStep:
-    """March layer by layer to the first at which the ray is not above the surface, or the last."""
+def march(field: HeightField, ray: Ray, steps: int) -> LastStep:
+    """March in equal steps to the last layer above the base, or to the end of a segment that ends
+    above it."""
     count = min(max(steps, 1), MAX_READS)
-    # the base at height 0 is solid and needs no read; any other end has to be read
-    continues = height_at(ray, 1.0) > 0.0
-    last = count + 1 if continues else count
-    t_limit = 1.0 if continues else 1.0 + step
+    reads = count + 1 if continues(ray) else count
+    return layers(field, ray, reads, 1.0 / float(count), count, 1.0)
+
+
+@shader
+def march_to_end(field: HeightField, ray: Ray, steps: int) -> LastStep:
+    """March in equal steps to the end of the segment, where a ray that ends at the base hits."""
+    count = min(max(steps, 1), MAX_READS)
+    return layers(field, ray, count + 1, 1.0 / float(count), count, 1.0)
+
+
+@shader
+def layers(
+    field: HeightField, ray: Ray, reads: int, step: float, count: int, t_end: float
+) -> LastStep:
+    """March layer by layer to the first at which the ray is not above the surface, with at most
+    `reads` reads; layer `count` is at `t_end`."""
     t = 0.0
     above = ray.height - height_under(field, ray, t)
     previous_t = t
     previous_above = above
     k = 1
-    while k < last and above > 0.0:
+    while k < reads and above > 0.0:
         previous_t = t
         previous_above = above
-        t = min(float(k) * step, t_limit)
+        # not k · step, which rounding may put before the end
+        t = t_end if k == count else float(k) * step
         above = height_at(ray, t) - height_under(field, ray, t)
         k = k + 1
     return LastStep(t, above, previous_t, previous_above, step, k)
+
+
+@shader
+def last_step_to_base(ray: Ray, end: LastStep) -> LastStep:
+    """The last step of a march; after a march without a hit, the step from its last layer to the
+    base, if the ray ends there.
+
+    `above` is 0 at the base, which is not read: the surface is there or higher.
+    """
+    if end.above <= 0.0 or continues(ray):
+        return end
+    return LastStep(1.0, 0.0, end.t, end.above, end.step, end.reads)
+
+
+@shader
+def search_rounds(end: LastStep, search_steps: int) -> int:
+    """The number of search steps: none without a hit, nor for one at the first layer, which has no
+    layer above the surface before it."""
+    return search_steps if end.above <= 0.0 and end.t > 0.0 else 0
 
 
 @shader
@@ -240,11 +281,12 @@ def steps_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
 
 @shader
 def step_count_by_angle(ray: Ray, min_steps: int, max_steps: int) -> int:
-    """mix(max_steps, min_steps, V · N): more steps at flatter angles.
+    """max_steps + (min_steps − max_steps) · V · N, truncated: more steps at flatter angles.
 
     N. Tatarchuk, Practical Parallax Occlusion Mapping for Highly Detailed Surface Rendering, 2006.
     """
-    return int(mix(float(max_steps), float(min_steps), saturate(ray.cosine)) + 0.5)
+    # unlike `mix` exact for min_steps = max_steps, which it might truncate to one less
+    return int(float(max_steps) + float(min_steps - max_steps) * saturate(ray.cosine))
 
 
 @shader

@@ -12,7 +12,7 @@ the surface were level in between.
 
 from __future__ import annotations
 
-from basrelief.lang import HeightField, clamp, setting, shader, struct
+from basrelief.lang import HeightField, Vec2, maximum, minimum, setting, shader, struct
 from basrelief.techniques.height import height_under
 from basrelief.techniques.ray import Hit, Ray, at, hit_at, t_at
 from basrelief.techniques.technique import Nothing, technique
@@ -24,6 +24,9 @@ class Offset:
 
     max_offset: float = setting(
         default=1.0, doc="maximum offset along u and along v, in tiles", low=0.0, high=1.0
+    )
+    max_offset_ratio: float = setting(
+        default=1.0, doc="maximum offset along v ÷ that along u", low=0.0, high=64.0
     )
 
 
@@ -72,10 +75,11 @@ def offset_limited(field: HeightField, ray: Ray, settings: Offset) -> Hit:
 
 @shader
 def shifted(field: HeightField, ray: Ray, settings: Offset) -> Hit:
-    """One read and one shift, each component clamped to ± `max_offset`."""
+    """One read and one shift, each component clamped to ± `max_offset`, along v times
+    `max_offset_ratio`."""
     start = t_at(ray, ray.reference_height)
     height = height_under(field, ray, start)
     end = t_at(ray, height)
-    limit = settings.max_offset
-    uv = at(ray, start) + clamp(ray.travel * (end - start), -limit, limit)
+    limit = Vec2(1.0, settings.max_offset_ratio) * settings.max_offset
+    uv = at(ray, start) + minimum(maximum(ray.travel * (end - start), -limit), limit)
     return Hit(uv, height, end, True, 1)

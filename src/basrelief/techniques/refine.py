@@ -11,7 +11,10 @@ from basrelief.techniques.height import height_under
 from basrelief.techniques.march import (
     MAX_READS,
     crossing,
+    last_step_to_base,
     march,
+    march_to_end,
+    search_rounds,
     step_count_by_angle,
     step_share,
     steps_by_angle,
@@ -51,7 +54,8 @@ def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
 
     The surface is read at t, and t replaces t₁ or t₂, whichever has the same sign; then again. The
     height of an end that stays twice in a row is halved ("Illinois"); otherwise that end would stay
-    for ever and the other approach in ever smaller steps.
+    for ever and the other approach in ever smaller steps. A last step that ends at the base, which
+    is not read, is first cut there: a₂ = 0.
     Cost: one read for each step and each cut.
 
     References
@@ -61,10 +65,9 @@ def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
     1971.
     """
     steps = steps_by_angle(ray, settings.min_steps, settings.max_steps)
-    end = march(field, ray, steps)
+    end = last_step_to_base(ray, march(field, ray, steps))
     found = end.above <= 0.0
-    # a step to cut exists only between a layer above the surface and one below
-    rounds = settings.search_steps if found and end.reads > 1 else 0
+    rounds = search_rounds(end, settings.search_steps)
     t_above = end.previous_t
     above = end.previous_above
     t_below = end.t
@@ -88,7 +91,7 @@ def secant(field: HeightField, ray: Ray, settings: Secant) -> Hit:
     return hit_at(ray, t, found, end.reads + rounds)
 
 
-@technique(most_reads=31)
+@technique(most_reads=32)
 def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
     """Contact refinement: a coarse march, then a march of as many steps within its last step.
 
@@ -96,7 +99,7 @@ def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
 
     2 N reads resolve what N² layers would. A feature between two coarse layers that reaches neither
     is missed.
-    Cost: up to 2 N − 1 reads for N steps.
+    Cost: up to 2 N reads for N steps.
 
     References
     ----------
@@ -104,11 +107,11 @@ def contact(field: HeightField, ray: Ray, settings: Contact) -> Hit:
     """
     whole = step_count_by_angle(ray, settings.min_steps, settings.max_steps)
     steps = min(max(whole, 1), MAX_READS)
-    end = march(field, ray, step_share(ray, steps))
+    end = march_to_end(field, ray, step_share(ray, steps))
     found = end.above <= 0.0
     fine_step = end.step / float(steps)
-    # the last fine layer is the coarse one, already read; a hit at the first layer has none before
-    count = steps if found and end.reads > 1 else 1
+    # the last fine layer is the coarse one, already read
+    count = max(search_rounds(end, steps), 1)
     t = end.t
     below = False
     k = 1

@@ -248,13 +248,15 @@ class Preset:
         """Convert lengths from widths of the shape to widths of a tile of the heights."""
         options = {**defaults, **overrides}
         tiling = options.get("tiling") or default_tiles(options.get("shape", "plane"), material)
-        tiles = abs(float(tiling[0]))
+        tiles, tiles_v = (abs(float(count)) for count in tiling)
         if "scale" in defaults:
             defaults["scale"] = defaults["scale"] * tiles
         settings = dict(defaults.get("settings", {}))
         for name in _LENGTHS:
             if name in settings:
                 settings[name] = min(settings[name] * tiles, 1.0)
+        if "max_offset" in settings:
+            settings["max_offset_ratio"] = tiles_v / tiles
         defaults["settings"] = settings
 
     def _check_scene(self) -> None:

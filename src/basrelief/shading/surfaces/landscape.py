@@ -60,12 +60,12 @@ def landscape_surface(
     normal_point = point_on_map(point, tilings.normal, variant)
     map_normal = normal_of(maps.normal, normal_point, surface_parameters.normal_strength, variant)
     normal = oriented_normal(map_normal, tilings.normal, variant)
-    if point.height < surface_parameters.water_level:
-        # a ray this low has hit the water, whether or not it reached the ground
-        color = surface_parameters.water_color * point.height
-        normal = Vec3(0.0, 0.0, 1.0)
-    elif not point.found:
+    if not point.found:
+        # also below the water level: a ray that ran out of steps there hit nothing
         color = surface_parameters.sky_color
+        normal = Vec3(0.0, 0.0, 1.0)
+    elif point.height < surface_parameters.water_level:
+        color = surface_parameters.water_color * point.height
         normal = Vec3(0.0, 0.0, 1.0)
     return Surface(
         base_color=color,
