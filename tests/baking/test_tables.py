@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from basrelief.baking import passes
-from basrelief.baking.files import OPTIONS, BakeInput
+from basrelief.baking.files import FILE_BAKES, BakeInput
 from basrelief.baking.horizon import ambient_occlusion, horizon_map
 from basrelief.baking.normal import normal_map
 from basrelief.baking.tables import TABLES, bake_function, table
@@ -50,7 +50,7 @@ def test_tables_equal_the_results_of_the_functions(name: str) -> None:
 
 @pytest.mark.parametrize("name", BAKES)
 def test_the_command_line_has_an_option_for_each(name: str) -> None:
-    option = OPTIONS[name.removesuffix("_map")]
+    option = FILE_BAKES[name.removesuffix("_map")]
     assert option.help == TABLES[name][1]
     result = option.make(
         BakeInput(Material("x", height=map_of(HEIGHTS)), CPU, "wrap", 0.1, 16, "gl", 8)
