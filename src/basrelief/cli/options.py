@@ -41,7 +41,7 @@ _TYPES: dict[str, Any] = {
     "choice": Text, "text": Text, "pair": Text, "triple": Text, "flag": bool | None,
     "integer": int | None, "number": float | None,
 }  # fmt: skip
-"""Types of options by the kind of the setting; settings of other kinds have options written here."""
+"""Types of options by the kind of the setting; options of other kinds are written here."""
 
 
 def option_of(declared: Setting) -> Any:
