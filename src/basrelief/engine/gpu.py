@@ -38,6 +38,9 @@ _LIMITS = (
 _FEATURES = ("timestamp-query", "float32-filterable")
 """Features that benchmarks use if the adapter has them; programs need none of them."""
 
+_MAX_PLANE_BYTES = 1 << 28
+"""Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
+
 
 def _request_adapter() -> Any:
     try:
@@ -148,8 +151,8 @@ class GpuEngine:
         return planes
 
     def max_rows(self, planes: int, width: int, height: int) -> int:
-        """Number of rows whose planes fit in the largest buffer that can be bound."""
-        limit = min(self.limits["max-storage-buffer-binding-size"], 1 << 28)
+        """Number of rows whose planes fit in a buffer, at least 1 and at most the height."""
+        limit = min(self.limits["max-storage-buffer-binding-size"], _MAX_PLANE_BYTES)
         return max(1, min(height, limit // (4 * planes * width)))
 
     def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
