@@ -96,6 +96,11 @@ def test_numbers_that_are_not_finite(text: str) -> None:
     assert refused(lambda: arguments.number(text, "it")) == f"it {text}: write a finite number"
 
 
+@pytest.mark.parametrize("text", ["-5", "5-", "-", "0--5"])
+def test_ranges_below_0_and_without_ends_are_refused(text: str) -> None:
+    assert refused(lambda: arguments.span(text, "--angles")).startswith(f"--angles {text}: write ")
+
+
 def test_values_are_one_or_several() -> None:
     assert arguments.value("2.5", "it") == 2.5
     assert arguments.value("1,2/3", "it") == (1.0, 2.0, 3.0)

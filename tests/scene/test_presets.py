@@ -414,7 +414,7 @@ def test_a_preset_scrolls_its_film() -> None:
             "[object.surface_parameters]\nbase_color = [1, 2]",
             "object.surface_parameters.base_color is (1, 2): give a num",
         ),
-        ("[object.tilings.height]\ntiles = [1, 2]", "a tiling of its own is one of base_color"),
+        ("[object.tilings.height]\ntiles = [1, 2]", "the map of a tiling is one of base_color"),
         ("[object.tilings.normal]\ntile = [1, 2]", "object.tilings.normal has no key 'tile'"),
         ("[object.layer]\ntiles = [1, 2]", "object.layer needs a material: a path, or sample:"),
         ("[maps]\nheight_channel = 'x'", "height_channel is one of auto, r, g, b, a"),

@@ -1,4 +1,4 @@
-"""Pictures drawn again from what recipes write: a command, Python, and a preset."""
+"""Pictures drawn again from the texts of recipes: a command, Python, and a preset."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import functools
 import re
 import shlex
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,7 @@ def scenes() -> dict[str, Scene]:
     }  # fmt: skip
 
 
+# written out, so that collecting the tests makes no scenes
 NAMES = (
     "defaults",
     "a technique",
@@ -99,6 +101,7 @@ def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def color(drawn: Scene) -> np.ndarray:
+    """The linear colour of the frame of a scene."""
     return basrelief.render(drawn, device="cpu", **DRAWING).color
 
 
@@ -117,7 +120,8 @@ def drawn_by_python(line: str) -> np.ndarray:
     return namespace["frame"].color
 
 
-def as_file(drawn: Scene) -> np.ndarray:
+def saved_pixels(drawn: Scene) -> np.ndarray:
+    """The pixels of the picture file of a scene."""
     basrelief.render(drawn, device="cpu", **DRAWING).save("once.png")
     return read_picture(Path("once.png")).pixels
 
@@ -129,7 +133,7 @@ def as_file(drawn: Scene) -> np.ndarray:
 def test_the_command_draws_the_same_picture(name: str) -> None:
     command = Recipe(scenes()[name], DRAWING).command
     assert "#" not in command
-    np.testing.assert_array_equal(drawn_by_command(command), as_file(scenes()[name]))
+    np.testing.assert_array_equal(drawn_by_command(command), saved_pixels(scenes()[name]))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -175,13 +179,13 @@ def test_options_of_reading_are_written() -> None:
     recipe = Recipe(drawn, DRAWING)
     for option in ("--height ", "--height-polarity depth", "--stretch-height", "--depth 0.1"):
         assert option in recipe.command
-    np.testing.assert_array_equal(drawn_by_command(recipe.command), as_file(drawn))
+    np.testing.assert_array_equal(drawn_by_command(recipe.command), saved_pixels(drawn))
     line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
     np.testing.assert_array_equal(drawn_by_python(line), color(drawn))
     saved = recipe.preset("again").save("again.toml")
     np.testing.assert_array_equal(drawn_by_command(f"basrelief render wall --preset {saved}",
                                                    "--size", "48x32", "--samples", "1"),
-                                  as_file(drawn))  # fmt: skip
+                                  saved_pixels(drawn))  # fmt: skip
 
 
 def test_further_objects_are_written_in_python() -> None:
@@ -217,7 +221,7 @@ def test_a_material_made_in_python_is_named_as_left_out() -> None:
     )
 
 
-def test_what_a_preset_cannot_say_is_refused() -> None:
+def test_scenes_that_a_preset_cannot_describe_are_refused() -> None:
     for drawn, why in (
         (scenes()["a stretched shape"], "no transform"),
         (scenes()["no background"], "no transparent background"),
@@ -238,7 +242,7 @@ def printed_command(output: str) -> str:
 @pytest.mark.parametrize(
     "measure", [("tune", "--missed", "60%"), ("compare", "--angles", "60", "--size", "32x24")]
 )
-def test_what_is_measured_is_drawn_by_the_printed_command(measure: tuple[str, ...]) -> None:
+def test_the_printed_command_draws_the_measured_relief(measure: tuple[str, ...]) -> None:
     """The printed command has the options of reading, and draws the same relief."""
     folder = write_heights(Path("wall"))
     extra = write_data(Path("slanted.png"), np.full((4, 6, 3), 150, np.uint8))
@@ -247,33 +251,25 @@ def test_what_is_measured_is_drawn_by_the_printed_command(measure: tuple[str, ..
         "--normal-convention", "dx",
     )  # fmt: skip
     technique = (
-        "--technique",
-        "steep",
-        "--scale",
-        "0.2",
-        "--bias",
-        "0.3",
-        "--projection",
-        "biased",
-    )
+        "--technique", "steep", "--scale", "0.2", "--bias", "0.3", "--projection", "biased",
+    )  # fmt: skip
     out = done(measure[0], folder, *measure[1:], *technique, *reading, "--device", "cpu",
                "-o", "out.toml" if measure[0] == "tune" else "out")  # fmt: skip
     command = printed_command(out)
     assert "--normal-convention dx" in command
     small = ("--size", "48x32", "--samples", "1")
     again = drawn_by_command(command, *small)
-    techniques = shlex.split(command)[shlex.split(command).index("--technique") + 1]
-    settings = [
-        w for k, w in enumerate(shlex.split(command)) if shlex.split(command)[k - 1] == "--set"
-    ]
+    words = shlex.split(command)
+    settings = [word for option, word in pairwise(words) if option == "--set"]
     material = load(
         folder, normal=extra, height_polarity="depth", stretch_height=True, normal_convention="dx"
     )
     numbers = {name: float(value) for name, _, value in (s.partition("=") for s in settings)}
     wanted = scene(
-        material, technique=techniques, settings=numbers, scale=0.2, bias=0.3, projection="biased"
-    )
-    np.testing.assert_array_equal(again, as_file(wanted))
+        material, technique=words[words.index("--technique") + 1], settings=numbers,
+        scale=0.2, bias=0.3, projection="biased",
+    )  # fmt: skip
+    np.testing.assert_array_equal(again, saved_pixels(wanted))
     if measure[0] == "tune":
         with_preset = "basrelief render wall --preset out.toml"
         np.testing.assert_array_equal(drawn_by_command(with_preset, *small), again)
@@ -298,5 +294,5 @@ def test_commands_of_the_gallery_draw_its_pictures(
     # the gallery's samples have the size that commands draw
     monkeypatch.setattr(sys.modules["basrelief.material.loading"], "sample", cached_sample)
     command = command_of(panel, SIZE, 1).replace(f" --show {panel.shown}", "")
-    difference = drawn_by_command(command).astype(int) - as_file(panel.scene)
+    difference = drawn_by_command(command).astype(int) - saved_pixels(panel.scene)
     assert (np.abs(difference) > 1).mean() < 0.002

@@ -259,6 +259,8 @@ def test_constructors_of_lights() -> None:
         lambda: spot((0.0, 1.0, 0.0), angle=180.0),
         lambda: spot((0.0, 1.0, 0.0), angle=NAN),
         lambda: spot((0.0, 1.0, 0.0), softness=1.5),
+        lambda: directional(intensity=-1.0),
+        lambda: point((0.0, 1.0, 0.0), color=(1.0, -0.5, 0.0)),
         lambda: directional(color=(1.0, 1.0)),
         lambda: point((1.0, 2.0)),
         lambda: spot((0.0, 1.0), (0.0, 0.0)),
@@ -274,6 +276,12 @@ def test_invalid_lights_are_refused(make) -> None:
 def test_an_unknown_shading_model_is_refused() -> None:
     message = refused(lambda: Scene((obj(),), shading_model="lambert"))  # type: ignore[arg-type]
     assert "shading_model is one of ggx, phong, not 'lambert'" in message
+
+
+@pytest.mark.parametrize("texels", [NAN, INF, 64.5])
+def test_an_integer_is_a_whole_finite_number(texels: float) -> None:
+    message = refused(lambda: Scene((obj(),), shadow_map_size=texels))  # type: ignore[arg-type]
+    assert message == f"shadow_map_size is {texels}: give a whole number"
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ COLORS = RNG.random((5, 7, 3)) * 0.3
 UNLIT = {"lights": (), "shading": BRIGHT, "background": None}
 
 
-def reliefs(material: Material, height: float = HEIGHT, **options) -> Object:
+def flat_relief(material: Material, height: float = HEIGHT, **options) -> Object:
     """A plane of constant height below the polygon."""
     material = Material(
         "made up", **{**dict(material.maps()), "height": map_of(np.full((1, 1), height))}
@@ -43,8 +43,8 @@ def reliefs(material: Material, height: float = HEIGHT, **options) -> Object:
     )
 
 
-def places(obj: Object) -> np.ndarray:
-    """The hit of each ray in coordinates of the unit plane, before any tiling."""
+def hits(obj: Object) -> np.ndarray:
+    """The hit of each ray in texture coordinates of the plane, before any tiling."""
     lowered = (HEIGHT - 1.0) * SCALE / abs(obj.resolved.tiling.tiles[0])
     return on_plane(SLANTED, lowered)[0]
 
@@ -55,8 +55,9 @@ def rendered(obj: Object, **scene) -> Frame:
     return frame
 
 
-def on(map_, tiling: Tiling, place: np.ndarray) -> np.ndarray:
-    return bilinear(map_, place * tiling.tiles + tiling.shift)
+def sampled(values: np.ndarray, tiling: Tiling, uv: np.ndarray) -> np.ndarray:
+    """Values of a map in its tiling, at texture coordinates of the plane."""
+    return bilinear(values, uv * tiling.tiles + tiling.shift)
 
 
 # --- C10: second layers -----------------------------------------------------------------------
@@ -71,7 +72,7 @@ TILINGS = [
 @pytest.mark.parametrize(("main", "detail"), TILINGS)
 def test_a_layer_stays_fixed_to_the_surface(main: Tiling, detail: Tiling) -> None:
     """C10: the offset of the layer is that of the heights × layer tiling ÷ main tiling."""
-    obj = reliefs(
+    obj = flat_relief(
         uniform_material(0.5),
         tiling=main.tiles,
         shift=main.shift,
@@ -85,12 +86,12 @@ def test_a_layer_stays_fixed_to_the_surface(main: Tiling, detail: Tiling) -> Non
     wanted = bilinear(COLORS, polygon * detail.tiles + detail.shift + offset * ratio)
     found = frame.color[:, :, :3] * GREY / 0.5
     np.testing.assert_allclose(found, wanted, atol=5e-4)
-    np.testing.assert_allclose(found, on(COLORS, detail, places(obj)), atol=5e-4)
-    assert np.abs(found - on(COLORS, detail, polygon)).max() > 0.1
+    np.testing.assert_allclose(found, sampled(COLORS, detail, hits(obj)), atol=5e-4)
+    assert np.abs(found - sampled(COLORS, detail, polygon)).max() > 0.1
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_the_mask_weights_the_layer(share: float) -> None:
+@pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
+def test_the_mask_weights_the_layer(weight: float) -> None:
     """C10: its colour is blended by the mask, the slope of its normal multiplied by it."""
     base = np.array([0.3, 0.5, 0.7])
     lean = unit([0.3, -0.2, 1.0])
@@ -100,11 +101,11 @@ def test_the_mask_weights_the_layer(share: float) -> None:
         base_color=map_of(np.full((1, 1, 3), 0.1)),
         normal=map_of((lean * 0.5 + 0.5).reshape(1, 1, 3)),
     )
-    mask = map_of(np.full((1, 1), share))
-    obj = reliefs(uniform_material(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
-    wanted = base * (1.0 - share + share * 0.1 / GREY)
+    mask = map_of(np.full((1, 1), weight))
+    obj = flat_relief(uniform_material(base, layer_mask=mask, normal=tilted), layer=Layer(detail))
+    wanted = base * (1.0 - weight + weight * 0.1 / GREY)
     np.testing.assert_allclose(rendered(obj).color[4, 4, :3], wanted, atol=2e-4)
-    own, over = unit([0.1, 0.2, 1.0]), unit([*lean[:2] * share, lean[2]])
+    own, over = unit([0.1, 0.2, 1.0]), unit([*lean[:2] * weight, lean[2]])
     blended = unit([*own[:2] + over[:2], own[2] * over[2]])
     np.testing.assert_allclose(normal_of(obj, wanted), blended, atol=5e-4)
 
@@ -113,20 +114,20 @@ def test_middle_grey_changes_nothing() -> None:
     base = uniform_material(1.0)
     noisy = Material("made up", base_color=map_of(RNG.random((5, 7, 3))))
     for material in (base, noisy):
-        over = Layer(Material("grey", base_color=map_of(np.full((2, 2, 3), GREY))))
-        with_, without = (
-            rendered(reliefs(material, layer=layer), lights=(directional(),)).color
-            for layer in (over, None)
+        grey = Layer(Material("grey", base_color=map_of(np.full((2, 2, 3), GREY))))
+        layered, unlayered = (
+            rendered(flat_relief(material, layer=layer), lights=(directional(),)).color
+            for layer in (grey, None)
         )
-        np.testing.assert_allclose(with_, without, atol=2e-4)
+        np.testing.assert_allclose(layered, unlayered, atol=2e-4)
 
 
-# three lights, one in each channel, from which the normal can be solved
 LAMPS = [
     directional(0.0, 0.0, (1.0, 0.0, 0.0)),
     directional(40.0, 0.0, (0.0, 1.0, 0.0)),
     directional(0.0, 40.0, (0.0, 0.0, 1.0)),
 ]
+"""Three lights, one in each channel, from which the normal can be solved."""
 TOWARDS = np.array([[-float(c) for c in lamp.direction] for lamp in LAMPS])
 
 
@@ -153,7 +154,7 @@ def test_normals_of_layers_add_their_slope(tiles, turn) -> None:
     the layer's texels are squeezed."""
     own, fine = unit([0.25, -0.1, 1.0]), np.array([0.15, 0.1, 1.0])
     material = Material("made up", normal=leaning(0.25, -0.1).normal)
-    obj = reliefs(
+    obj = flat_relief(
         material, height=1.0, tiling=(1.0, 1.0), layer=Layer(leaning(0.15, 0.1), Tiling(tiles))
     )
     over = unit(unit(fine) * [*turn, 1.0])
@@ -165,7 +166,7 @@ def test_normals_of_layers_add_their_slope(tiles, turn) -> None:
 def test_a_stored_normal_of_a_layer_points_out_of_the_surface(z: float) -> None:
     """Its z is at least 0.001: a map of (½, ½, ½) gives the surface's own normal."""
     stored = map_of(np.array([[[0.5, 0.5, 0.5 * z + 0.5]]]))
-    obj = reliefs(uniform_material(), layer=Layer(Material("level", normal=stored)))
+    obj = flat_relief(uniform_material(), layer=Layer(Material("level", normal=stored)))
     # ½ is stored as 32768 ÷ 65535, which stands for 1 ÷ 65535
     wanted = unit([1.0 / 65535.0, 1.0 / 65535.0, 1e-3])
     np.testing.assert_allclose(normal_of(obj), wanted, atol=5e-4)
@@ -175,8 +176,8 @@ def test_the_layers_strengths_are_settings() -> None:
     detail = Material(
         "d", base_color=map_of(np.full((1, 1, 3), 0.1)), normal=leaning(0.3, 0).normal
     )
-    with_, without = (
-        reliefs(uniform_material(0.6), layer=layer, surface_parameters=surface_parameters)
+    invisible, unlayered = (
+        flat_relief(uniform_material(0.6), layer=layer, surface_parameters=surface_parameters)
         for layer, surface_parameters in (
             (Layer(detail), {"layer_color": 0.0, "layer_normal": 0.0}),
             (None, {}),
@@ -184,7 +185,7 @@ def test_the_layers_strengths_are_settings() -> None:
     )
     scene = {"lights": tuple(LAMPS)}
     np.testing.assert_allclose(
-        rendered(with_, **scene).color, rendered(without, **scene).color, atol=1e-5
+        rendered(invisible, **scene).color, rendered(unlayered, **scene).color, atol=1e-5
     )
 
 
@@ -209,11 +210,11 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
     dark = uniform_material(0.0, emission=map_of(COLORS))
     main = Tiling(MAIN["tiling"], MAIN["shift"])
     for name, material in (("base_color", whole), ("response", whole), ("emission", dark)):
-        obj = reliefs(material, **MAIN, tilings={name: own})
-        place = places(obj)
+        obj = flat_relief(material, **MAIN, tilings={name: own})
+        uv = hits(obj)
         color, shade, glow = (
-            on(values, own if name == each else main, place)
-            for each, values in (
+            sampled(values, own if name == map_name else main, uv)
+            for map_name, values in (
                 ("base_color", COLORS),
                 ("response", occlusion),
                 ("emission", COLORS),
@@ -230,24 +231,26 @@ def test_a_map_has_its_own_tiling(own: Tiling) -> None:
 def test_a_normal_map_is_mirrored_and_scaled_by_its_own_tiling(own: Tiling, turn) -> None:
     """W5: mirrored where the heights are not; steeper along v where its texels are squeezed."""
     material = Material("made up", normal=leaning(0.2, 0.15).normal)
-    obj = reliefs(material, height=1.0, tiling=(1.0, 0.75), tilings={"normal": own})
-    # its texels are square where its tile is
+    obj = flat_relief(material, height=1.0, tiling=(1.0, 0.75), tilings={"normal": own})
+    # a tile of equal sides has square texels
     squeezed = abs(own.tiles[1] / own.tiles[0])
     wanted = unit([0.2 * turn[0], 0.15 * np.sign(turn[1]) * squeezed, 1.0])
     np.testing.assert_allclose(normal_of(obj), wanted, atol=5e-4)
 
 
-@pytest.mark.parametrize("what", ["tilings", "layer"])
-def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
+@pytest.mark.parametrize("layered", [False, True], ids=["tilings", "layer"])
+def test_the_footprint_is_scaled_with_the_tiling(layered: bool) -> None:
     """With many tiles a pixel covers many texels and shows their mean."""
     checked = np.indices((32, 32)).sum(0) % 2
     fine = map_of(np.repeat(checked[:, :, None], 3, 2) * 2.0 * GREY)
     dense = Tiling((64.0, 64.0))
-    if what == "layer":
-        obj = reliefs(uniform_material(1.0), layer=Layer(Material("fine", base_color=fine), dense))
+    if layered:
+        obj = flat_relief(
+            uniform_material(1.0), layer=Layer(Material("fine", base_color=fine), dense)
+        )
     else:
-        obj = reliefs(uniform_material(base_color=fine), tilings={"base_color": dense})
-    mean = 1.0 if what == "layer" else GREY
+        obj = flat_relief(uniform_material(base_color=fine), tilings={"base_color": dense})
+    mean = 1.0 if layered else GREY
     color = rendered(obj).color[:, :, 0]
     assert color.std() < 0.02 * mean
     assert color.mean() == pytest.approx(mean, rel=0.01)
@@ -257,13 +260,14 @@ def test_the_footprint_is_scaled_with_the_tiling(what: str) -> None:
 
 
 def text(obj: Object) -> str:
+    """The WGSL of an object's program."""
     program = program_of(obj.resolved)
     return print_wgsl(program.module, program.edge)
 
 
 def test_a_program_without_layers_and_tilings_has_no_code_for_them() -> None:
     material, detail = sample("tiles", 16), sample("grid", 16)
-    bare = text(Object(material))
+    without_maps = text(Object(material))
     layered = text(Object(material, layer=Layer(detail)))
     own_tilings = text(Object(material, tilings={"normal": Tiling((2.0, 2.0))}))
     for word in (
@@ -273,7 +277,7 @@ def test_a_program_without_layers_and_tilings_has_no_code_for_them() -> None:
         "retiled",
         "mirrored_normal",
     ):
-        assert word not in bare
+        assert word not in without_maps
         assert word in layered
     for word in ("retiled", "mirrored_normal", "MapTilings"):
         assert word in own_tilings
@@ -281,31 +285,27 @@ def test_a_program_without_layers_and_tilings_has_no_code_for_them() -> None:
 
 
 @pytest.mark.gpu
-@pytest.mark.parametrize("what", ["layer", "tilings"])
-def test_cpu_and_gpu_agree(what: str) -> None:
-    options = {
-        "layer": {"layer": Layer(sample("grid", 64), Tiling((7.0, -5.0), (0.2, 0.1)))},
+@pytest.mark.parametrize("option", ["layer", "tilings"])
+def test_cpu_and_gpu_agree(option: str) -> None:
+    values = {
+        "layer": Layer(sample("grid", 64), Tiling((7.0, -5.0), (0.2, 0.1))),
         "tilings": {
-            "tilings": {
-                "base_color": Tiling((3.0, 2.0)),
-                "normal": Tiling((-1.0, 2.0), (0.3, 0.0)),
-                "response": Tiling((2.0, 2.0)),
-            }
+            "base_color": Tiling((3.0, 2.0)),
+            "normal": Tiling((-1.0, 2.0), (0.3, 0.0)),
+            "response": Tiling((2.0, 2.0)),
         },
     }
-    obj = Object(sample("bricks", 64), technique="relief", **options[what])
+    obj = Object(sample("bricks", 64), technique="relief", **{option: values[option]})
     assert_engines_agree(Scene((obj,), camera=Orbit(30.0, 40.0, 1.6)), 64)
 
 
 def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
     """The shape's edge clips, not the edge of the layer's first tile."""
-    uniform_material = Material(
-        "plain", base_color=Map(np.full((8, 8, 3), 0.5, np.float32), False, "plain")
-    )
+    grey = Material("grey", base_color=Map(np.full((8, 8, 3), 0.5, np.float32), False, "grey"))
     left_dark = np.full((8, 8, 3), 0.214, np.float32)
     left_dark[:, :4] = 0.02
     over = Material("over", base_color=Map(left_dark, False, "over"))
-    obj = Object(uniform_material, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
+    obj = Object(grey, edge="clip", layer=Layer(over, Tiling((4.0, 1.0))))
     camera = Orbit(0.0, 90.0, orthographic_height=1.0)
     scene = Scene((obj,), camera, lights=(), shading={"ambient": 1.0}, background=None)
     row = render(scene, size=(64, 64), samples=1, device="cpu").color[32, :, 0]
@@ -316,10 +316,5 @@ def test_a_layer_repeats_on_a_shape_that_is_clipped() -> None:
 def test_a_layer_with_only_heights_has_normals_from_them() -> None:
     bumps = np.random.default_rng(3).random((8, 8, 1)).astype(np.float32)
     over = Material("over", height=Map(bumps, False, "bumps"))
-    uniform_material = Material(
-        "plain", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "plain")
-    )
-    text = print_wgsl(
-        program_of(Object(uniform_material, layer=Layer(over)).resolved).module, "wrap"
-    )
-    assert "layer_normal_of(map: texture_2d" in text
+    grey = Material("grey", base_color=Map(np.full((1, 1, 3), 0.5, np.float32), False, "grey"))
+    assert "layer_normal_of(map: texture_2d" in text(Object(grey, layer=Layer(over)))

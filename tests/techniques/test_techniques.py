@@ -1,7 +1,7 @@
 """Techniques, run as plain Python on surfaces whose hit is known in closed form.
 
-A closed form replaces the height field and records the positions read; the ray's height at each is
-computed from the ray.
+A function replaces the reads of the height field and records their positions; the ray's height at
+a position is computed from the ray.
 """
 
 from __future__ import annotations
@@ -125,27 +125,27 @@ def height_on(ray: Ray, place) -> float:
     return float(1.0 - t)
 
 
-def place_on(ray: Ray, height: float) -> np.ndarray:
+def position_at(ray: Ray, height: float) -> np.ndarray:
     """The texture coordinates of the ray at a height, in float64."""
     uv, travel = (np.array([*v], np.float64) for v in (ray.uv, ray.travel))
     return uv + travel * (1.0 - height)
 
 
 def assert_ends(hit: Hit, ray: Ray, height: float, tolerance: float = ROUNDING) -> None:
-    """Assert that the hit is where the ray has a height."""
+    """Assert that the hit is the point of the ray at a height."""
     assert hit.t == pytest.approx(1.0 - height, abs=tolerance)
     assert hit.height == pytest.approx(height, abs=tolerance)
-    reach = max(abs(float(f)) for f in ray.travel)
-    wanted = place_on(ray, height)
-    np.testing.assert_allclose([*hit.uv], wanted, atol=tolerance * max(reach, 1.0) + ROUNDING)
+    length = max(abs(float(component)) for component in ray.travel)
+    wanted = position_at(ray, height)
+    np.testing.assert_allclose([*hit.uv], wanted, atol=tolerance * max(length, 1.0) + ROUNDING)
 
 
-def level_surface(height: float) -> Surface:
+def constant_surface(height: float) -> Surface:
     return lambda u, v: height
 
 
 def all_techniques(steps: int = 10):
-    """Every technique with settings that take `steps` steps."""
+    """Techniques that are tested here, with settings that take `steps` steps."""
     return [
         pytest.param(technique, settings, id=technique.name)
         for technique, settings in (
@@ -176,7 +176,7 @@ MARCHING = [
 def test_every_technique_is_tested_here() -> None:
     """Except those with a bake, in `test_exact.py` and `test_cones.py`, and `texel`, which hits
     columns."""
-    tested_elsewhere = {texel, *(made for made in TECHNIQUES.values() if made.bake is not None)}
+    tested_elsewhere = {texel, *(t for t in TECHNIQUES.values() if t.bake is not None)}
     assert {p.values[0] for p in all_techniques()} == set(TECHNIQUES.values()) - tested_elsewhere
 
 
@@ -202,10 +202,10 @@ def test_marches_start_at_the_top_for_every_reference_height(
 ) -> None:
     """H6: for a reference height below 1 the start is before the polygon."""
     ray = ray_of(reference_height=reference_height)
-    with surface(level_surface(1.0)) as places:
+    with surface(constant_surface(1.0)) as places:
         hit = technique(EMPTY, ray, steps(8))
     assert len(places) == 1
-    np.testing.assert_allclose(places[0], place_on(ray, 1.0), atol=ROUNDING)
+    np.testing.assert_allclose(places[0], position_at(ray, 1.0), atol=ROUNDING)
     assert_ends(hit, ray, 1.0)
 
 
@@ -224,7 +224,7 @@ def test_every_technique_finds_a_plane(tenths: int, reference_height: float, tra
     ray = ray_of(travel=travel, reference_height=reference_height)
     for technique, settings in ((p.values[0], p.values[1]) for p in all_techniques(10)):
         # just above the layer, so that rounding cannot put it below
-        hit, _ = traced(technique, level_surface(height + 1e-5), ray, settings)
+        hit, _ = traced(technique, constant_surface(height + 1e-5), ray, settings)
         if technique is flat:
             assert_ends(hit, ray, reference_height)
             assert hit.reads == 0
@@ -239,7 +239,7 @@ def test_steep_stops_at_the_first_layer_below_the_surface(height: float, steps: 
     assume(all(abs(layer - height) > 1e-6 for layer in layers))
     below = [layer for layer in layers if layer <= height]
     ray = ray_of()
-    hit, read = traced(steep, level_surface(height), ray, Steps(steps))
+    hit, read = traced(steep, constant_surface(height), ray, Steps(steps))
     assert_ends(hit, ray, below[0] if below else layers[-1])
     assert hit.found == bool(below)
     assert hit.reads == len(layers) - len(below) + bool(below)
@@ -249,7 +249,7 @@ def test_steep_stops_at_the_first_layer_below_the_surface(height: float, steps: 
 @given(st.floats(0, 1), st.integers(1, 60), st.integers(0, 16))
 def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings: int) -> None:
     ray = ray_of()
-    hit, _ = traced(relief, level_surface(height), ray, Relief(steps, steps, halvings))
+    hit, _ = traced(relief, constant_surface(height), ray, Relief(steps, steps, halvings))
     assert hit.found
     assert abs(float(hit.height) - height) <= 1 / steps / 2**halvings + ROUNDING
 
@@ -261,7 +261,7 @@ def test_relief_ends_within_its_last_halving(height: float, steps: int, halvings
 def test_steep_reads_at_one_less_k_nths_and_ends_at_the_last(count) -> None:
     """C11: no hit on a surface at height 0; N reads, and the last position remains."""
     ray = ray_of(reference_height=0.5)
-    hit, read = traced(steep, level_surface(0.0), ray, Steps(count))
+    hit, read = traced(steep, constant_surface(0.0), ray, Steps(count))
     np.testing.assert_allclose(read, [1 - k / count for k in range(count)], atol=1e-5)
     assert hit.reads == count
     assert not hit.found
@@ -277,14 +277,14 @@ def test_the_base_is_under_every_surface(technique, steps, reads_base: bool, cou
     """A surface at height 0 is hit at t = 1 exactly, which rounding of N · 1/N must not miss: with
     a read there, or without."""
     ray = ray_of(reference_height=0.5)
-    hit, read = traced(technique, level_surface(0.0), ray, steps(count))
+    hit, read = traced(technique, constant_surface(0.0), ray, steps(count))
     np.testing.assert_allclose(read, [1 - k / count for k in range(count + reads_base)], atol=1e-5)
     assert (hit.found, float(hit.t), float(hit.height)) == (True, 1.0, 0.0)
 
 
 @pytest.mark.parametrize(("technique", "steps"), MARCHING)
 def test_a_march_stops_at_its_hit(technique, steps) -> None:
-    hit, read = traced(technique, level_surface(0.66), ray_of(), steps(10))
+    hit, read = traced(technique, constant_surface(0.66), ray_of(), steps(10))
     np.testing.assert_allclose(read, [1.0, 0.9, 0.8, 0.7, 0.6], atol=1e-5)
     assert hit.reads == 5
 
@@ -295,7 +295,7 @@ def test_by_default_steep_takes_ten_steps() -> None:
 
 @pytest.mark.parametrize("count", [0, -3, MAX_READS + 1, 2**31 - 1])
 def test_the_steps_of_a_march_are_clamped_to_1_and_max_reads(count: int) -> None:
-    hit, _ = traced(steep, level_surface(0.0), ray_of(), Steps(count))
+    hit, _ = traced(steep, constant_surface(0.0), ray_of(), Steps(count))
     assert hit.reads == (1 if count < 1 else MAX_READS)
 
 
@@ -354,7 +354,7 @@ def ramps(draw):
     reference_height = draw(st.sampled_from([0.0, 0.5, 1.0]))
     height = draw(st.floats(0.02, 0.95))
     ray = ray_of(uv, travel, reference_height)
-    u, v = place_on(ray, height)
+    u, v = position_at(ray, height)
 
     def ramp(x: float, y: float) -> float:
         return height + slope_u * (x - u) + slope_v * (y - v)
@@ -396,7 +396,7 @@ def test_relief_is_within_its_last_halving_of_a_ramp(ramp, steps: int, halvings:
 def test_an_offset_reads_the_height_at_the_polygon(ramp) -> None:
     form, ray, _, _ = ramp
     hit, _ = traced(offset, form, ray, Offset())
-    start = place_on(ray, float(ray.reference_height))
+    start = position_at(ray, float(ray.reference_height))
     first = form(*start)
     moved = np.clip(
         np.array([*ray.travel], np.float64) * (float(ray.reference_height) - first), -1, 1
@@ -465,7 +465,7 @@ def test_interpolation_factors_stay_within_the_step(high, ground, before, low, s
 )
 def test_the_search_halves_the_range(height: float, wanted: list[float]) -> None:
     """C13: the last step is from 1 to ½; then its middle is read, then the middle of a half, …"""
-    hit, read = traced(relief, level_surface(height), ray_of(), Relief(2, 2, 4))
+    hit, read = traced(relief, constant_surface(height), ray_of(), Relief(2, 2, 4))
     assert read == pytest.approx(wanted, abs=1e-5)
     assert hit.reads == 6
 
@@ -480,7 +480,7 @@ TOP_HITS = [
 @pytest.mark.parametrize(("technique", "settings"), TOP_HITS)
 def test_a_hit_on_the_first_read_is_at_the_top(technique, settings) -> None:
     """It has no layer above the surface before it, so no step to search."""
-    hit, read = traced(technique, level_surface(1.0), ray_of(), settings)
+    hit, read = traced(technique, constant_surface(1.0), ray_of(), settings)
     assert read == [1.0]
     assert_ends(hit, ray_of(), 1.0)
     assert hit.found
@@ -492,21 +492,21 @@ def test_a_hit_on_the_first_read_is_at_the_top(technique, settings) -> None:
 )
 def test_below_the_last_layer_relief_halves_the_step_to_the_base(height, wanted) -> None:
     """Four layers, the last at ¼: the middle of ¼ … 0 is read next."""
-    hit, read = traced(relief, level_surface(height), ray_of(), Relief(4, 4, len(wanted)))
+    hit, read = traced(relief, constant_surface(height), ray_of(), Relief(4, 4, len(wanted)))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, *wanted], abs=1e-6)
     assert hit.found
     assert abs(float(hit.height) - height) <= 0.25 / 2 ** len(wanted) + ROUNDING
 
 
 def test_the_search_starts_in_the_middle_of_the_last_step() -> None:
-    hit, read = traced(relief, level_surface(0.7), ray_of(), Relief(4, 4, 3))
+    hit, read = traced(relief, constant_surface(0.7), ray_of(), Relief(4, 4, 3))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.625, 0.6875, 0.71875], abs=1e-5)
     assert float(hit.height) in (pytest.approx(0.703125, abs=0.017), 0.71875)
 
 
 def test_without_a_search_relief_is_steep() -> None:
     """`relief` does not interpolate: 0 halvings leave the layer itself."""
-    hit, _ = traced(relief, level_surface(0.66), ray_of(), Relief(10, 10, 0))
+    hit, _ = traced(relief, constant_surface(0.66), ray_of(), Relief(10, 10, 0))
     assert_ends(hit, ray_of(), 0.6)
 
 
@@ -553,12 +553,12 @@ def first_height(form: Surface, ray: Ray, layers: int = 4096) -> float:
     high, low = 1.0, 0.0
     for k in range(1, layers + 1):
         low = 1.0 - k / layers
-        if low <= form(*place_on(ray, low)):
+        if low <= form(*position_at(ray, low)):
             break
         high = low
     for _ in range(60):
         middle = (high + low) / 2
-        high, low = (high, middle) if middle <= form(*place_on(ray, middle)) else (middle, low)
+        high, low = (high, middle) if middle <= form(*position_at(ray, middle)) else (middle, low)
     return low
 
 
@@ -577,7 +577,7 @@ def test_secant_at_a_wall_uses_the_illinois_rule() -> None:
 @pytest.mark.parametrize("height", [0.0, 0.1, 0.2])
 def test_below_the_last_layer_secant_first_cuts_at_the_base(height: float) -> None:
     """Four layers, the last at ¼; the read at 0 gives the chord, which is the surface."""
-    hit, read = traced(secant, level_surface(height), ray_of(), Secant(4, 4, 2))
+    hit, read = traced(secant, constant_surface(height), ray_of(), Secant(4, 4, 2))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, 0.0, height], abs=1e-6)
     assert_ends(hit, ray_of(), height)
     assert (hit.found, hit.reads) == (True, 6)
@@ -588,14 +588,14 @@ def test_below_the_last_layer_secant_first_cuts_at_the_base(height: float) -> No
 
 def test_contact_refines_the_last_layer_in_finer_ones() -> None:
     """Five layers: 1, 0.8, 0.6, then 0.4 is below 0.53; then from 0.6 in steps of 0.04."""
-    hit, read = traced(contact, level_surface(0.53), ray_of(), Contact(5, 5))
+    hit, read = traced(contact, constant_surface(0.53), ray_of(), Contact(5, 5))
     assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52], abs=1e-6)
     assert_ends(hit, ray_of(), 0.52)
     assert (hit.found, hit.reads) == (True, 6)
 
 
 def test_contact_does_not_read_its_coarse_layer_again() -> None:
-    hit, read = traced(contact, level_surface(0.41), ray_of(), Contact(5, 5))
+    hit, read = traced(contact, constant_surface(0.41), ray_of(), Contact(5, 5))
     assert read == pytest.approx([1.0, 0.8, 0.6, 0.4, 0.56, 0.52, 0.48, 0.44], abs=1e-6)
     assert_ends(hit, ray_of(), 0.4)
     assert hit.reads == 8
@@ -617,7 +617,7 @@ def test_contact_is_within_a_fine_step_of_a_ramp(ramp, steps: int) -> None:
 )
 def test_below_the_last_layer_contact_refines_the_step_to_the_base(height, fine, end) -> None:
     """Four layers, the last at ¼, and the base; then from ¼ in steps of 1/16: 2 N reads at most."""
-    hit, read = traced(contact, level_surface(height), ray_of(), Contact(4, 4))
+    hit, read = traced(contact, constant_surface(height), ray_of(), Contact(4, 4))
     assert read == pytest.approx([1.0, 0.75, 0.5, 0.25, 0.0, *fine], abs=1e-6)
     assert_ends(hit, ray_of(), end)
     assert (hit.found, hit.reads) == (True, 5 + len(fine))
@@ -644,7 +644,7 @@ def test_secant_and_contact_find_a_wall(technique, record) -> None:
 def test_steps_follow_the_angle(cosine: float, steps: int) -> None:
     """G4: lerp(max, min, V·N), clamped to 4 … 20."""
     assert steps_by_angle(ray_of(cosine=cosine), 4, 20) == steps
-    hit, _ = traced(parallax_occlusion, level_surface(0.0), ray_of(cosine=cosine), March(4, 20))
+    hit, _ = traced(parallax_occlusion, constant_surface(0.0), ray_of(cosine=cosine), March(4, 20))
     assert hit.reads == steps + 1
 
 
@@ -658,7 +658,7 @@ def test_relief_takes_its_steps_by_the_angle_and_then_searches() -> None:
     """H2."""
     for cosine, steps in ((1.0, 8), (0.0, 32), (0.5, 20)):
         ray = ray_of(cosine=cosine)
-        hit, _ = traced(relief, level_surface(1.0 / steps + 0.001), ray, Relief(8, 32, 5))
+        hit, _ = traced(relief, constant_surface(1.0 / steps + 0.001), ray, Relief(8, 32, 5))
         assert hit.reads == steps + 5
 
 
@@ -728,7 +728,7 @@ def test_the_offset_is_that_of_kaneko(view, height: float) -> None:
 
 
 def trace_level(technique, height: float, ray: Ray, settings) -> tuple[Hit, int]:
-    with surface(level_surface(height)) as places:
+    with surface(constant_surface(height)) as places:
         hit = technique(EMPTY, ray, settings)
     return hit, len(places)
 
@@ -852,7 +852,7 @@ def test_the_projection_comes_before_every_technique(technique, settings, kind, 
     x, y, z = view
     travel = {"full": 1 / z, "limited": 1.0, "biased": 1 / (z + bias)}[kind]
     reference_height = technique.reference_height
-    with surface(level_surface(0.7)):
+    with surface(constant_surface(0.7)):
         end = relief_hit(
             technique, settings, view, ReliefParameters(0.1, reference_height, bias), kind
         )
@@ -875,7 +875,7 @@ def test_default_projections_and_reference_heights() -> None:
 @pytest.mark.parametrize(("technique", "settings"), all_techniques())
 def test_scale_0_reads_no_height(technique, settings) -> None:
     """C2."""
-    with surface(level_surface(0.7)) as places:
+    with surface(constant_surface(0.7)) as places:
         end = relief_hit(technique, settings, VIEWS[3], ReliefParameters(0.0, 0.5, 0.42))
     assert places == []
     assert end.reads == 0

@@ -1,4 +1,4 @@
-"""Codes of the page: PNGs decoded to the last bit, and linear values rounded as by the library.
+"""Integer codes of the viewer's page: PNGs decoded exactly, and values rounded as by the library.
 
 Rounding is tested at values near halves, where another rule gives another code.
 """
@@ -300,26 +300,26 @@ def beside_halves(values: np.ndarray, least: float = 0.02, most: float = 0.1) ->
 def test_luminance_is_rounded_to_the_nearest_code(seen: OpenPage, polarity: str) -> None:
     """0.2126 r + 0.7152 g + 0.0722 b, for colours with a value near a half."""
     colors = RNG.integers(0, 65536, (4000, 3))
-    bright = colors @ np.array([0.2126, 0.7152, 0.0722])
-    near = beside_halves(bright)
-    colors, bright = colors[near][:120], bright[near][:120]
-    up = bright - np.floor(bright) > 0.5
-    assert 30 < up.sum() < 90
+    luminance = colors @ np.array([0.2126, 0.7152, 0.0722])
+    near = beside_halves(luminance)
+    colors, luminance = colors[near][:120], luminance[near][:120]
+    rounded_up = luminance - np.floor(luminance) > 0.5
+    assert 30 < rounded_up.sum() < 90
     pixels = as_texels(colors.reshape(10, 12, 3).astype(np.uint16))
     found = replaced(seen, pixels, "height", polarity=polarity)[:, :, 0]
-    wanted = np.rint(bright).reshape(10, 12)
+    wanted = np.rint(luminance).reshape(10, 12)
     np.testing.assert_array_equal(found, wanted if polarity == "height" else 65535 - wanted)
 
 
-def test_one_channel_is_copied_unchanged(seen: OpenPage) -> None:
+def test_channels_are_copied_unchanged_and_the_green_of_dx_is_inverted(seen: OpenPage) -> None:
     pixels = RNG.integers(0, 65536, (4, 5, 4)).astype(np.uint16)
     for k, channel in enumerate("rgba"):
         found = replaced(seen, pixels, "height", channel=channel, polarity="height")
         np.testing.assert_array_equal(found[:, :, 0], pixels[:, :, k])
-    rotated = replaced(seen, pixels, "normal", green="dx")
+    flipped = replaced(seen, pixels, "normal", green="dx")
     wanted = np.stack([pixels[:, :, 0], 65535 - pixels[:, :, 1], pixels[:, :, 2]], -1)
-    np.testing.assert_array_equal(rotated[:, :, :3], wanted)
-    assert (rotated[:, :, 3] == 65535).all()
+    np.testing.assert_array_equal(flipped[:, :, :3], wanted)
+    assert (flipped[:, :, 3] == 65535).all()
 
 
 @pytest.mark.parametrize(
@@ -408,17 +408,20 @@ def test_light_on_the_canvas_is_the_nearest_code_of_srgb(
 
 
 def heated(index: np.ndarray) -> np.ndarray:
-    """The codes of the heat map's colours, not rounded."""
+    """The sRGB codes of the heat map's colours at indices, not rounded."""
     return 255.0 * srgb_encode(heat(index / (COUNT - 1.0)).astype(np.float64))
 
 
 def assert_heated(found: np.ndarray, place: np.ndarray) -> None:
-    """Assert the colours of the nearest entry of the heat map, where its neighbours differ."""
-    right = np.rint(place)
-    wrong = np.where(place > right, right + 1, right - 1)
-    differ = np.abs(heated(right) - heated(wrong)).max(-1) > 1.5
+    """Assert the colours of the entries of the heat map nearest to fractional indices.
+
+    Only where the second nearest entry has another colour.
+    """
+    nearest = np.rint(place)
+    second = np.where(place > nearest, nearest + 1, nearest - 1)
+    differ = np.abs(heated(nearest) - heated(second)).max(-1) > 1.5
     assert differ.sum() > 40
-    assert np.abs(found - heated(right))[differ].max() < 0.6
+    assert np.abs(found - heated(nearest))[differ].max() < 0.6
 
 
 def test_reads_have_the_nearest_colour_of_the_heat_map(seen: OpenPage, tmp_path: Path) -> None:
@@ -523,6 +526,7 @@ THUMBNAIL = """async ([texels, height, width, count, channels, light]) => {
 def thumbnail(
     seen: OpenPage, texels: np.ndarray, channels: list[int], light: bool = False
 ) -> np.ndarray:
+    """The pixels, (h, w, 4), of a map's thumbnail; `light`: its values are linear light."""
     argument = [texels.astype(np.uint16), *texels.shape, channels, light]
     height, width, data = evaluate(seen.page, THUMBNAIL, argument)
     return data.reshape(height, width, 4)
@@ -543,10 +547,8 @@ def test_a_thumbnail_shows_the_nearest_codes(seen: OpenPage) -> None:
     # from the middle on, linear codes are dense enough to lie near halves
     codes = np.stack([60 + 2 * column + k * row for k in (0, 3, 7)], -1)
     light = np.stack([srgb_decode((codes + part) / 255.0) for part in (0.47, 0.53)]) * 65535.0
-    for each, wanted in zip(
-        (np.floor(light[0]), np.ceil(light[1])), (codes, codes + 1), strict=True
-    ):
-        np.testing.assert_array_equal(thumbnail(seen, each, [0, 1, 2], True)[:, :, :3], wanted)
+    for texels, wanted in ((np.floor(light[0]), codes), (np.ceil(light[1]), codes + 1)):
+        np.testing.assert_array_equal(thumbnail(seen, texels, [0, 1, 2], True)[:, :, :3], wanted)
 
 
 @pytest.mark.parametrize(

@@ -97,8 +97,8 @@ class BakeOption:
     make: Callable[[BakeInput], BakeResult]
 
 
-def _table(name: str, about: str) -> BakeOption:
-    """Bake of a table that techniques declare, stored as it is: four 16-bit channels."""
+def _table(name: str, help: str) -> BakeOption:
+    """Bake of a table that techniques declare, stored unchanged: four 16-bit channels."""
 
     def make(baking: BakeInput) -> BakeResult:
         from basrelief.techniques import BAKES
@@ -106,7 +106,7 @@ def _table(name: str, about: str) -> BakeOption:
         pixels = table(BAKES[name], baking.heights(), baking.edge, baking.engine)
         return BakeResult({name.removesuffix("_map"): pixels})
 
-    return BakeOption(about, make)
+    return BakeOption(help, make)
 
 
 def _horizon(baking: BakeInput) -> BakeResult:
@@ -174,15 +174,15 @@ FILE_BAKES: dict[str, BakeOption] = {
     "height": BakeOption("Heights, from normals.", _height),
     "occlusion": BakeOption("Ambient occlusion, from heights.", _occlusion),
     "horizon": BakeOption("Horizon map: the elevation of the horizon in 8 directions.", _horizon),
-    **{name.removesuffix("_map"): _table(name, about) for name, (_, about) in TABLES.items()},
+    **{name.removesuffix("_map"): _table(name, help) for name, (_, help) in TABLES.items()},
 }
 """Bakes of `basrelief bake`, by their names."""
 
 
 def checked_bakes(names: Sequence[str]) -> list[str]:
-    """Names of bakes, each once; hyphens are read as underscores.
+    """Names of bakes without duplicates; hyphens are read as underscores.
 
-    Raises InputError for an unknown name, and for none.
+    Raises InputError for an unknown name, and if there are no names.
     """
     checked = [name.lower().replace("-", "_").removesuffix("_map") for name in names]
     for name in checked:
@@ -237,7 +237,7 @@ def _write_together(folder: Path, files: dict[Path, NDArray[Any]]) -> None:
 
 
 def _file_prefix(material: Material) -> str:
-    """Prefix of the files of a material, from the names of its height or normal map."""
+    """Prefix of the files of a material: that of its height or normal map, else its name."""
     from basrelief.material.conventions import parse_name, words
 
     for map in (material.height, material.normal):

@@ -23,9 +23,10 @@ def run_pass(
     *,
     cost: int = 1,
 ) -> Planes:
-    """Planes of a program over a picture of (width, height), on a GPU in bands of rows.
+    """Planes of a program over a picture of (width, height).
 
-    `cost` is the time of the program for a texel, relative to that of other bakes.
+    A GPU runs it in bands of rows, of at most `MAX_TEXELS` ÷ `cost` texels each. `cost` is the time
+    of the program for a texel, relative to that of most bakes.
     """
     width, height = size
     rows = max(1, MAX_TEXELS // (cost * width))

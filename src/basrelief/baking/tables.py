@@ -25,8 +25,8 @@ TABLES: dict[str, tuple[str, str]] = {
     "relaxed_cone_map": ("cone", "Relaxed cone map: wider cones, for a search within each step."),
     "bounds": ("exact", "Bounds of the heights, for the technique exact."),
 }
-"""By the name of the declaration: the module of this package with the function of the same name,
-which bakes heights (h, w) float32 with an edge on a device to (rows, columns, 4); a description."""
+"""Module of this package and description, by the name of the declaration. The module's function of
+that name bakes heights (h, w) float32, with an edge and an engine, to (rows, columns, 4) uint16."""
 
 
 def bake_function(bake: Bake) -> Callable[..., NDArray[np.uint16]]:
@@ -57,7 +57,7 @@ def table(
     *,
     all_levels: bool = False,
 ) -> NDArray[np.uint16]:
-    """Table of a declared bake for heights (h, w), 0 to 1; from disk if it is cached.
+    """Table of a declared bake for heights (h, w), 0 to 1, from the cache if it is there.
 
     `all_levels` also bakes the lower mip levels, for bakes that cover them.
     """

@@ -1,7 +1,7 @@
 """Parsers of command-line values: sizes, settings, cameras, lights, scenes.
 
-Every function takes text and raises InputError, in one line, for text that it cannot parse. `what`
-names the option in that line, as in "--angles".
+They raise InputError, with a message of one line, for text that they cannot parse. `what` names the
+option in that line, as in "--angles".
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def numbers(text: str, what: str) -> tuple[float, ...]:
     return tuple(number(part, what) for part in re.split(r"[,/]", text))
 
 
-def share(text: str, what: str) -> float:
-    """A share of the whole, 0 to 1, from "0.1%" or "0.001"."""
+def fraction(text: str, what: str) -> float:
+    """A fraction, 0 to 1, from "0.1%" or "0.001"."""
     stripped = text.strip()
     parsed = number(stripped.removesuffix("%"), what) / (100.0 if stripped.endswith("%") else 1.0)
     if not 0.0 <= parsed <= 1.0:
@@ -89,8 +89,10 @@ def share(text: str, what: str) -> float:
 
 
 def span(text: str, what: str) -> tuple[float, float]:
-    """A range of numbers from 0 up, from "0-75"; one number is both ends."""
+    """(low, high) from "0-75", neither below 0; one number is both."""
     first, dash, last = text.partition("-")
+    if dash and not (first.strip() and last.strip()):
+        raise InputError(f"{what} {text}: write numbers from 0 up, for example 0-75")
     low = number(first, what)
     high = number(last, what) if dash else low
     if not low <= high:
@@ -160,7 +162,7 @@ def motions_from(
 ) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
-    Without texts, a film scrolls as its preset says, or else the camera orbits the object.
+    Without texts, a film scrolls as the preset sets it, or else the camera orbits the object.
     """
     if frames == 1:
         if texts:
@@ -233,18 +235,19 @@ def _parsed(name: str, text: Any) -> Any:
             spelled = text.lower().replace("-", "_")
             return spelled if spelled in declared.choices else text
         case _, "pair":
-            return pair(text, f"--{name}")
+            return pair(text, declared.option)
         case _, "triple":
-            return color(text, f"--{name}")
+            return color(text, declared.option)
     return text
 
 
 def scene(
     material: Material, *, stretch: str | None = None, add: Sequence[str] = (), **options: Any
 ) -> Scene:
-    """The scene that a command line describes, over a preset: parameters as for `scene_options`.
+    """The scene that a command line describes.
 
-    `stretch` scales the shape, and each of `add` is a further object.
+    `stretch` scales the shape, and each of `add` is a further object; the other parameters are
+    those of `scene_options`.
     """
     merged = scene_options(material, **options)
     if stretch is not None:
@@ -269,10 +272,10 @@ def scene_options(
     layer_shift: str | None = None,
     **options: Any,
 ) -> dict[str, Any]:
-    """The options of `Object` and `Scene` that a command line gives, over a preset.
+    """The options of `Object` and `Scene` from a preset, changed by those of a command line.
 
-    `options` are their fields as text or numbers. `measured` says that the command line gives the
-    material's depth, which then replaces the preset's scale.
+    `options` are their fields as text or numbers. With `measured`, the command line sets the
+    material's depth, which replaces the preset's scale.
     """
     parsed = {name: _parsed(name, text) for name, text in options.items()}
     if measured:
@@ -300,8 +303,9 @@ def measured_options(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The settings of techniques and the options of `Object` and `Scene` for a measurement.
 
-    Parameters are those of `scene_options`. A setting that one of the techniques has is the
-    techniques'; what a measurement decides itself is left out of a preset.
+    Parameters are those of `scene_options`. A name in `settings` that one of the techniques has is
+    a setting of the techniques, not of the scene. Options that a measurement sets itself are
+    omitted.
     """
     surface = options.get("surface", "standard")
     check_setting(_DECLARED["surface"], surface)
@@ -318,8 +322,9 @@ def measured_options(
     }
     rest = [f"{name}={text}" for name, text in values.items() if name not in known]
     merged = scene_options(material, settings=rest, technique="flat", **options)
-    of_scene = {name: value for name, value in merged.items() if name not in SET_BY_MEASURE}
-    return of_techniques, {k: v for k, v in of_scene.items() if k != "settings"}
+    set_elsewhere = {*SET_BY_MEASURE, "settings"}
+    of_scene = {name: option for name, option in merged.items() if name not in set_elsewhere}
+    return of_techniques, of_scene
 
 
 def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:
@@ -339,7 +344,7 @@ def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer 
 def _tilings(
     material: Material, options: Mapping[str, Any], tilings: Sequence[str], shifts: Sequence[str]
 ) -> dict[str, Tiling]:
-    """Tilings of single maps; a tiling or shift that is not set is that of the heights."""
+    """Tilings of single maps; tiles or a shift that is not set is that of the heights."""
     own: dict[str, Tiling] = dict(options.get("tilings", {}))
     if not tilings and not shifts:
         return own
@@ -363,9 +368,9 @@ def _tilings(
 def _by_record(
     settings: Mapping[str, str], technique: Technique[..., Any], surface: str
 ) -> dict[str, dict[str, Any]]:
-    """Settings by the field of `Object` or `Scene` whose record has them.
+    """Values of settings by the field of `Object` or `Scene` whose record has them.
 
-    Where several records have a name, the technique's takes precedence.
+    Where several records have a setting of the same name, the technique's is set.
     """
     check_setting(_DECLARED["surface"], surface)
     records = number_records(technique, surface)
@@ -398,9 +403,10 @@ _PARSERS: dict[str, Callable[[str, str], Any]] = {
 def object_from(text: str) -> Object:
     """An added object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
 
-    The first word is its shape. The others set its `position` in world units, its `size` as a
-    factor, and a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it).
-    Without a `material` the object has one `color`; with one, the color multiplies the maps.
+    The first word is its shape. Parameters are its `position` in world units, its `size` as a
+    factor, a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it), and
+    the settings of `Object` that are numbers, pairs or words. Without a `material` the object has
+    one `color`; with a material, the color multiplies the maps.
     """
     shape, *parts = text.split(",")
     shape, what = shape.strip(), f"--add {shape.strip()}"

@@ -450,7 +450,7 @@ def tune(
         from basrelief.cli import arguments
         from basrelief.measure.tune import tune as tune_material
 
-        bound = None if missed is None else arguments.share(missed, "--missed")
+        bound = None if missed is None else arguments.fraction(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
         preset, maps = _preset_and_maps(values)
         material = _load_material(path, **{**preset.maps, **maps})

@@ -1,8 +1,8 @@
 """Command-line options that describe materials and scenes, grouped by the panels of the help.
 
-Most are the settings of `Object`, `Scene` and `ReadOptions`, whose declarations give names, types,
-help and completion; those that have no single field are written here. An option that is not given
-is None, so that the preset's value or the library's default applies.
+Most are the settings of `Object`, `Scene`, `Lengths` and `ReadOptions`, whose declarations give
+names, types, help and completion; options that are no field of these are written here. An option
+that is omitted is None, so that the preset's value or the library's default applies.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 Options = Mapping[str, Any]
-"""Options by the name of their keyword: annotated types."""
+"""Annotated types of options, by the name of their keyword."""
 Text = str | None
 Texts = list[str] | None
 _FILE = "FILE|sample:NAME"
@@ -42,7 +42,7 @@ _TYPES: dict[str, Any] = {
     "choice": Text, "text": Text, "pair": Text, "triple": Text, "flag": bool | None,
     "integer": int | None, "number": float | None,
 }  # fmt: skip
-"""Types of options by the kind of the setting; other kinds need options of their own."""
+"""Types of options by the kind of the setting; options of other kinds are written here."""
 
 
 def option_of(declared: Setting) -> Any:
@@ -153,9 +153,10 @@ _PANELS = (
 def with_options(
     *groups: Any, omit: tuple[str, ...] = ()
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of groups, passed as keywords; `...` stands for its own.
+    """Decorator that adds the options of groups to a command, which gets them as keywords.
 
-    Options of the same name as the command's own are left out, and so are those in `omit`.
+    `...` is the place of the command's own options. Options of a group that have the name of one of
+    these are omitted, and so are those in `omit`.
     """
 
     def wrap(command: Callable[..., None]) -> Callable[..., None]:

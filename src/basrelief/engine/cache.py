@@ -29,11 +29,12 @@ from basrelief.errors import DeviceError
 
 LIMIT = 2 * 1024**3
 """Bytes that all entries may take together."""
-_LISTING_FRACTION = 16
-"""Divisor of the limit: the part that may be written before the folder is listed again, and that is
-left free after entries are removed. Listing 5000 entries takes 0.07 s, too much for each write."""
+_LISTING_DIVISOR = 16
+"""Divisor of the limit that gives the bytes that may be written before the folder is listed again,
+and that are left free after entries are removed. Listing 5000 entries takes 0.07 s, too much for
+each write."""
 _ABANDONED_AFTER = 3600.0
-"""Seconds after which no process is taken to be writing an unfinished file any more."""
+"""Age in seconds from which an unfinished file counts as left behind by a process that ended."""
 _DIGEST_SIZE = 32
 """Bytes of the digest at the start of an entry."""
 Bytes = bytes | memoryview
@@ -180,7 +181,7 @@ def _digest(header: bytes, content: Bytes) -> bytes:
 
 
 def _remove(path: Path) -> bool:
-    """Remove a file; returns whether it is gone, which on Windows an open one is not."""
+    """Remove a file; returns whether it is gone: on Windows, open files cannot be removed."""
     with contextlib.suppress(OSError):
         path.unlink(missing_ok=True)
         return True
@@ -201,7 +202,7 @@ class _Usage:
         """Whether to list the folder; not only at the limit, because other processes write too."""
         if self.listed is None:
             return True
-        return self.listed + self.written > LIMIT or self.written > LIMIT // _LISTING_FRACTION
+        return self.listed + self.written > LIMIT or self.written > LIMIT // _LISTING_DIVISOR
 
 
 class _Entry(NamedTuple):
@@ -235,7 +236,7 @@ def _trim(folder: Path, newest: str) -> int:
     if total <= LIMIT:
         return total
     for entry in entries:
-        if total <= LIMIT - LIMIT // _LISTING_FRACTION:
+        if total <= LIMIT - LIMIT // _LISTING_DIVISOR:
             break
         if entry.path.name != newest and _remove(entry.path):
             total -= entry.size

@@ -36,7 +36,10 @@ _LIMITS = (
 )
 
 _FEATURES = ("timestamp-query", "float32-filterable")
-"""Features that benchmarks use if the adapter has them; no program needs them."""
+"""Features that benchmarks use if the adapter has them; programs need none of them."""
+
+_MAX_PLANE_BYTES = 1 << 28
+"""Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
 
 
 def _request_adapter() -> Any:
@@ -93,7 +96,7 @@ def has_hardware_gpu() -> bool:
 
 
 class GpuEngine:
-    """Runs programs on the adapter that WebGPU prefers. Raises DeviceError if there is none."""
+    """Engine on the adapter that WebGPU prefers. Raises DeviceError if there is none."""
 
     name = "gpu"
 
@@ -114,7 +117,7 @@ class GpuEngine:
         self._lock = threading.RLock()
 
     def compile(self, program: Program) -> None:
-        """Compile the program; the driver has a cache of its own."""
+        """Compile the program; only the driver caches it on disk."""
         self._pipeline_of(program)
 
     def run(
@@ -148,12 +151,12 @@ class GpuEngine:
         return planes
 
     def max_rows(self, planes: int, width: int, height: int) -> int:
-        """Number of rows whose planes fit in the largest buffer that can be bound."""
-        limit = min(self.limits["max-storage-buffer-binding-size"], 1 << 28)
+        """Number of rows whose planes fit in a buffer, at least 1 and at most the height."""
+        limit = min(self.limits["max-storage-buffer-binding-size"], _MAX_PLANE_BYTES)
         return max(1, min(height, limit // (4 * planes * width)))
 
     def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
-        """Job that runs a program on pictures up to a size: pipeline, buffers and bindings."""
+        """Job that runs a program on pictures of at most a size, (width, height)."""
         return Job(self, self._pipeline_of(program), program, values, size)
 
     def prepare_text(
@@ -164,9 +167,9 @@ class GpuEngine:
         size: tuple[int, int],
         resource_bindings: list[Binding] | None = None,
     ) -> Job:
-        """The same for other WGSL, to compare it with the program.
+        """Job that runs other WGSL with the values of a program, to compare the two.
 
-        Its resource bindings are those of the program, or `resource_bindings`.
+        `resource_bindings` are those of the WGSL, by default those of the program.
         """
         if resource_bindings is None:
             resource_bindings = bindings(program.module.entry)
@@ -184,7 +187,7 @@ class GpuEngine:
 
         stamps = self.gpu.create_query_set(type="timestamp", count=2)
         usage = wgpu.BufferUsage.QUERY_RESOLVE | wgpu.BufferUsage.COPY_SRC
-        place = self.gpu.create_buffer(size=16, usage=usage)
+        resolved = self.gpu.create_buffer(size=16, usage=usage)
         job.dispatch(0, rows)  # warms up the clocks of the GPU
         writes = {
             "query_set": stamps,
@@ -193,9 +196,9 @@ class GpuEngine:
         }
         job.dispatch(0, rows, writes, times)
         encoder = self.gpu.create_command_encoder()
-        encoder.resolve_query_set(stamps, 0, 2, place, 0)
+        encoder.resolve_query_set(stamps, 0, 2, resolved, 0)
         self.gpu.queue.submit([encoder.finish()])
-        first, last = np.frombuffer(self.gpu.queue.read_buffer(place), np.uint64)
+        first, last = np.frombuffer(self.gpu.queue.read_buffer(resolved), np.uint64)
         return float(last - first) * 1e-9 / times
 
     def _pipeline_of(self, program: Program) -> _Pipeline:
@@ -231,7 +234,7 @@ class GpuEngine:
         return _Pipeline(pipeline, layout, resource_bindings)
 
     def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
-        """Resource on the GPU, uploaded once in its lifetime."""
+        """Texture view or buffer of a resource on the GPU, uploaded once in its lifetime."""
         if value not in self._uploaded:
             if isinstance(value, Buffer):
                 self._uploaded[value] = self.buffer(pack_list(value), "STORAGE")
@@ -279,13 +282,13 @@ class GpuEngine:
                 {"bytes_per_row": columns * form.texel_bytes, "rows_per_image": rows},
                 (columns, rows, 1),
             )
-            # submit each level: pending uploads are in memory twice
+            # submit each level, since pending uploads are in memory twice
             self.gpu.queue.submit([])
         return texture.create_view()
 
 
 def _rounding(info: Mapping[str, Any]) -> str:
-    """Identity of the arithmetic: the chip, and the compilers for it."""
+    """Identity of the arithmetic: the graphics card, and the compilers for it."""
     import wgpu
 
     parts = ("backend_type", "vendor", "device", "description")

@@ -1,7 +1,7 @@
-"""Resources that a program on a GPU is bound to, in order, formats of maps, and dispatches.
+"""Resource bindings of a program on a GPU, formats of maps, and the size of workgroups.
 
-The one description that the WGSL, the GPU engine and pages share; `layout.py` describes what is in
-buffers.
+The WGSL printer, the GPU engine and pages share this description; `layout.py` describes the content
+of buffers.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ GROUP = (8, 8)
 """Width and height of a workgroup in pixels; among the fastest shapes measured."""
 
 RUN = ("width", "first_row", "last_row", "plane_stride")
-"""Words of the binding `run`: the rows of the picture that a dispatch computes, and the distance of
-the planes."""
+"""32-bit words of the binding `run`: width of the picture, the rows that a dispatch computes (the
+last one excluded), and the words from one plane to the next."""
 
 
 class MapFormat(NamedTuple):
-    """Format of a map on a GPU: of its texels, with their bytes, and of what a read returns."""
+    """Format of a map on a GPU: WebGPU's formats of texels and samples, and the type in WGSL."""
 
     texels: str
     texel_bytes: int

@@ -1,8 +1,8 @@
-"""Helpers of shading languages as shaders: for what they lack, or define otherwise than the subset.
+"""Operations that shading languages lack or define differently from the subset, as shaders.
 
-Printers print those that a program needs. What they are made of, such as the read of one texel, are
-intrinsics too, with which no other shader needs to deal. On the CPU, where maps have their border
-in memory, `llvm.py` reads them in its own way: two texels by one load.
+Printers print the helpers that a program needs. The intrinsics here, such as the read of one texel,
+are for these helpers alone. On the CPU, where maps are in memory with a border, `llvm.py` does not
+use the helpers of maps: it reads two texels by one load.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from basrelief.lang.values import IVec2, Vec2, Vec4
 
 _i32: Any = np.int32
 TINY = 1.17549435e-38
-"""The smallest normal number."""
+"""The smallest positive normal float32."""
 
 
-# --- of a target ---------------------------------------------------------------------------------
+# --- intrinsics of targets -----------------------------------------------------------------------
 
 
 @intrinsic(fixed(int, int, int), wgsl=Text("({0} / {1})"), glsl=Text("({0} / {1})"))
@@ -126,13 +126,13 @@ def power(x: float, y: float) -> float:
 
 @shader
 def log_clamped(x: float) -> float:
-    """Natural logarithm of a positive normal number, or of the smallest."""
+    """Natural logarithm of x, or of the smallest positive normal number if x is less."""
     return native_log(max(x, TINY))
 
 
 @shader
 def log2_clamped(x: float) -> float:
-    """Logarithm to base 2 of a positive normal number, or of the smallest."""
+    """Logarithm to base 2 of x, or of the smallest positive normal number if x is less."""
     return native_log2(max(x, TINY))
 
 
@@ -142,8 +142,8 @@ def log2_clamped(x: float) -> float:
 @shader
 def level_size(finest: IVec2, level: int) -> IVec2:
     """Size of a level, from that of level 0."""
-    # not asked of the target: where the level differs between pixels, Mesa's software driver
-    # returns the size of one for all
+    # not by the target's own function: where the level differs between pixels, that of Mesa's
+    # software driver returns the size of one level for all
     width = max(shifted_right(finest.x, level), 1)
     return IVec2(width, max(shifted_right(finest.y, level), 1))
 

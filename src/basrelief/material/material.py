@@ -115,7 +115,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Origin:
-    """The source of a material, to name it in a command or a script.
+    """Path and options that a material was loaded with, to write a command or a script.
 
     `path` is that of `load`, "sample:NAME", or None where every map was named; `options` are those
     of `load`, or of `sample`, that differ from the defaults.

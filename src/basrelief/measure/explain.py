@@ -164,7 +164,9 @@ def _explanation(
     variant = variant_of(obj, scene)
     faded = faded_relief(values["relief"], intersection.distance, variant)
     if faded.scale <= 0.0:
-        raise InputError(f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here")
+        raise InputError(
+            f"pixel {pixel[0]},{pixel[1]}: the relief has no depth here; choose another"
+        )
     camera, placement = _camera_ray(scene, pixel, size), obj.placement()
     footprint = footprint_at(camera, placement, intersection, intersection.distance)
     lod = height_lod(field, footprint, values["smoothing"])

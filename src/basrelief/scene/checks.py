@@ -18,11 +18,11 @@ MIN_FIELD_OF_VIEW = 1e-3
 """Smallest field of view in degrees: below it float32 loses the width of a pixel."""
 
 FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
-"""Message for a fog mode passed as `fog`, its former name."""
+"""Message for a fog mode passed as `fog`, the former name of `fog_mode`."""
 
 
 def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
-    """Raise InputError unless the value is allowed; the message suggests one by its meaning."""
+    """Raise InputError unless the value is allowed; the message suggests the one that is meant."""
     if value not in allowed:
         names = [str(a) for a in allowed if a is not None]
         meant = meant_choice(value, names)
@@ -31,7 +31,7 @@ def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
 
 
 def meant_choice(value: Any, allowed: Sequence[str]) -> str | None:
-    """The allowed value that another one means, by spelling or by the words of other programs."""
+    """The allowed value that a misspelling or a word of another program means, if any."""
     name = str(value).strip().lower().replace("-", "_").replace(" ", "_")
     if SYNONYMS.get(name) in allowed:
         return SYNONYMS[name]
@@ -60,7 +60,7 @@ def check_setting(declared: Setting, value: Any) -> None:
             check_choice(name, value, declared.choices)
         case "number" | "integer":
             whole = declared.kind == "integer"
-            if not is_number(value) or (whole and value != int(value)):
+            if not is_number(value) or (whole and not float(value).is_integer()):
                 raise InputError(f"{name} is {value!r}: give a {'whole ' * whole}number")
             check_range(name, value, declared.low, declared.high)
         case "pair" | "triple":

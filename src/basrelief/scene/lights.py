@@ -59,7 +59,7 @@ def directional(
     Raises
     ------
     InputError
-        For values that are not finite.
+        For values out of range.
     """
     azimuth_radians, elevation_radians = np.radians([azimuth, elevation])
     with np.errstate(invalid="ignore"):
@@ -209,7 +209,7 @@ def parameters_of_all_lights() -> dict[str, Setting]:
 
 
 def light_numbers(light: Light) -> dict[str, Any]:
-    """The kind of a light and the numbers of all kinds; a direction is two angles in degrees.
+    """The kind of a light and the parameters of all kinds; its direction is two angles in degrees.
 
     The intensity is separate from the colour, whose largest component is 1. Numbers that the
     light's own kind lacks have their defaults.
@@ -254,7 +254,7 @@ def light_arguments(light: Light) -> tuple[str, dict[str, Any]]:
 
 
 def light_of_numbers(numbers: Mapping[str, Any]) -> Light:
-    """The light of `light_numbers`."""
+    """The light that `light_numbers` describes."""
     names, values = light_parameters(numbers["kind"]), {**numbers}
     if "target" in names:
         values["target"] = _target(numbers)
@@ -262,7 +262,7 @@ def light_of_numbers(numbers: Mapping[str, Any]) -> Light:
 
 
 def _target(numbers: Mapping[str, Any]) -> list[float]:
-    """The point at distance 1 in the direction of a light; `directional` computes the direction."""
+    """The point at distance 1 from a light, in the direction of its two angles."""
     direction = directional(numbers["azimuth"], numbers["elevation"]).direction
     return [p + float(d) for p, d in zip(numbers["position"], direction, strict=True)]
 
@@ -287,6 +287,8 @@ def _light(
         raise InputError(
             "a light needs finite numbers and a direction that is not zero; check them"
         )
+    for number in (*color, intensity):
+        check_range("color or intensity of a light", number, 0.0, FAR)
     check_range("falloff", falloff, 0.0, 8.0)
     return Light(
         kind,

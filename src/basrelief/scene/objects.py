@@ -57,8 +57,8 @@ class Object:
     bias : float, default 0.42
         Bias of the projection "biased", 0 to 100.
     heights : {"sharp", "smooth", "mip"}, default "sharp"
-        Level of the heights: the finest; blended levels, with the parameters `smoothing`; or the
-        level whose texels match the pixel's footprint.
+        Levels of the heights to read: the finest (sharp), a blend set by `smoothing` (smooth), or
+        the one whose texels match the pixel's footprint (mip).
     smoothing : record or mapping, optional
         Parameters of smooth heights, or the fields of them to change.
     fade : (float, float), optional
@@ -81,7 +81,8 @@ class Object:
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
     casts : {"shape", "opaque", "none"}, default "shape"
-        Shadows cast on other objects: with cut-outs, as if there were none, or no shadows.
+        Shadows cast on other objects: with the cut-outs (shape), as if there were no cut-outs
+        (opaque), or no shadows (none).
     tilings : mapping of str to Tiling, optional
         Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
         and "emission".
@@ -141,7 +142,7 @@ class Object:
     layer: Layer | None = setting(default=None, group="Surface")
     transform: Transform | None = setting(default=None, group="Relief")
     resolved: ResolvedObject = field(init=False, repr=False)
-    """The same object with nothing left open; all that draws and measures reads this."""
+    """The object with every option decided, which drawing and measuring read."""
 
     def __post_init__(self) -> None:
         check_settings(self)

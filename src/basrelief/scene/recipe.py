@@ -1,7 +1,7 @@
 """Instructions to draw a picture again: as a command line, as Python, and as a preset.
 
-Settings are written out here alone, except for what a page copies: that is written by
-`viewer/web/state.js`, and tests draw both.
+The text that a page copies is written by `viewer/web/state.js` instead. Tests draw the pictures of
+both, and compare them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from basrelief.techniques import TECHNIQUES, Technique
 
 Options = dict[str, Any]
 FOLDER = "FOLDER"
-"""Stands for a material that was not loaded from files."""
+"""Placeholder for the path of a material that was not loaded from files."""
 SAMPLE_OPTIONS = ("size", "seed")
 """Options of `basrelief.sample` that `load` and the command line do not have."""
 
@@ -55,7 +55,7 @@ class Recipe:
 
     @property
     def command(self) -> str:
-        """The command line; what it cannot say is named in a comment at its end."""
+        """The command line, with a comment that names what it cannot describe."""
         text = shlex.join(["basrelief", "render", *_command_parts(self.scene, self.drawing)])
         omitted = [*omitted_by_command(self.scene)]
         return f"{text}  # without {', '.join(omitted)}" if omitted else text
@@ -74,9 +74,9 @@ class Recipe:
         return f"import basrelief; basrelief.render({', '.join(parts)})"
 
     def preset(self, name: str, about: str = "") -> Preset:
-        """The preset: the first object, the scene, and how its maps are read.
+        """The preset: the object, the scene, and the options of reading the maps.
 
-        Raises InputError for a scene that a preset cannot describe.
+        Raises InputError for a scene that a preset cannot describe, as one of several objects.
         """
         return Preset(name, about, values=_preset_values(self.scene))
 
@@ -103,6 +103,10 @@ def _scene_options(scene: Scene) -> Options:
 
 
 def _changed(owner: Any, resolved: Any) -> Options:
+    """Options of an object or a scene that differ from the defaults, except the technique.
+
+    Records of numbers are taken from `resolved`.
+    """
     options: Options = {}
     for name, declared in settings_of(type(owner)).items():
         value = getattr(owner, name)
@@ -124,25 +128,28 @@ def _changed_numbers(record: Any) -> dict[str, Any]:
     changed = {}
     for name, t in fields_of(type(record)).items():
         declared: Any = settings_of(type(record)).get(name)
-        value = plain(getattr(record, name))
+        value = python_value(getattr(record, name))
         has_default = declared is not None and not declared.required
-        # in 32 bits, as the record has it
-        if not has_default or value != plain(coerce(declared.default, t)):
+        # compared in 32 bits, as the record stores its numbers
+        if not has_default or value != python_value(coerce(declared.default, t)):
             changed[name] = value
     return changed
 
 
-def plain(value: Any) -> Any:
-    """A value as Python numbers and tuples; 32-bit numbers are the shortest that round to them."""
+def python_value(value: Any) -> Any:
+    """Numbers and vectors as Python numbers and tuples; other values are returned unchanged.
+
+    A 32-bit number becomes the shortest decimal that rounds to it.
+    """
     if type(value) in VECTORS:
-        return tuple(map(plain, value))
+        return tuple(map(python_value, value))
     if isinstance(value, np.floating):
         return float(str(value))
     return value.item() if isinstance(value, np.integer) else value
 
 
 def technique_text(technique: Technique[..., Any]) -> str:
-    """A technique as options name it: NAME of the library's, else FILE.py:NAME."""
+    """The text of the option `technique`: a name in the library, or FILE.py:NAME."""
     if technique in TECHNIQUES.values():
         return technique.name
     file, here = Path(technique.function.__code__.co_filename), Path.cwd()
@@ -150,13 +157,13 @@ def technique_text(technique: Technique[..., Any]) -> str:
 
 
 def portable_source(material: Material | None, otherwise: str) -> str:
-    """A material's path for a text that others read, or `otherwise` where it has none."""
+    """A material's path for text that other users read, or `otherwise` where it has none."""
     origin = None if material is None else material.origin
     return otherwise if origin is None or origin.path is None else portable_path(origin.path)
 
 
 def portable_path(path: str) -> str:
-    """A path relative to the current folder, without the folders above it; samples stay."""
+    """A path without the names of folders above the current one; samples are unchanged."""
     if path.startswith("sample:") or not Path(path).is_absolute():
         return path
     file, here = Path(path), Path.cwd()
@@ -197,27 +204,26 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
         yield from _option(name, value, "x")
 
 
-def _option(name: str, value: Any, sign: str = ",") -> Iterator[str]:
+def _option(name: str, value: Any, separator: str = ",") -> Iterator[str]:
     option = f"--{name.replace('_', '-')}"
     if value is True:
         yield option
         return
-    text = "none" if value is None else joined(value, sign)
+    text = "none" if value is None else joined(value, separator)
     # a value that starts with a minus would be read as an option
     yield from (f"{option}={text}",) if text.startswith("-") else (option, text)
 
 
-def joined(value: Any, sign: str) -> str:
-    """Numbers joined by a sign, or a text as it is."""
+def joined(value: Any, separator: str) -> str:
+    """Numbers joined by a separator; a text unchanged."""
     if isinstance(value, str):
         return value
     numbers = value if isinstance(value, tuple | list) else (value,)
-    return sign.join(_number_text(number) for number in numbers)
+    return separator.join(_number_text(number) for number in numbers)
 
 
 def _number_text(number: Any) -> str:
-    text = repr(plain(number))
-    return text.removesuffix(".0")
+    return repr(python_value(number)).removesuffix(".0")
 
 
 def _arguments(values: Mapping[str, Any]) -> Iterator[str]:
@@ -257,7 +263,10 @@ def _light_parts(lights: tuple[Light, ...]) -> Iterator[str]:
 
 
 def stretch_of(obj: Object) -> tuple[float, ...] | None:
-    """The factors by which an object is stretched along the axes of the world; None for others."""
+    """Factors that stretch the default transform along the world's axes; None for other transforms.
+
+    The option --stretch takes them.
+    """
     default = default_transform(obj.shape, obj.material)
     relative = obj.resolved.transform @ np.linalg.inv(default)
     factors = np.diag(relative)[:3]
@@ -266,7 +275,7 @@ def stretch_of(obj: Object) -> tuple[float, ...] | None:
 
 
 def omitted_by_command(scene: Scene) -> Iterator[str]:
-    """The parts of a scene that a command line cannot say, in words."""
+    """Names of the parts of a scene that a command line cannot describe."""
     obj = scene.objects[0]
     yield from omitted_of_sources(obj)
     if obj.transform is not None and stretch_of(obj) is None:
@@ -276,7 +285,7 @@ def omitted_by_command(scene: Scene) -> Iterator[str]:
 
 
 def omitted_of_sources(obj: Object) -> Iterator[str]:
-    """The parts of an object's materials that paths and options of `load` do not say, in words."""
+    """Names of the parts of an object's materials that paths and options of `load` do not give."""
     origin = obj.material.origin
     if origin is None:
         yield "the material, which was not loaded from files"
@@ -299,7 +308,7 @@ def _keywords(options: Mapping[str, Any]) -> list[str]:
 
 def value_text(value: Any) -> str:
     """A value as Python source."""
-    match plain(value):
+    match python_value(value):
         case str() as text:
             return json.dumps(text, ensure_ascii=False)
         case bool() | None as flag:
@@ -401,8 +410,8 @@ def _absolute(path: str) -> str:
 
 
 def _toml(value: Any) -> Any:
-    """A value as TOML has it."""
-    match plain(value):
+    """A value in the types of TOML, with arrays for tuples."""
+    match python_value(value):
         case Mapping() as table:
             return {name: _toml(item) for name, item in table.items()}
         case tuple() | list() as items:

@@ -51,7 +51,7 @@ SURFACES: dict[str, Any] = {"standard": SurfaceParameters, "landscape": Landscap
 
 
 def number_records(technique: Technique[..., Any], surface: str) -> dict[str, Any]:
-    """The records of numbers of an object and a scene, by the field that holds each."""
+    """The types of the records of numbers of an object and a scene, by their field."""
     return {
         "settings": technique.settings,
         "surface_parameters": SURFACES[surface],
@@ -144,9 +144,9 @@ class ResolvedObject:
                 **tilings, layer=relative_tiling(main, main), layer_normal_stretch=1.0
             )
         layer_tiling = relative_tiling(self.layer.tiling, main)
-        stretch = abs(float(layer_tiling.y / layer_tiling.x))
-        slant = stretch * self._normals_proportion() / self.layer.material.proportion
-        return MapTilings(**tilings, layer=layer_tiling, layer_normal_stretch=slant)
+        tiling_ratio = abs(float(layer_tiling.y / layer_tiling.x))
+        stretch = tiling_ratio * self._normals_proportion() / self.layer.material.proportion
+        return MapTilings(**tilings, layer=layer_tiling, layer_normal_stretch=stretch)
 
 
 def resolve(obj: Object) -> ResolvedObject:
@@ -258,7 +258,7 @@ def _tilings(obj: Object) -> Mapping[str, Tiling]:
     for name, tiling in obj.tilings.items():
         if not isinstance(tiling, Tiling):
             raise InputError(f"tiling of {name} is {tiling!r}: give a Tiling((2, 2))")
-        check_choice("a tiling of its own", name, OWN_TILINGS)
+        check_choice("the map of a tiling", name, OWN_TILINGS)
         tiling.checked(f"tiling of {name}")
     return obj.tilings
 
@@ -291,11 +291,11 @@ def relative_tiling(tiling: Tiling, main: Tiling) -> Vec4:
 
 
 def technique_named(technique: str | Technique[..., Any]) -> Technique[..., Any]:
-    """The technique for a name of the library's, FILE.py:NAME, or a technique.
+    """The technique of a name in the library or of FILE.py:NAME; a technique is only checked.
 
     Case does not count, and hyphens are read as underscores.
 
-    Raises InputError for unknown names and values that are no technique, and ShaderError for a
+    Raises InputError for unknown names and values that are not techniques, and ShaderError for a
     signature that does not fit.
     """
     if not isinstance(technique, str):

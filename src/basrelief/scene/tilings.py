@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 TILES_CONTROL = {"low": 0.1, "high": 32.0, "step": 0.1}
 SHIFT_CONTROL = {"low": -1.0, "high": 1.0, "step": 0.01}
-"""Sliders of the viewer."""
+"""Ranges and steps of the viewer's sliders."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Tiling:
 
     @property
     def repeats(self) -> bool:
-        """Whether coordinates leave the tile from 0 to 1; mirrored tiles lie before it."""
+        """Whether coordinates leave 0 … 1; mirrored tiles do, since they lie below 0."""
         return any(self.shift) or not all(0.0 < tiles <= 1.0 for tiles in self.tiles)
 
     def shifted(self, u: float, v: float) -> Tiling:

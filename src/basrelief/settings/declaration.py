@@ -2,7 +2,7 @@
 
 A field has a type and a default, `setting` adds the range, and the docstring of the record says
 what it means. Checks, command line, presets, notebook, the controls of the viewer and the table in
-the documents are made from `settings_of`. The command line's help imports this module, so it
+the documentation are made from `settings_of`. The command line's help imports this module, so it
 imports little.
 """
 
@@ -18,9 +18,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from basrelief.errors import InputError
 
-Kind = Literal[
-    "choice", "text", "flag", "integer", "number", "pair", "triple", "vector", "numbers", "other"
-]
+Kind = Literal["choice", "text", "flag", "integer", "number", "pair", "triple", "numbers", "other"]
 _KINDS: dict[str, Kind] = {
     "str": "text",
     "bool": "flag",
@@ -44,7 +42,7 @@ class Setting:
     kind : str
         Kind of its values; "numbers" is a record of numbers, set by a mapping.
     default : object
-        Value where none is given; None where it is computed, and where a value is required.
+        Default value; None where it is computed, and where a value is required.
     doc : str
         Meaning, a phrase without a full stop.
     details : str
@@ -62,7 +60,7 @@ class Setting:
     spelling : str
         Example of its values on the command line, such as "U,V".
     group : str
-        Section of the help and of the documents.
+        Section of the help, the panel and the documentation.
     """
 
     name: str
@@ -81,7 +79,7 @@ class Setting:
 
     @property
     def option(self) -> str:
-        """The option of the command line."""
+        """The option's name on the command line."""
         return f"--{self.name.replace('_', '-')}"
 
     @property
@@ -149,6 +147,7 @@ def settings_of(record: Any) -> Mapping[str, Setting]:
     return _settings_of(record)
 
 
+# separate, because type checkers refuse `type[Any]` as an argument of a cached function
 @functools.cache
 def _settings_of(record: Any) -> Mapping[str, Setting]:
     meanings = _meanings(record)
@@ -161,25 +160,25 @@ def _settings_of(record: Any) -> Mapping[str, Setting]:
 
 def _setting(record: Any, field: dataclasses.Field[Any], meaning: str, details: str) -> Setting:
     annotation = field.type if isinstance(field.type, str) else field.type.__name__
-    plain = annotation.removesuffix(" | None")
-    literal = vars(sys.modules[record.__module__]).get(plain)
+    value_type = annotation.removesuffix(" | None")
+    literal = vars(sys.modules[record.__module__]).get(value_type)
     choices = get_args(literal) if get_origin(literal) is Literal else ()
     declared = {name: value for name, value in field.metadata.items() if value is not None}
-    # other factories compute a default from what would have to be imported here
+    # other factories need modules that this one must not import
     default = {} if field.default_factory is dict else field.default
     required = default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
     if default is dataclasses.MISSING:
         default = None
     return Setting(
         **{
-            "kind": "choice" if choices else _kind_of(plain, "other"),
+            "kind": "choice" if choices else _KINDS.get(value_type, "other"),
             **declared,
             "name": field.name,
             "default": default,
             "doc": field.metadata["doc"] or meaning,
             "details": "" if field.metadata["doc"] else details,
             "choices": choices,
-            "optional": plain != annotation,
+            "optional": value_type != annotation,
             "required": required,
         }
     )
@@ -198,14 +197,14 @@ def check_choices(record: Any) -> None:
 def parameters_of(function: Any) -> Mapping[str, Setting]:
     """The parameters of a function as settings by name.
 
-    A parameter declares its range by an `Annotated` type: fields of `Setting` in a mapping.
+    A parameter declares its range by an `Annotated` type, whose metadata are fields of `Setting`.
     """
     meanings = _meanings(function)
     result = {}
     for name, parameter in inspect.signature(function).parameters.items():
         annotation = vars(sys.modules[function.__module__]).get(parameter.annotation)
         declared: dict[str, Any] = getattr(annotation, "__metadata__", ({},))[0]
-        kind = declared.get("kind") or _kind_of(str(parameter.annotation), "number")
+        kind = declared.get("kind") or _KINDS.get(str(parameter.annotation), "number")
         required = parameter.default is parameter.empty
         default = None if required else parameter.default
         doc, details = meanings.get(name, ("", ""))
@@ -214,10 +213,6 @@ def parameters_of(function: Any) -> Mapping[str, Setting]:
                "doc": doc, "details": details}
         )  # fmt: skip
     return result
-
-
-def _kind_of(annotation: str, otherwise: Kind) -> Kind:
-    return _KINDS.get(annotation, otherwise)
 
 
 def _meanings(record: Any) -> dict[str, tuple[str, str]]:

@@ -1,8 +1,8 @@
-"""The values of each option of a scene that is an enumeration.
+"""Allowed values of the options of objects and scenes that are enumerations.
 
-Each is a `Literal`, so that a type checker reports code that forgets a value. Records use them as
-field types, and refuse any other value; programs and pages offer the same choices. The command
-line's help imports this module, so it imports little.
+Each enumeration is a `Literal`, so that a type checker reports code that forgets a value. Records
+use them as field types, and refuse any other value; the command line and pages offer the same
+choices. The command line's help imports this module, so it imports little.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SYNONYMS = {
     "exp": "exponential", "exp2": "exponential_squared", "exponential2": "exponential_squared",
     "offset_limiting": "limited", "true": "full",
 }  # fmt: skip
-"""Words of other programs, and the value that each one means."""
+"""Values by the words that other programs have for them."""
 
 
 def either(values: Iterable[str]) -> str:

@@ -9,13 +9,13 @@ from basrelief.gallery.page import Page, Panel, sample
 
 CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
 SUN = directional(-60.0, 30.0, color=(1.0, 0.9, 0.75), intensity=1.2)
-LAMP = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.22, falloff=1.0)
-SMALL = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.06, falloff=2.0)
-RED = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, falloff=1.0)
+LINEAR_LAMP = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.22, falloff=1.0)
+SQUARE_LAMP = point((0.25, 0.12, 0.15), color=(0.3, 0.6, 1.0), intensity=0.06, falloff=2.0)
+RED_LAMP = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, falloff=1.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """The sun, a lamp with two kinds of falloff, a light from behind, and sums of lights."""
+    """The sun, a lamp with each falloff, a light from behind, and sums of lights."""
     obj = Object(sample("cobbles", texels), technique="relief", scale=0.08)
 
     def lit(*lights: Light) -> Scene:
@@ -28,11 +28,11 @@ def panels(texels: int) -> Iterator[Panel]:
         )
 
     yield Panel("a directional light", lit(SUN))
-    yield Panel("a point light, 1 ÷ distance", lit(LAMP))
-    yield Panel("a point light, 1 ÷ distance²", lit(SMALL))
+    yield Panel("a point light, 1 ÷ distance", lit(LINEAR_LAMP))
+    yield Panel("a point light, 1 ÷ distance²", lit(SQUARE_LAMP))
     yield Panel("a light from behind", lit(directional(-60.0, -75.0)))
-    yield Panel("two lights", lit(SUN, LAMP))
-    yield Panel("three lights", lit(SUN, LAMP, RED))
+    yield Panel("two lights", lit(SUN, LINEAR_LAMP))
+    yield Panel("three lights", lit(SUN, LINEAR_LAMP, RED_LAMP))
 
 
 PAGE = Page(

@@ -28,7 +28,7 @@ class ModulePrinter(ABC):
     types: ClassVar[Mapping[Any, str]]
     """Spelling of the types that are not records."""
     reserved_words: ClassVar[frozenset[str]]
-    """Keywords and built-in names of the language, beside its intrinsics."""
+    """Keywords and built-in names of the language, besides its intrinsics."""
     declared_names: ClassVar[frozenset[str]]
     """Names that the printer declares at module scope; fields may have them too."""
     function_printer: type[FunctionPrinter]
@@ -45,9 +45,9 @@ class ModulePrinter(ABC):
         natives = {n: s for n, s in spellings.items() if not isinstance(s, Written)}
         written = written_functions(edge)
         self.written = {name: f for name, f in written.items() if name not in natives}
-        """Functions that intrinsics and operators are printed as, by name."""
+        """Helpers, of `lang.helpers` and `lang.elementary`, that intrinsics call, by name."""
         self.needed: set[tree.Function] = set()
-        """Those of them that the functions printed so far call."""
+        """The helpers that the functions printed so far call."""
         self.records: dict[Any, None] = {}
         for function in functions:
             for t in [*function.parameters.values(), function.result, *function.locals.values()]:
@@ -62,6 +62,7 @@ class ModulePrinter(ABC):
             self.assign_name(record, record.__name__)
 
     def add_record(self, t: Any) -> None:
+        """Add a record, or the record of a buffer's items, after the records of its fields."""
         t = buffer_record(t) or t
         if is_record(t) and t not in self.records:
             for field in fields_of(t).values():
@@ -99,7 +100,7 @@ class ModulePrinter(ABC):
         raise AssertionError(condition)
 
     def function_texts(self) -> dict[str, str]:
-        """Texts of the functions by name, and before them of the written ones that they call."""
+        """Texts of the functions by name, after those of the helpers that they call."""
         texts = {f: self.function_printer(self, f).text() for f in self.functions}
         # callers first, since printing them decides which are needed
         for function in reversed(self.written.values()):
@@ -148,6 +149,7 @@ class FunctionPrinter:
         return unique
 
     def text(self) -> str:
+        """Text of the function, with its docstring as comments before it."""
         f = self.function
         parameters = [
             self.parameter(self.names[name], t)
@@ -200,7 +202,7 @@ class FunctionPrinter:
         return f"{spelling}({', '.join(texts)})"
 
     def call(self, function: tree.Function, texts: Iterable[str]) -> str:
-        """A call of a function of the module or of a written one."""
+        """A call of a function of the module or of a helper."""
         if function not in self.module.functions:
             self.module.needed.add(function)
         return f"{self.module.reference(function)}({', '.join(texts)})"
@@ -276,7 +278,7 @@ class FunctionPrinter:
             self.names[node.name] = self.fresh(node.name)
         name, start, stop = self.names[node.name], self.value(node.start), self.value(node.stop)
         if not isinstance(node.stop, tree.Literal):
-            # as in Python, the bound is evaluated once
+            # as in Python, the bound is evaluated once, before the loop
             end = self.fresh(f"{name}_end")
             self.emit(f"{self.declaration(end, int, stop, constant=True)};")
             stop = end
@@ -334,7 +336,7 @@ class FunctionPrinter:
             return str(value) if value > -(2**31) else "(-2147483647 - 1)"
         number = np.float32(value)
         if not math.isfinite(number):
-            raise ShaderError(f"the number {value} is too large for float32; no language has it")
+            raise ShaderError(f"the number {value} is too large for float32; write a smaller one")
         text = str(number)
         return text if set(text) & set(".e") else f"{text}.0"
 
@@ -369,6 +371,7 @@ class FunctionPrinter:
         return f"{a} {symbol} {self.operand(right, precedence + 1)}"
 
     def operator_precedence(self, node: tree.Expression, text: str) -> int:
+        """Precedence of the outermost operator of an expression, given its text."""
         match node:
             case tree.Binary(operator=operator) if operator in ("//", "%"):
                 return 9
@@ -381,6 +384,7 @@ class FunctionPrinter:
         return 7 if text.startswith("-") else 9
 
     def intrinsic(self, node: tree.IntrinsicCall) -> str:
+        """Text of a call of an intrinsic, with scalars as vectors where it takes vectors."""
         texts = [self.argument(a) for a in node.arguments]
         rule = INTRINSICS[node.name].rule
         if isinstance(rule, Componentwise) and node.type in VECTORS:
@@ -402,6 +406,7 @@ PRECEDENCE = {
     "||": 1, "&&": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "==": 3, "!=": 3, "&": 0, "|": 0, "^": 0,
     "<<": 0, ">>": 0, "+": 5, "-": 5, "*": 6, "/": 6,
 }  # fmt: skip
-"""Precedence of operators, higher binds tighter; that of bit operators is 0, so that they are
-always in parentheses, because languages disagree about it."""
+"""Precedence of infix operators, higher binds tighter; that of unary operators is 7, that of calls,
+members and names 9. That of bit operators is 0, so that as operands they are always in parentheses,
+because languages disagree about it."""
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")

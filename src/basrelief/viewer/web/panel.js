@@ -46,13 +46,13 @@ const ACTS = {
  */
 function rows(view, path, settings) {
   const acting = settings.filter(({ name }) => ACTS[`${path[0]}.${name}`]?.(view) ?? true);
-  return acting.flatMap((each) => {
-    const own = [...path, each.name];
-    const label = words(each.name);
-    if (!Array.isArray(each.default)) return number(view, own, { ...each, label });
-    if (each.name.endsWith("color")) return color(view, own, label, each.doc);
-    const range = { ...each, high: each.high ?? 2 };
-    return each.default.map((_, k) =>
+  return acting.flatMap((setting) => {
+    const own = [...path, setting.name];
+    const label = words(setting.name);
+    if (!Array.isArray(setting.default)) return number(view, own, { ...setting, label });
+    if (setting.name.endsWith("color")) return color(view, own, label, setting.doc);
+    const range = { ...setting, high: setting.high ?? 2 };
+    return setting.default.map((_, k) =>
       number(view, [...own, k], { ...range, label: `${label} ${"rgb"[k]}` }),
     );
   });
@@ -62,38 +62,40 @@ function rows(view, path, settings) {
 const buttons = (...made) => element("div", { class: "buttons" }, made);
 
 /**
- * Build the panel, anew where a choice changes the available settings.
+ * Build the panel, also again after a choice that changes the available settings. Sections stay open
+ * or closed, and the focus stays where it is.
  * @param {ViewerPage} view
  * @param {HTMLFormElement} panel
  */
 export function build(view, panel) {
-  const opened = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
-  const active = /** @type {HTMLInputElement | null} */ (document.activeElement);
-  const inside = panel.contains(active);
-  const name = active?.name || active?.id;
-  const near = active?.closest(".map")?.querySelector("button")?.id;
-  const within = active?.closest("details")?.id;
+  const wasOpen = new Map([...panel.querySelectorAll("details")].map((d) => [d.id, d.open]));
+  const focused = /** @type {HTMLInputElement | null} */ (document.activeElement);
+  const hadFocus = panel.contains(focused);
+  const name = focused?.name || focused?.id;
+  const mapButton = focused?.closest(".map")?.querySelector("button")?.id;
+  const sectionId = focused?.closest("details")?.id;
   view.shows = [];
   panel.replaceChildren(
     ...[technique, relief, light, camera, surface, fog, maps, picture, share].map((make) =>
       make(view),
     ),
   );
-  for (const made of panel.querySelectorAll("details")) {
-    made.open = opened.get(made.id) ?? made.open;
+  for (const details of panel.querySelectorAll("details")) {
+    details.open = wasOpen.get(details.id) ?? details.open;
   }
-  if (!inside) return;
-  // where the focused control is gone, focus one nearby, or its section
-  const places = [name, near].map((it) => it && panel.elements.namedItem(it));
-  const again = places.find(Boolean) ?? panel.querySelector(`#${within} summary`);
-  /** @type {HTMLElement | null} */ (again)?.focus();
+  if (!hadFocus) return;
+  // where the focused control is gone, focus the button of its map, or its section
+  const controls = [name, mapButton].map((key) => key && panel.elements.namedItem(key));
+  const next = controls.find(Boolean) ?? panel.querySelector(`#${sectionId} summary`);
+  /** @type {HTMLElement | null} */ (next)?.focus();
 }
 
 /**
+ * Options of a menu of techniques.
  * @param {ViewerPage} view
  * @returns {Option[]}
  */
-function techniques(view) {
+function techniqueOptions(view) {
   return view.data.menus.technique.map((name) => {
     const why = !view.hasHeights && name !== "flat" ? "needs heights" : "";
     return [name, words(name), !why, why];
@@ -103,21 +105,23 @@ function techniques(view) {
 /** @param {ViewerPage} view */
 function technique(view) {
   const { data, state } = view;
-  const made = data.techniques[state.technique];
+  const chosen = data.techniques[state.technique];
   /** @type {Option[]} */
-  const presets = Object.entries(data.presets).map(([name, { state: there, why }]) => [
+  const presets = Object.entries(data.presets).map(([name, preset]) => [
     name,
     name,
-    Boolean(there),
-    why,
+    Boolean(preset.state),
+    preset.why,
   ]);
   return section(
     "Technique",
     true,
-    menu(view, ["technique"], "Technique", techniques(view), (name) => view.useTechnique(name)),
-    element("p", { class: "doc" }, made.doc),
-    rows(view, ["settings", state.technique], made.settings),
-    menu(view, ["compare"], "Compare with", [["", "none"], ...techniques(view)]),
+    menu(view, ["technique"], "Technique", techniqueOptions(view), (name) =>
+      view.useTechnique(name),
+    ),
+    element("p", { class: "doc" }, chosen.doc),
+    rows(view, ["settings", state.technique], chosen.settings),
+    menu(view, ["compare"], "Compare with", [["", "none"], ...techniqueOptions(view)]),
     state.compare !== "" &&
       state.compare !== state.technique && [
         element("p", { class: "doc" }, `Right of the divider: ${words(state.compare)}`),
@@ -142,11 +146,17 @@ function about(view) {
   return text;
 }
 
-/** @type {(view: ViewerPage, path: Path, label: string, range: Range) => HTMLElement[]} */
+/**
+ * Controls of two numbers, along u and v.
+ * @type {(view: ViewerPage, path: Path, label: string, range: Range) => HTMLElement[]}
+ */
 const pair = (view, path, label, range) =>
   [0, 1].map((k) => number(view, [...path, k], { ...range, label: `${label} ${"uv"[k]}` }));
 
-/** @type {(view: ViewerPage, path: Path, label: string) => HTMLElement[]} */
+/**
+ * Controls of the tiles and the shift of a map or a layer.
+ * @type {(view: ViewerPage, path: Path, label: string) => HTMLElement[]}
+ */
 const tiling = (view, path, label) => {
   const { tiles, shift } = view.data.controls.tiling;
   return [
@@ -160,7 +170,7 @@ const tiling = (view, path, label) => {
  * @type {{ [name: string]: (view: ViewerPage, control: Control) => Child | Child[] }}
  */
 const ROWS = {
-  bias: (view, control) => view.state.projection === "biased" && plain(view, "bias", control),
+  bias: (view, control) => view.state.projection === "biased" && controlOf(view, "bias", control),
   heights: (view, { doc }) => [
     menu(view, ["heights"], "Heights", heightsOptions(view), undefined, doc),
     ...(view.state.heights === "sharp"
@@ -207,7 +217,7 @@ const settings = (view, group) =>
   Object.entries(view.data.controls.scene)
     .filter(([name, control]) => control.group === group && name in view.state)
     .flatMap(([name, control]) =>
-      name in ROWS ? ROWS[name](view, control) : plain(view, name, control),
+      name in ROWS ? ROWS[name](view, control) : controlOf(view, name, control),
     );
 
 /**
@@ -217,7 +227,7 @@ const settings = (view, group) =>
  * @param {Control} control
  * @returns {Child | Child[]}
  */
-function plain(view, name, control) {
+function controlOf(view, name, control) {
   if (control.kind === "choice") return choice(view, name, control.doc);
   if (control.kind === "pair") return pair(view, [name], words(name), control);
   return number(view, [name], { ...control, label: words(name) });
@@ -244,15 +254,16 @@ function choice(view, name, doc, after) {
 }
 
 /**
+ * Options of the menu of heights, disabled where the technique does not read them.
  * @param {ViewerPage} view
  * @returns {Option[]}
  */
 function heightsOptions({ data, state }) {
-  const able = data.techniques[state.technique].heights;
+  const supported = data.techniques[state.technique].heights;
   return data.menus.heights.map((name) => [
     name,
     name,
-    able.includes(name),
+    supported.includes(name),
     `not with ${words(state.technique)}`,
   ]);
 }
@@ -265,7 +276,7 @@ const relief = (view) => section("Relief", true, settings(view, "Relief"));
  * @param {ViewerPage} view
  * @param {number} k
  */
-function lamp(view, k) {
+function lightRows(view, k) {
   const kinds = view.data.lightKinds;
   const { lights } = view.data.controls;
   const path = ["lights", k];
@@ -281,7 +292,7 @@ function lamp(view, k) {
       view,
       [...path, "kind"],
       `Light ${k + 1}`,
-      Object.keys(kinds).map((each) => [each, each]),
+      Object.keys(kinds).map((kind) => [kind, kind]),
     ),
     ...parts.flatMap((part) => {
       if (part.endsWith("color")) {
@@ -302,22 +313,19 @@ function light(view) {
   return section(
     "Light",
     true,
-    state.lights.flatMap((_, k) => lamp(view, k)),
+    state.lights.flatMap((_, k) => lightRows(view, k)),
     buttons(button("Add light", () => view.addLight(), { id: "add-light" })),
     settings(view, "Light"),
     rows(view, ["shading"], data.settings.shading),
   );
 }
 
-/**
- * The section of the camera.
- * @param {ViewerPage} view
- */
+/** @param {ViewerPage} view */
 function camera(view) {
   /** @type {(name: string) => Path} */
   const path = (name) => ["camera", name];
   const controls = view.data.controls.camera;
-  const parallel = view.state.camera.orthographic_height !== null;
+  const isOrthographic = view.state.camera.orthographic_height !== null;
   return section(
     "Camera",
     false,
@@ -342,7 +350,7 @@ function camera(view) {
       ticked: () => view.heightSeen(),
       not: null,
     }),
-    parallel
+    isOrthographic
       ? number(view, path("orthographic_height"), {
           ...controls.orthographic_height,
           label: "view height",
@@ -394,7 +402,7 @@ function picture(view) {
 
 /** @param {ViewerPage} view */
 function share(view) {
-  const made = buttons(
+  const actions = buttons(
     button("Copy as Python", () => view.copy("python"), { id: "copy-python" }),
     button("Copy as command", () => view.copy("command"), { id: "copy-command" }),
     !view.host && button("Copy link", () => view.copy("link"), { id: "copy-link" }),
@@ -402,5 +410,5 @@ function share(view) {
     button("Frame", () => view.frame(), { id: "frame" }),
     button("Reset", () => view.reset(), { id: "reset" }),
   );
-  return section("Export", true, made, element("output", { id: "copied" }));
+  return section("Export", true, actions, element("output", { id: "copied" }));
 }

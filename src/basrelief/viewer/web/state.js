@@ -1,4 +1,4 @@
-// The state of the page, and its forms: link, line of Python, command line.
+// The state of the page, and its text as a link, a line of Python and a command line.
 
 import { travelling } from "view/camera.js";
 import { copyOf, isObject, merged, validated } from "view/checks.js";
@@ -32,6 +32,7 @@ export function difference(now, then) {
 }
 
 /**
+ * The fragment of a link to a state; empty for the state at the start.
  * @param {State} state
  * @param {State} start
  */
@@ -41,6 +42,7 @@ export function toHash(state, start) {
 }
 
 /**
+ * The state of a link's fragment. Throws an error for a fragment that is not JSON.
  * @param {string} hash
  * @param {State} start
  * @param {Data} data
@@ -59,7 +61,10 @@ export const withChanges = (state, other, data) =>
 
 // --- as text ------------------------------------------------------------------------------------
 
-/** @type {(x: unknown) => string} */
+/**
+ * Text of a number to seven digits, the precision of float32.
+ * @type {(x: unknown) => string}
+ */
 const short = (x) => String(Number(Number(x).toPrecision(7)));
 
 /**
@@ -90,34 +95,35 @@ function changedOptions(state, data) {
   const simple = { technique: technique.commandName };
   /** @type {Fields} */
   const now = state;
-  const usual = {
+  const simpleDefaults = {
     ...defaults.options,
     reference_height: technique.reference_height,
     projection: technique.projection,
   };
-  for (const [name, value] of Object.entries(usual)) {
+  for (const [name, value] of Object.entries(simpleDefaults)) {
     if (now[name] !== value) simple[name] = now[name];
   }
   if (!technique.heights.includes(state.heights)) delete simple.heights;
-  /** @type {<T>(value: T, usually: NoInfer<T>) => T | null} */
-  const other = (value, usually) => (same(value, usually) ? null : value);
+  /** @type {<T>(value: T, usual: NoInfer<T>) => T | null} */
+  const unless = (value, usual) => (same(value, usual) ? null : value);
   const main = { tiles: state.tiling, shift: state.shift };
-  const own = Object.entries(state.tilings).filter(([, each]) => !same(each, main));
+  const own = Object.entries(state.tilings).filter(([, tiling]) => !same(tiling, main));
   return {
     simple,
     numbers,
     tilings: state.apart && own.length ? Object.fromEntries(own) : null,
     layer: state.layer ? state.layer_tiling : null,
-    tiling: other(state.tiling, data.shapes[state.shape].tiling),
-    shift: other(state.shift, [0, 0]),
+    tiling: unless(state.tiling, data.shapes[state.shape].tiling),
+    shift: unless(state.shift, [0, 0]),
     fade: state.fades ? state.fade : null,
-    background: other(state.background, defaults.background),
-    lights: other(state.lights, defaults.lights),
+    background: unless(state.background, defaults.background),
+    lights: unless(state.lights, defaults.lights),
     camera: cameraOf(state.camera, defaults.camera),
   };
 }
 
 /**
+ * Arguments of the orbit, those that have the default omitted except its angles.
  * @param {Orbit} camera
  * @param {Orbit} usual
  * @returns {Partial<Orbit>}
@@ -134,6 +140,7 @@ function cameraOf(camera, usual) {
 }
 
 /**
+ * Arguments of the constructor of a light, which has a target in place of the angles of a spot.
  * @param {Light} light
  * @param {Data} data
  * @returns {Fields}
@@ -147,12 +154,12 @@ function lightOf(light, { lightKinds }) {
 }
 
 /**
- * What a page knows of its picture beside the state: its size, and whether its maps were changed.
+ * What a text depends on besides the state: the picture's size, and whether maps were changed.
  * @typedef {{ size: Pair, mapsChanged: boolean }} Shown
  */
 
 /**
- * A comment on what a text does not say.
+ * The comment at the end of a text: what it leaves out, and the folder to run it in.
  * @param {State} state
  * @param {Data} data
  * @param {Shown} shown
@@ -173,15 +180,16 @@ function comment(state, data, { mapsChanged }, omitted) {
 }
 
 /**
+ * The command line that draws the picture.
  * @param {State} state
  * @param {Data} data
  * @param {Shown} shown
  */
 export function toCommand(state, data, shown) {
   const options = changedOptions(state, data);
-  /** @type {(each: Fields, sign: string) => string[]} */
-  const values = (each, sign) =>
-    Object.entries(each).map(([name, x]) => `${name}=${[x].flat().map(short).join(sign)}`);
+  /** @type {(fields: Fields) => string[]} */
+  const assignments = (fields) =>
+    Object.entries(fields).map(([name, x]) => `${name}=${[x].flat().map(short).join("/")}`);
   /** @type {(text: string) => string} */
   const quoted = (text) =>
     /^[\w./:=,@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`;
@@ -202,15 +210,15 @@ export function toCommand(state, data, shown) {
   for (const [name, x] of Object.entries(options.simple)) {
     option(name, x);
   }
-  for (const each of Object.values(options.numbers)) {
-    for (const text of values(each, "/")) parts.push("--set", text);
+  for (const changed of Object.values(options.numbers)) {
+    for (const text of assignments(changed)) parts.push("--set", text);
   }
   if (options.tiling) parts.push("--tiling", tiles(options.tiling));
   if (options.shift) joined("shift", options.shift);
-  for (const [name, each] of Object.entries(options.tilings ?? {})) {
-    parts.push("--map-tiling", `${name}=${tiles(each.tiles)}`);
-    if (!same(each.shift, state.shift)) {
-      parts.push("--map-shift", `${name}=${each.shift.map(short).join(",")}`);
+  for (const [name, tiling] of Object.entries(options.tilings ?? {})) {
+    parts.push("--map-tiling", `${name}=${tiles(tiling.tiles)}`);
+    if (!same(tiling.shift, state.shift)) {
+      parts.push("--map-shift", `${name}=${tiling.shift.map(short).join(",")}`);
     }
   }
   if (options.layer) {
@@ -219,10 +227,10 @@ export function toCommand(state, data, shown) {
   }
   if (options.fade) joined("fade", options.fade);
   if (options.background) joined("background", options.background);
-  parts.push("--camera", values(options.camera, "/").join(","));
+  parts.push("--camera", assignments(options.camera).join(","));
   if (options.lights?.length === 0) parts.push("--light", "none");
   for (const light of options.lights ?? []) {
-    parts.push("--light", [light.kind, ...values(lightOf(light, data), "/")].join(","));
+    parts.push("--light", [light.kind, ...assignments(lightOf(light, data))].join(","));
   }
   const { world, stretch } = data.shapes[state.shape];
   if (stretch) joined("stretch", stretch);
@@ -236,6 +244,7 @@ export function toCommand(state, data, shown) {
 }
 
 /**
+ * The line of Python that draws the picture.
  * @param {State} state
  * @param {Data} data
  * @param {Shown} shown
@@ -256,28 +265,28 @@ export function toPython(state, data, shown) {
   /** @type {(name: string, fields: Fields) => string} */
   const call = (name, fields) => `basrelief.${name}(${listed(fields).join(", ")})`;
   const args = listed(options.simple);
-  for (const [name, each] of Object.entries(options.numbers)) {
-    if (Object.keys(each).length) args.push(`${name}=${value(each)}`);
+  for (const [name, changed] of Object.entries(options.numbers)) {
+    if (Object.keys(changed).length) args.push(`${name}=${value(changed)}`);
   }
   for (const name of /** @type {const} */ (["tiling", "shift", "fade", "background"])) {
     if (options[name] !== null) args.push(`${name}=${value(options[name])}`);
   }
   if (options.tilings) {
-    const each = Object.entries(options.tilings).map(
-      ([name, x]) => `"${name}": ${call("Tiling", x)}`,
+    const tilings = Object.entries(options.tilings).map(
+      ([name, tiling]) => `"${name}": ${call("Tiling", tiling)}`,
     );
-    args.push(`tilings={${each.join(", ")}}`);
+    args.push(`tilings={${tilings.join(", ")}}`);
   }
   if (options.layer) {
-    const over = `basrelief.load(${JSON.stringify(data.layerSource)})`;
-    args.push(`layer=basrelief.Layer(${over}, ${call("Tiling", options.layer)})`);
+    const material = `basrelief.load(${JSON.stringify(data.layerSource)})`;
+    args.push(`layer=basrelief.Layer(${material}, ${call("Tiling", options.layer)})`);
   }
   const { world } = data.shapes[state.shape];
   if (world) args.push(`transform=${value(world)}`);
   args.push(`camera=${call("Orbit", options.camera)}`);
   if (options.lights) {
-    const each = options.lights.map((l) => `${call(l.kind, lightOf(l, data))},`);
-    args.push(`lights=(${each.join(" ")})`);
+    const lights = options.lights.map((light) => `${call(light.kind, lightOf(light, data))},`);
+    args.push(`lights=(${lights.join(" ")})`);
   }
   args.push(`size=${value(shown.size)}`);
   const source = JSON.stringify(data.source);
