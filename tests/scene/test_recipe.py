@@ -208,6 +208,31 @@ def test_maps_named_one_by_one_are_written_in_python() -> None:
     assert Recipe(drawn).command.endswith("  # without a folder: all maps were named one by one")
 
 
+def test_numbers_of_numpy_are_written_as_numbers() -> None:
+    drawn = scene(
+        tiling=np.array([2, 3]), shift=np.array([0.1, 0.2], np.float32), fade=np.array([1.0, 3.0]),
+        tilings={"normal": Tiling(np.array([2, 2]), np.array([0.1, 0.0]))},
+        camera=Orbit(np.array(20.0), np.float32(25.5), target=np.array([0.0, 0.1, 0.0])),
+        background=np.array([1.0, 0.5, 0.2], np.float32), shadow_map_size=np.int32(64),
+    )  # fmt: skip
+    assert Recipe(drawn).command == (
+        "basrelief render sample:stone --fade 1,3 --tiling 2x3 --shift 0.1,0.2 "
+        "--map-tiling normal=2x2 --map-shift normal=0.1,0 "
+        "--camera azimuth=20,elevation=25.5,target=0/0.1/0 --shadow-map-size 64 "
+        "--background 1,0.5,0.2"
+    )
+    assert "array" not in Recipe(drawn).python
+    assert Recipe(drawn).preset("again").to_toml()
+
+
+def test_paths_that_start_with_a_minus_are_written_as_paths() -> None:
+    write_heights(Path("-wall"))
+    drawn = scene(load("-wall"), layer=Layer(load("-wall")))
+    command = Recipe(drawn, DRAWING).command
+    assert command.startswith("basrelief render ./-wall --layer ./-wall ")
+    np.testing.assert_array_equal(drawn_by_command(command), as_file(drawn))
+
+
 def test_a_material_made_in_python_is_named_as_left_out() -> None:
     made = basrelief.Material("made", height=load(STONE).height)
     command = Recipe(scene(made)).command

@@ -95,8 +95,8 @@ def _object_options(obj: Object) -> Options:
 def _scene_options(scene: Scene) -> Options:
     """Options of a scene that differ from the defaults, with records as mappings."""
     options = _changed(scene, scene)
-    if scene.camera == Orbit():
-        del options["camera"]
+    if isinstance(scene.camera, Orbit) and not _camera_arguments(scene.camera):
+        options.pop("camera", None)
     if scene.lights == default_lights():
         del options["lights"]
     return options
@@ -114,9 +114,7 @@ def _changed(owner: Any, resolved: Any) -> Options:
 
 
 def _is_same(value: Any, default: Any) -> bool:
-    if isinstance(value, np.ndarray) or isinstance(default, np.ndarray):
-        return False
-    return bool(value == default)
+    return bool(plain(value) == plain(default))
 
 
 def _changed_numbers(record: Any) -> dict[str, Any]:
@@ -134,8 +132,10 @@ def _changed_numbers(record: Any) -> dict[str, Any]:
 
 def plain(value: Any) -> Any:
     """A value as Python numbers and tuples; 32-bit numbers are the shortest that round to them."""
-    if type(value) in VECTORS:
+    if type(value) in VECTORS or (isinstance(value, np.ndarray) and value.ndim):
         return tuple(map(plain, value))
+    if isinstance(value, np.ndarray):
+        return plain(value[()])
     if isinstance(value, np.floating):
         return float(str(value))
     return value.item() if isinstance(value, np.integer) else value
@@ -169,7 +169,7 @@ def portable_path(path: str) -> str:
 def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
     obj = scene.objects[0]
     origin = obj.material.origin
-    yield origin.path if origin is not None and origin.path else FOLDER
+    yield _argument(origin.path) if origin is not None and origin.path else FOLDER
     for name, value in (origin.options if origin is not None else {}).items():
         if name not in SAMPLE_OPTIONS:
             yield from _option(name, value)
@@ -197,6 +197,11 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
         yield from _option(name, value, "x")
 
 
+def _argument(path: str) -> str:
+    """A path that is not read as an option, though it starts with a minus."""
+    return f"./{path}" if path.startswith("-") else path
+
+
 def _option(name: str, value: Any, sign: str = ",") -> Iterator[str]:
     option = f"--{name.replace('_', '-')}"
     if value is True:
@@ -211,6 +216,7 @@ def joined(value: Any, sign: str) -> str:
     """Numbers joined by a sign, or a text as it is."""
     if isinstance(value, str):
         return value
+    value = plain(value)
     numbers = value if isinstance(value, tuple | list) else (value,)
     return sign.join(_number_text(number) for number in numbers)
 
@@ -227,13 +233,13 @@ def _arguments(values: Mapping[str, Any]) -> Iterator[str]:
 def _map_tilings(tilings: Mapping[str, Tiling], main: Tiling) -> Iterator[str]:
     for name, tiling in tilings.items():
         yield from ("--map-tiling", f"{name}={joined(tiling.tiles, 'x')}")
-        if tiling.shift != main.shift:
+        if plain(tiling.shift) != plain(main.shift):
             yield from ("--map-shift", f"{name}={joined(tiling.shift, ',')}")
 
 
 def _layer_parts(layer: Layer) -> Iterator[str]:
     origin = layer.material.origin
-    yield from ("--layer", origin.path if origin is not None and origin.path else "LAYER")
+    yield from ("--layer", _argument(origin.path) if origin and origin.path else "LAYER")
     yield from _option("layer_tiling", layer.tiling.tiles, "x")
     if any(layer.tiling.shift):
         yield from _option("layer_shift", layer.tiling.shift)
@@ -241,10 +247,11 @@ def _layer_parts(layer: Layer) -> Iterator[str]:
 
 def _camera_arguments(camera: Orbit | LookAt) -> Options:
     """The numbers of a camera that differ from the defaults, or that it needs."""
+    values = {name: plain(getattr(camera, name)) for name in settings_of(type(camera))}
     return {
-        name: getattr(camera, name)
+        name: values[name]
         for name, declared in settings_of(type(camera)).items()
-        if declared.required or getattr(camera, name) != declared.default
+        if declared.required or values[name] != declared.default
     }
 
 
@@ -306,8 +313,6 @@ def value_text(value: Any) -> str:
             return str(flag)
         case int() | float() as number:
             return _number_text(number)
-        case np.ndarray() as array:
-            return value_text(array.tolist())
         case tuple() | list() as items:
             inner = ", ".join(map(value_text, items))
             return f"({inner},)" if len(items) == 1 else f"({inner})"
