@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from basrelief.errors import InputError, suggestion
+from basrelief.errors import InputError, closest, suggestion
 from basrelief.material import Map, Material, load
 from basrelief.measure.views import SET_BY_MEASURE
 from basrelief.scene import (
@@ -150,7 +150,8 @@ def light_from(text: str) -> Light:
     kind, *parts = text.split(",")
     make = LIGHTS.get(kind.strip())
     if make is None:
-        raise InputError(f"--light {text}: begin with {', '.join(LIGHTS)}; or give none alone")
+        hint = f"begin with {', '.join(LIGHTS)}; or give none alone"
+        raise InputError(f"--light {text}: {hint}{closest(kind.strip(), LIGHTS)}")
     return make(**_arguments(parts, f"--light {kind.strip()}", make))
 
 
@@ -175,7 +176,8 @@ def _motion_from(text: str) -> Motion:
     name, *parts = text.split(",")
     kind = MOTIONS.get(name.strip())
     if kind is None:
-        raise InputError(f"--motion {text}: begin with {', '.join(MOTIONS)}")
+        hint = suggestion(name.strip(), MOTIONS, "begin with")
+        raise InputError(f"--motion {text}: {hint}")
     motion: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
     return motion
 
@@ -248,9 +250,10 @@ def scene(
     merged = scene_options(material, **options)
     if stretch is not None:
         shape = merged.get("shape", "plane")
-        merged["transform"] = placed(scale=vector(stretch, "--stretch")) @ default_transform(
-            shape, material
-        )
+        factors = vector(stretch, "--stretch")
+        if not all(NEAR <= abs(factor) <= FAR for factor in factors):
+            raise InputError(f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most")
+        merged["transform"] = placed(scale=factors) @ default_transform(shape, material)
     main_scene = scene_of(material, merged)
     return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
 

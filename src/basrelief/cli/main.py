@@ -16,6 +16,7 @@ from basrelief._version import __version__
 from basrelief.baking.files import FILE_BAKES, checked_bakes
 from basrelief.cli import options
 from basrelief.errors import BasreliefError, InputError, new_name
+from basrelief.settings import settings_of
 
 if TYPE_CHECKING:
     from basrelief.material import Material
@@ -74,7 +75,9 @@ def _usage_error(error: Exception) -> NoReturn:
     format_message = getattr(error, "format_message", None)
     if format_message is None:
         raise error
-    text = _renamed_option(error) or format_message().rstrip(".")
+    if type(error).__name__ == "NoArgsIsHelpError":
+        sys.exit(2)  # the help is printed
+    text = _renamed_option(error) or _wrong_value(error) or format_message().rstrip(".")
     _fail(f"{text} (see basrelief COMMAND --help)")
 
 
@@ -84,7 +87,32 @@ def _renamed_option(error: Any) -> str:
     if getattr(context, "info_name", "") == "bake" and option.strip("-") in BAKE_FLAGS:
         return f"{option}: maps to bake are named without dashes; {BAKE_EXAMPLE}"
     known = [] if context is None else [name for p in context.command.params for name in p.opts]
-    return new_name(option, known)
+    return new_name(option, known) or ("--set" in known and _setting_hint(option)) or ""
+
+
+def _setting_hint(option: str) -> str:
+    """The hint to --set where an option has the name of a number of a technique or a scene."""
+    from basrelief.scene.resolve import number_records
+    from basrelief.techniques import TECHNIQUES
+
+    name = option.lstrip("-").replace("-", "_")
+    has_it = any(
+        name in settings_of(record)
+        for technique in TECHNIQUES.values()
+        for record in number_records(technique, "standard").values()
+    )
+    return f"{option}: write --set {name}=VALUE" if has_it else ""
+
+
+def _wrong_value(error: Any) -> str:
+    """The line for a value that is no number, or out of its range; "" for other errors."""
+    option, reports = getattr(error, "param", None), getattr(error.__context__, "errors", None)
+    if option is None or reports is None:
+        return ""
+    (report, *_) = reports()
+    kinds = {"float_parsing": "write a number", "int_parsing": "write a whole number"}
+    advice = kinds.get(report["type"]) or report["msg"].replace("Input should be", "give a number")
+    return f"{option.opts[0]} {report['input']}: {advice}"
 
 
 def _exit_after_closed_pipe() -> NoReturn:
@@ -453,7 +481,12 @@ def tune(
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
         from basrelief.measure.tune import tune as tune_material
+        from basrelief.scene.presets import scene_of
+        from basrelief.scene.presets.record import check_preset_file
+        from basrelief.scene.recipe import Recipe
 
+        if (missed is None) == (flip is None):
+            raise InputError("give one bound: --missed 0.1% or --flip 0.05")
         bound = None if missed is None else arguments.share(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
         preset, maps = _preset_and_maps(values)
@@ -462,12 +495,16 @@ def tune(
             material, technique, settings or [], preset=preset, measured="depth" in maps,
             **_without_none(values),
         )  # fmt: skip
+        target = output or Path(f"{material.name}-tuned.toml")
+        check_preset_file(target)
+        # what a preset cannot say is refused before the search, which takes long
+        Recipe(scene_of(material, of_scene)).preset(target.stem)
 
         result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
             device=device, settings=fixed, progress=progress.report, **of_scene,
         )  # fmt: skip
-        written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
+        written = result.preset.save(target)
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
 
 
