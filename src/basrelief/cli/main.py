@@ -153,7 +153,12 @@ _NOT_MEASURED = (
     "shadow_map_size",
 )  # fmt: skip
 """Options of a scene that a measurement decides itself, or has no use for."""
-DeviceOption = Annotated[str, _picture_option(help="Device: auto, cpu or gpu.")]
+DeviceOption = Annotated[
+    str,
+    _picture_option(
+        help="Device: auto, cpu or gpu.", autocompletion=lambda: ["auto", "cpu", "gpu"]
+    ),
+]
 
 
 def _without_none(options: dict[str, Any]) -> dict[str, Any]:

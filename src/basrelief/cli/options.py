@@ -44,6 +44,20 @@ _TYPES: dict[str, Any] = {
 """Types of options by the kind of the setting; other kinds need options of their own."""
 
 
+def known_techniques() -> list[str]:
+    """Names of the library's techniques, for completion."""
+    from basrelief.techniques import TECHNIQUES
+
+    return list(TECHNIQUES)
+
+
+def known_presets() -> list[str]:
+    """Names of the library's presets, for completion."""
+    from basrelief.scene.presets import PRESETS
+
+    return list(PRESETS)
+
+
 def option_of(declared: Setting) -> Any:
     """The option of a setting, as an annotated type."""
     help = declared.doc.replace("`", "")
@@ -51,13 +65,14 @@ def option_of(declared: Setting) -> Any:
         help += f": {', '.join(declared.choices)}"
     choices = declared.choices
     names = (declared.option,) if declared.kind == "flag" else ()
+    completion = (lambda: list(choices)) if choices else None
     return Annotated[
         _TYPES[declared.kind],
         typer.Option(
             *names,
             help=f"{help}.",
             metavar=declared.spelling or None,
-            autocompletion=(lambda: list(choices)) if choices else None,
+            autocompletion=known_techniques if declared.name == "technique" else completion,
         ),
     ]
 
@@ -81,7 +96,14 @@ def _texts(help: str, metavar: str, *names: str) -> Any:
 
 
 RELIEF: Options = {
-    "preset": _text("Settings of an article, or of your own file.", "NAME|FILE.toml"),
+    "preset": Annotated[
+        Text,
+        typer.Option(
+            help="Settings of an article, or of your own file.",
+            metavar="NAME|FILE.toml",
+            autocompletion=known_presets,
+        ),
+    ],
     **_options_of(Object, group="Relief"),
     "settings": _texts("Set a number that `techniques` lists; repeatable.", "NAME=VALUE", "--set"),
     "stretch": _text("Scale the shape along the world's axes.", "X,Y,Z"),
