@@ -19,7 +19,7 @@ from basrelief.gallery.drawing import TEXELS, command_of
 from basrelief.images import read_picture, write_data
 from basrelief.scene import LYING, placed
 from basrelief.scene.presets import preset
-from basrelief.scene.recipe import Recipe, omitted_by_command
+from basrelief.scene.recipe import Recipe, omitted_by_command, portable_path
 from basrelief.settings import settings_of
 from helpers.command_line import done, write_heights
 
@@ -228,6 +228,7 @@ def test_numbers_of_numpy_are_written_as_numbers() -> None:
 def test_paths_that_start_with_a_minus_are_written_as_paths() -> None:
     write_heights(Path("-wall"))
     drawn = scene(load("-wall"), layer=Layer(load("-wall")))
+    assert portable_path("-wall") == portable_path(str(Path("-wall").resolve())) == "./-wall"
     command = Recipe(drawn, DRAWING).command
     assert command.startswith("basrelief render ./-wall --layer ./-wall ")
     np.testing.assert_array_equal(drawn_by_command(command), as_file(drawn))

@@ -115,7 +115,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Origin:
-    """What a material was made of, to name it in a command or a script.
+    """Sources of a material, to name it in a command or a script.
 
     `path` is that of `load`, "sample:NAME", or None where every map was named; `options` are those
     of `load`, or of `sample`, that differ from the defaults.

@@ -158,9 +158,9 @@ def portable_source(material: Material | None, otherwise: str) -> str:
 def portable_path(path: str) -> str:
     """A path relative to the current folder, without the folders above it; samples stay."""
     if path.startswith("sample:") or not Path(path).is_absolute():
-        return path
+        return _argument(path)
     file, here = Path(path), Path.cwd()
-    return str(file.relative_to(here) if file.is_relative_to(here) else file.name)
+    return _argument(str(file.relative_to(here) if file.is_relative_to(here) else file.name))
 
 
 # --- the command line ----------------------------------------------------------------------------
@@ -273,7 +273,7 @@ def stretch_of(obj: Object) -> tuple[float, ...] | None:
 
 
 def omitted_by_command(scene: Scene) -> Iterator[str]:
-    """What a command line cannot say about a scene, in words."""
+    """Parts of a scene that a command line cannot say, in words."""
     obj = scene.objects[0]
     yield from omitted_of_sources(obj)
     if obj.transform is not None and stretch_of(obj) is None:
@@ -283,7 +283,7 @@ def omitted_by_command(scene: Scene) -> Iterator[str]:
 
 
 def omitted_of_sources(obj: Object) -> Iterator[str]:
-    """What paths and options of `load` do not say about an object's materials, in words."""
+    """Parts of an object's materials that paths and options of `load` do not say, in words."""
     origin = obj.material.origin
     if origin is None:
         yield "the material, which was not loaded from files"
