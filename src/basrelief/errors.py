@@ -6,6 +6,7 @@ An error in a shader also has the source line, with a caret under the expression
 from __future__ import annotations
 
 from collections.abc import Collection
+from difflib import get_close_matches
 
 
 class BasreliefError(Exception):
@@ -67,5 +68,12 @@ def new_name(name: str, known: Collection[str]) -> str:
 
 
 def suggestion(name: str, known: Collection[str], lead: str = "there are") -> str:
-    """Hint for an unknown name: its new name, or the list of known names."""
-    return new_name(name, known) or f"{lead} {', '.join(known) or 'none'}"
+    """Hint for an unknown name: its new name, or the list of known names and the nearest one."""
+    listed = f"{lead} {', '.join(known) or 'none'}"
+    return new_name(name, known) or f"{listed}{closest(name, known)}"
+
+
+def closest(name: str, known: Collection[str]) -> str:
+    """The end of a message that suggests the known name spelled most like another; "" for none."""
+    close = get_close_matches(str(name), known, 1, 0.75)
+    return f"; did you mean {close[0]}?" if close else ""

@@ -289,7 +289,7 @@ def test_positions_and_sizes() -> None:
         ({"tiling": "wide"}, "--tiling wide: write a number"),
         ({"shift": "inf"}, "--shift inf: write a finite number"),
         ({"stretch": "2"}, "--stretch 2: write three numbers"),
-        ({"stretch": "1/0/1"}, "transform"),
+        ({"stretch": "1/0/1"}, "--stretch 1/0/1: write numbers other than 0"),
         ({"background": "red"}, "--background red: write a number"),
         ({"heights": "soft"}, "heights is one of sharp, smooth, mip, not 'soft'"),
         ({"fade": "near"}, "--fade near: write a number"),

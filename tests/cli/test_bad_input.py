@@ -193,6 +193,14 @@ WRONG = {
     "no such green": ("--normal-convention up", "normal_convention is one of auto, gl, dx"),
     "no such packing": ("--normal-packing bgr", "normal_packing is one of rgb, ag, rg"),
     "no such channel": ("--height-channel x", "height_channel is one of auto, r, g, b, a, lum"),
+    "a number that is none": ("--bias x", "--bias x: write a number"),
+    "no whole number": ("--shadow-map-size 1e3", "--shadow-map-size 1e3: write a whole number"),
+    "a quality out of range": ("--quality 0", "--quality 0: give a number greater than or equal"),
+    "a setting as an option": ("--max-steps 3", "--max-steps: write --set max_steps=VALUE"),
+    "a misspelled setting": ("--set maxsteps=3", "; did you mean max_steps?"),
+    "a misspelled preset": ("--preset gamdev", "; did you mean gamedev?"),
+    "a misspelled light": ("--light directonal", "; did you mean directional?"),
+    "no stretch": ("--stretch 1,0,2", "--stretch 1,0,2: write numbers other than 0"),
     "no such bits": ("--bits 12", "old.png: .png holds 8 or 16 bits a channel, not 12"),
 }  # fmt: skip
 
@@ -418,3 +426,20 @@ def palette_png(entries: np.ndarray, indices: np.ndarray) -> bytes:
     rows = zlib.compress(b"".join(b"\0" + row.tobytes() for row in indices))
     body = chunk(b"PLTE", entries.tobytes()) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
     return b"\x89PNG\r\n\x1a\n" + head + body
+
+
+def test_a_preset_that_cannot_be_written_is_refused_before_the_search(
+    bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("basrelief.measure.tune.tune", lambda *_, **__: pytest.fail("searched"))
+    for arguments, message in (
+        (["-o", "missing/wall.toml"], "missing/wall.toml: the folder missing does not exist"),
+        (["-o", "wall.json"], "wall.json: a preset is a .toml file"),
+        (["--background", "none"], "a preset has no transparent background"),
+    ):
+        assert refused("tune", bumps, "--missed", "5%", *arguments).startswith(message)
+    assert refused("tune", bumps) == "give one bound: --missed 0.1% or --flip 0.05"
+
+
+def test_the_command_line_alone_prints_the_help_alone(out: Path) -> None:
+    assert run_apart().stderr == ""

@@ -592,9 +592,9 @@ def test_without_arguments_help_is_printed() -> None:
         (["render"], "Missing argument"),
         (["render", "x", "y"], "unexpected extra argument"),
         (["render", "x", "--tecnique", "relief"], "No such option: --tecnique"),
-        (["render", "x", "--samples", "few"], "Invalid value for '--samples'"),
-        (["render", "x", "--scale", "deep"], "Invalid value for '--scale'"),
-        (["render", "x", "--quality", "0"], "Invalid value for '--quality'"),
+        (["render", "x", "--samples", "few"], "--samples few: write a whole number"),
+        (["render", "x", "--scale", "deep"], "--scale deep: write a number"),
+        (["render", "x", "--quality", "0"], "--quality 0: give a number"),
         (["render", "x", "--shape"], "'--shape' requires an argument"),
         (["info", "x", "--size", "3x3"], "No such option: --size"),
         (["techniques", "relief"], "unexpected extra argument"),
@@ -840,3 +840,24 @@ def test_basrelief_render_is_the_function() -> None:
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        ("render wall --technique parallax", "parallax_occlusion"),
+        ("tune wall --preset gamed", "gamedev"),
+        ("bake wall --device g", "gpu"),
+        ("bake wall norm", "normal"),
+    ],
+)
+def test_the_shell_completes_names(words: str, completed: str) -> None:
+    line = f"basrelief {words}"
+    count = str(len(line.split()) - 1)
+    script = "from basrelief.cli.main import app; app(prog_name='basrelief')"
+    variables = {"COMP_WORDS": line, "COMP_CWORD": count, "_BASRELIEF_COMPLETE": "complete_bash"}
+    outcome = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True, text=True, env={**os.environ, **variables}, timeout=60,
+    )  # fmt: skip
+    assert outcome.stdout.split() == [completed]

@@ -628,3 +628,9 @@ def test_the_example_of_the_page(tmp_path: Path) -> None:
     assert scene.camera == Orbit(20, 25)
     for name in NAMES:
         assert f"| `{name}` |" in page
+
+
+def test_the_public_names_of_presets_exist() -> None:
+    from basrelief.scene import presets
+
+    assert all(hasattr(presets, name) for name in presets.__all__)

@@ -20,7 +20,7 @@ from basrelief.gallery.drawing import TEXELS, command_of
 from basrelief.images import read_picture, write_data
 from basrelief.scene import LYING, placed
 from basrelief.scene.presets import preset
-from basrelief.scene.recipe import Recipe, omitted_by_command
+from basrelief.scene.recipe import Recipe, omitted_by_command, portable_path
 from basrelief.settings import settings_of
 from helpers.command_line import done, write_heights
 
@@ -210,6 +210,32 @@ def test_maps_named_one_by_one_are_written_in_python() -> None:
     line = Recipe(drawn, {**DRAWING, "device": "cpu"}).python
     np.testing.assert_array_equal(drawn_by_python(line), color(drawn))
     assert Recipe(drawn).command.endswith("  # without a folder: all maps were named one by one")
+
+
+def test_numbers_of_numpy_are_written_as_numbers() -> None:
+    drawn = scene(
+        tiling=np.array([2, 3]), shift=np.array([0.1, 0.2], np.float32), fade=np.array([1.0, 3.0]),
+        tilings={"normal": Tiling(np.array([2, 2]), np.array([0.1, 0.0]))},
+        camera=Orbit(np.array(20.0), np.float32(25.5), target=np.array([0.0, 0.1, 0.0])),
+        background=np.array([1.0, 0.5, 0.2], np.float32), shadow_map_size=np.int32(64),
+    )  # fmt: skip
+    assert Recipe(drawn).command == (
+        "basrelief render sample:stone --fade 1,3 --tiling 2x3 --shift 0.1,0.2 "
+        "--map-tiling normal=2x2 --map-shift normal=0.1,0 "
+        "--camera azimuth=20,elevation=25.5,target=0/0.1/0 --shadow-map-size 64 "
+        "--background 1,0.5,0.2"
+    )
+    assert "array" not in Recipe(drawn).python
+    assert Recipe(drawn).preset("again").to_toml()
+
+
+def test_paths_that_start_with_a_minus_are_written_as_paths() -> None:
+    write_heights(Path("-wall"))
+    drawn = scene(load("-wall"), layer=Layer(load("-wall")))
+    assert portable_path("-wall") == portable_path(str(Path("-wall").resolve())) == "./-wall"
+    command = Recipe(drawn, DRAWING).command
+    assert command.startswith("basrelief render ./-wall --layer ./-wall ")
+    np.testing.assert_array_equal(drawn_by_command(command), saved_pixels(drawn))
 
 
 def test_a_material_made_in_python_is_named_as_left_out() -> None:

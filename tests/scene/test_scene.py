@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -567,3 +568,19 @@ def test_unknown_names_suggest_a_technique(name: str, meant: str) -> None:
 def test_synonyms_are_of_techniques_and_are_none_themselves() -> None:
     assert set(SYNONYMS.values()) <= set(TECHNIQUES)
     assert not set(SYNONYMS) & set(TECHNIQUES)
+
+
+# --- values of a wrong kind -----------------------------------------------------------------------
+
+
+def test_cameras_and_transforms_of_a_wrong_kind_are_refused() -> None:
+    camera: Any = {"azimuth": 3.0}
+    assert "give an Orbit or a LookAt" in refused(lambda: Scene(Object(BUMPY), camera=camera))
+    transform: Any = "x/30"
+    assert "transform must be finite" in refused(lambda: Object(BUMPY, transform=transform))
+
+
+def test_samples_are_whole_numbers() -> None:
+    samples: Any = 1.5
+    scene = Scene(Object(BUMPY))
+    assert "1.5 samples a pixel" in refused(lambda: render(scene, size=(4, 3), samples=samples))

@@ -10,11 +10,11 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from basrelief.errors import InputError, suggestion
+from basrelief.errors import InputError, closest, suggestion
 from basrelief.lang.types import fields_of
 from basrelief.material import Map, Material, load
 from basrelief.measure.views import SET_BY_MEASURE
@@ -153,7 +153,8 @@ def light_from(text: str) -> Light:
     kind, *parts = text.split(",")
     make = LIGHTS.get(kind.strip())
     if make is None:
-        raise InputError(f"--light {text}: begin with {', '.join(LIGHTS)}; or give none alone")
+        hint = f"begin with {', '.join(LIGHTS)}; or give none alone"
+        raise InputError(f"--light {text}: {hint}{closest(kind.strip(), LIGHTS)}")
     return make(**_arguments(parts, f"--light {kind.strip()}", make))
 
 
@@ -178,7 +179,8 @@ def _motion_from(text: str) -> Motion:
     name, *parts = text.split(",")
     kind = MOTIONS.get(name.strip())
     if kind is None:
-        raise InputError(f"--motion {text}: begin with {', '.join(MOTIONS)}")
+        hint = suggestion(name.strip(), MOTIONS, "begin with")
+        raise InputError(f"--motion {text}: {hint}")
     motion: Motion = kind(**_arguments(parts, f"--motion {name.strip()}", kind))
     return motion
 
@@ -252,9 +254,10 @@ def scene(
     merged = scene_options(material, **options)
     if stretch is not None:
         shape = merged.get("shape", "plane")
-        merged["transform"] = placed(scale=vector(stretch, "--stretch")) @ default_transform(
-            shape, material
-        )
+        factors = vector(stretch, "--stretch")
+        if not all(NEAR <= abs(factor) <= FAR for factor in factors):
+            raise InputError(f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most")
+        merged["transform"] = placed(scale=factors) @ default_transform(shape, material)
     main_scene = scene_of(material, merged)
     return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
 
@@ -298,14 +301,32 @@ def scene_options(
     return merged
 
 
-def measured_options(
-    material: Material, techniques: Sequence[str] | None, settings: Sequence[str], **options: Any
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The settings of techniques and the options of `Object` and `Scene` for a measurement.
+class MeasuredOptions(NamedTuple):
+    """Options of a command that measures techniques.
 
-    Parameters are those of `scene_options`. A name in `settings` that one of the techniques has is
-    a setting of the techniques, not of the scene. Options that a measurement sets itself are
-    omitted.
+    `settings` are those of the techniques, `preset_settings` those of a preset. `measured` are the
+    options of `Object` and `Scene` without those that a measurement sets itself, `drawn` are all of
+    them, for a picture of the material.
+    """
+
+    settings: dict[str, Any]
+    preset_settings: dict[str, Any]
+    measured: dict[str, Any]
+    drawn: dict[str, Any]
+
+
+def measured_options(
+    material: Material,
+    techniques: Sequence[str] | None,
+    settings: Sequence[str],
+    *,
+    preset: Preset = EMPTY_PRESET,
+    **options: Any,
+) -> MeasuredOptions:
+    """The options of a measurement; parameters are those of `scene_options`.
+
+    A name in `settings` that one of the techniques has is a setting of the techniques, not of the
+    scene.
     """
     surface = options.get("surface", "standard")
     check_setting(_DECLARED["surface"], surface)
@@ -321,10 +342,18 @@ def measured_options(
         name: value(text, f"--set {name}") for name, text in values.items() if name in known
     }
     rest = [f"{name}={text}" for name, text in values.items() if name not in known]
-    merged = scene_options(material, settings=rest, technique="flat", **options)
-    set_elsewhere = {*SET_BY_MEASURE, "settings"}
-    of_scene = {name: option for name, option in merged.items() if name not in set_elsewhere}
-    return of_techniques, of_scene
+    merged = scene_options(material, settings=rest, technique="flat", preset=preset, **options)
+    drawn = {k: option for k, option in merged.items() if k not in ("technique", "settings")}
+    measured = {name: option for name, option in drawn.items() if name not in SET_BY_MEASURE}
+    u, v = merged.get("tiling") or default_tiles(merged.get("shape", "plane"), material)
+    # a measurement tiles the heights itself, and other maps in proportion
+    measured["tilings"] = {
+        name: replace(tiling, tiles=(tiling.tiles[0] / u, tiling.tiles[1] / v))
+        for name, tiling in merged["tilings"].items()
+    }
+    of_preset = preset.options(material, {}).get("settings", {})
+    preset_settings = {name: number for name, number in of_preset.items() if name in known}
+    return MeasuredOptions(of_techniques, preset_settings, measured, drawn)
 
 
 def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:

@@ -7,6 +7,7 @@ import io
 import os
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -75,7 +76,9 @@ def _usage_error(error: Exception) -> NoReturn:
     format_message = getattr(error, "format_message", None)
     if format_message is None:
         raise error
-    text = _renamed_option(error) or format_message().rstrip(".")
+    if type(error).__name__ == "NoArgsIsHelpError":
+        sys.exit(2)  # the help is printed
+    text = _renamed_option(error) or _wrong_value(error) or format_message().rstrip(".")
     _fail(f"{text} (see basrelief COMMAND --help)")
 
 
@@ -85,7 +88,32 @@ def _renamed_option(error: Any) -> str:
     if getattr(context, "info_name", "") == "bake" and option.strip("-") in BAKE_FLAGS:
         return f"{option}: maps to bake are named without dashes; {BAKE_EXAMPLE}"
     known = [] if context is None else [name for p in context.command.params for name in p.opts]
-    return new_name(option, known)
+    return new_name(option, known) or ("--set" in known and _setting_hint(option)) or ""
+
+
+def _setting_hint(option: str) -> str:
+    """The hint to --set where an option has the name of a number of a technique or a scene."""
+    from basrelief.scene.resolve import number_records
+    from basrelief.techniques import TECHNIQUES
+
+    name = option.lstrip("-").replace("-", "_")
+    has_it = any(
+        name in settings_of(record)
+        for technique in TECHNIQUES.values()
+        for record in number_records(technique, "standard").values()
+    )
+    return f"{option}: write --set {name}=VALUE" if has_it else ""
+
+
+def _wrong_value(error: Any) -> str:
+    """The line for a value that is no number, or out of its range; "" for other errors."""
+    option, reports = getattr(error, "param", None), getattr(error.__context__, "errors", None)
+    if option is None or reports is None:
+        return ""
+    (report, *_) = reports()
+    kinds = {"float_parsing": "write a number", "int_parsing": "write a whole number"}
+    advice = kinds.get(report["type"]) or report["msg"].replace("Input should be", "give a number")
+    return f"{option.opts[0]} {report['input']}: {advice}"
 
 
 def _exit_after_closed_pipe() -> NoReturn:
@@ -126,7 +154,12 @@ _NOT_MEASURED = (
     "shadow_map_size",
 )  # fmt: skip
 """Options of a scene that a measurement decides itself, or has no use for."""
-DeviceOption = Annotated[str, _picture_option(help="Device: auto, cpu or gpu.")]
+DeviceOption = Annotated[
+    str,
+    _picture_option(
+        help="Device: auto, cpu or gpu.", autocompletion=lambda: ["auto", "cpu", "gpu"]
+    ),
+]
 
 
 def _without_none(options: dict[str, Any]) -> dict[str, Any]:
@@ -392,20 +425,25 @@ def compare(
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
         from basrelief.measure.compare import compare as compare_techniques
+        from basrelief.measure.report import check_folder
 
         degrees, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
         preset, maps = _preset_and_maps(values)
         material = _load_material(path, **{**preset.maps, **maps})
-        fixed, of_scene = arguments.measured_options(
+        read = arguments.measured_options(
             material, technique, settings or [], preset=preset, measured="depth" in maps,
             **_without_none(values),
         )  # fmt: skip
+        folder = output or Path(f"{material.name}-compare")
+        check_folder(folder)
 
         result = compare_techniques(
             material, technique, angles=degrees, size=pixels, samples=samples, device=device,
-            settings=fixed, progress=progress.report, **of_scene,
+            settings={**read.preset_settings, **read.settings}, progress=progress.report,
+            **read.measured,
         )  # fmt: skip
-        page = result.save(output or Path(f"{material.name}-compare"))
+        result = result.drawn_with(material, read.drawn)
+        page = result.save(folder)
     print(f"{result.summary()}\n\n{result.recipe.command}\n\n{page}  ({result.device})")
 
 
@@ -449,21 +487,31 @@ def tune(
     with _Progress(f"reading {path}") as progress:
         from basrelief.cli import arguments
         from basrelief.measure.tune import tune as tune_material
+        from basrelief.scene.presets import scene_of
+        from basrelief.scene.presets.record import check_preset_file
+        from basrelief.scene.recipe import Recipe
 
+        if (missed is None) == (flip is None):
+            raise InputError("give one bound: --missed 0.1% or --flip 0.05")
         bound = None if missed is None else arguments.fraction(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
         preset, maps = _preset_and_maps(values)
         material = _load_material(path, **{**preset.maps, **maps})
-        fixed, of_scene = arguments.measured_options(
+        read = arguments.measured_options(
             material, technique, settings or [], preset=preset, measured="depth" in maps,
             **_without_none(values),
         )  # fmt: skip
+        target = output or Path(f"{material.name}-tuned.toml")
+        check_preset_file(target)
+        # what a preset cannot say is refused before the search, which takes long
+        Recipe(scene_of(material, read.drawn)).preset(target.stem)
 
         result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=fixed, progress=progress.report, **of_scene,
+            device=device, settings=read.settings, progress=progress.report, **read.measured,
         )  # fmt: skip
-        written = result.preset.save(output or Path(f"{material.name}-tuned.toml"))
+        result = replace(result, recipe=result.chosen.candidate.recipe(material, read.drawn))
+        written = result.preset.save(target)
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
 
 

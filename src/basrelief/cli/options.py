@@ -45,6 +45,20 @@ _TYPES: dict[str, Any] = {
 """Types of options by the kind of the setting; options of other kinds are written here."""
 
 
+def known_techniques() -> list[str]:
+    """Names of the library's techniques, for completion."""
+    from basrelief.techniques import TECHNIQUES
+
+    return list(TECHNIQUES)
+
+
+def known_presets() -> list[str]:
+    """Names of the library's presets, for completion."""
+    from basrelief.scene.presets import PRESETS
+
+    return list(PRESETS)
+
+
 def option_of(declared: Setting) -> Any:
     """The option of a setting, as an annotated type."""
     help = declared.doc.replace("`", "")
@@ -54,13 +68,14 @@ def option_of(declared: Setting) -> Any:
     # a choice of numbers is a number
     type_ = int | None if isinstance(next(iter(declared.choices), ""), int) else None
     names = (declared.option,) if declared.kind == "flag" else ()
+    completion = (lambda: list(choices)) if choices else None
     return Annotated[
         type_ or _TYPES[declared.kind],
         typer.Option(
             *names,
             help=f"{help}.",
             metavar=declared.spelling or None,
-            autocompletion=(lambda: choices) if choices else None,
+            autocompletion=known_techniques if declared.name == "technique" else completion,
         ),
     ]
 
@@ -94,7 +109,14 @@ def _light_kinds() -> list[str]:
 
 
 RELIEF: Options = {
-    "preset": _text("Settings of an article, or of your own file.", "NAME|FILE.toml"),
+    "preset": Annotated[
+        Text,
+        typer.Option(
+            help="Settings of an article, or of your own file.",
+            metavar="NAME|FILE.toml",
+            autocompletion=known_presets,
+        ),
+    ],
     **_options_of(Object, group="Relief"),
     "settings": _texts("Set a number that `techniques` lists; repeatable.", "NAME=VALUE", "--set"),
     "stretch": _text("Scale the shape along the world's axes.", "X,Y,Z"),

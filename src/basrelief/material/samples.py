@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, suggestion
 from basrelief.material.material import Map, Material, Note
 from basrelief.material.opening import hole
 from basrelief.material.patterns import PATTERNS, Canvas, Relief
@@ -57,7 +57,9 @@ def sample(name: str, size: int | tuple[int, int] = _SIDE, seed: int = 0) -> Mat
         For an unknown name, and for a size or a seed out of range.
     """
     if name not in SAMPLES:
-        raise InputError(f"there is no sample {name!r}; choose one of {', '.join(SAMPLES)}")
+        raise InputError(
+            f"there is no sample {name!r}; {suggestion(name, SAMPLES, 'choose one of')}"
+        )
     height, width = (size, size) if isinstance(size, int) else size
     if not (1 <= height <= LARGEST and 1 <= width <= LARGEST):
         raise InputError(f"sample {name}: a side has 1 to {LARGEST} texels, not {height}×{width}")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +100,27 @@ class Comparison(Results):
     def recipe(self) -> Recipe:
         """The recommended technique on the material."""
         return self.recipes[advice(self).technique]
+
+    def drawn_with(self, material: Material, options: Mapping[str, Any]) -> Comparison:
+        """The same comparison with recipes that draw the material with further options.
+
+        Parameters
+        ----------
+        material : Material
+            The material.
+        options : mapping
+            Fields of `Object` and `Scene`, also those that a comparison sets itself.
+
+        Returns
+        -------
+        Comparison
+        """
+        recipes = {}
+        for name, recipe in self.recipes.items():
+            (obj,) = recipe.scene.objects
+            own = {"technique": obj.technique, "settings": obj.settings}
+            recipes[name] = Recipe(scene_of(material, {**options, **own}))
+        return replace(self, recipes=recipes)
 
     def to_dict(self) -> dict[str, Any]:
         """The content of `compare.json`; docs/compare.md describes the keys."""

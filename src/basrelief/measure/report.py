@@ -36,8 +36,8 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
 
     Raises InputError for a folder that cannot be written to, or with another index.html.
     """
+    check_folder(folder)
     index = folder / "index.html"
-    check_overwritable(index, GENERATOR, "a comparison's page")
     pictures = folder / PICTURES
     try:
         pictures.mkdir(parents=True, exist_ok=True)
@@ -54,6 +54,13 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
         _write_plots(folder, comparison)
     write_page(index, page_html(comparison, has_plots))
     return index
+
+
+def check_folder(folder: Path) -> None:
+    """Raise InputError for a file in the place of a folder, and one with another index.html."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; name a folder for the comparison")
+    check_overwritable(folder / "index.html", GENERATOR, "a comparison's page")
 
 
 def error_picture(off: NDArray[np.float16]) -> NDArray[np.float32]:

@@ -33,7 +33,8 @@ def at_angle(
     The camera is orthographic, so all pixels have the same angle. A tile is 1 world unit wide and
     repeats beyond the picture's edges. The relief lies between the ground and one height range
     below it whatever its reference height, so that pictures of several techniques show the same.
-    `options` are fields of `Object` and `Scene`. Raises InputError for an angle outside 0 to 89.
+    `options` are fields of `Object` and `Scene`; `tilings` are those of one tile of the heights.
+    Raises InputError for an angle outside 0 to 89.
     """
     if not 0.0 <= angle <= MAX_ANGLE:
         raise InputError(f"an angle of {angle:g} degrees: give 0 (head-on) to {MAX_ANGLE:g}")
@@ -48,6 +49,13 @@ def at_angle(
         orthographic_height=VIEW_HEIGHT,
     )
     lying = LYING @ placed(scale=(tiles, tiles / material.proportion, tiles))
+    if "tilings" in options:
+        # in proportion to the tiling of the heights
+        own = {
+            name: replace(tiling, tiles=(tiling.tiles[0] * tiles, tiling.tiles[1] * tiles))
+            for name, tiling in options["tilings"].items()
+        }
+        options = {**options, "tilings": own}
     fixed = {"shape": "plane", "tiling": (tiles, tiles), "alpha": "opaque", "camera": camera}
     scene = scene_of(material, {**options, **fixed, "transform": lying})
     (obj,) = scene.objects

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from dataclasses import replace
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +91,7 @@ def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:
         )
     if not (0 < width <= _MAX_SIDE and 0 < height <= _MAX_SIDE):
         raise InputError(f"a picture of {width} × {height}: give 1 to {_MAX_SIDE} pixels a side")
-    if not 1 <= samples <= 1024:
+    if not isinstance(samples, Integral) or not 1 <= samples <= 1024:
         raise InputError(f"{samples} samples a pixel: give 1 to 1024")
     return width, height
 

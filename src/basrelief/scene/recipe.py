@@ -95,8 +95,8 @@ def _object_options(obj: Object) -> Options:
 def _scene_options(scene: Scene) -> Options:
     """Options of a scene that differ from the defaults, with records as mappings."""
     options = _changed(scene, scene)
-    if scene.camera == Orbit():
-        del options["camera"]
+    if isinstance(scene.camera, Orbit) and not _camera_arguments(scene.camera):
+        options.pop("camera", None)
     if scene.lights == default_lights():
         del options["lights"]
     return options
@@ -118,9 +118,7 @@ def _changed(owner: Any, resolved: Any) -> Options:
 
 
 def _is_same(value: Any, default: Any) -> bool:
-    if isinstance(value, np.ndarray) or isinstance(default, np.ndarray):
-        return False
-    return bool(value == default)
+    return bool(python_value(value) == python_value(default))
 
 
 def _changed_numbers(record: Any) -> dict[str, Any]:
@@ -137,12 +135,14 @@ def _changed_numbers(record: Any) -> dict[str, Any]:
 
 
 def python_value(value: Any) -> Any:
-    """Numbers and vectors as Python numbers and tuples; other values are returned unchanged.
+    """Numbers, vectors and arrays as Python numbers and tuples; other values are unchanged.
 
     A 32-bit number becomes the shortest decimal that rounds to it.
     """
-    if type(value) in VECTORS:
+    if type(value) in VECTORS or (isinstance(value, np.ndarray) and value.ndim):
         return tuple(map(python_value, value))
+    if isinstance(value, np.ndarray):
+        return python_value(value[()])
     if isinstance(value, np.floating):
         return float(str(value))
     return value.item() if isinstance(value, np.integer) else value
@@ -165,9 +165,9 @@ def portable_source(material: Material | None, otherwise: str) -> str:
 def portable_path(path: str) -> str:
     """A path without the names of folders above the current one; samples are unchanged."""
     if path.startswith("sample:") or not Path(path).is_absolute():
-        return path
+        return _argument(path)
     file, here = Path(path), Path.cwd()
-    return str(file.relative_to(here) if file.is_relative_to(here) else file.name)
+    return _argument(str(file.relative_to(here) if file.is_relative_to(here) else file.name))
 
 
 # --- the command line ----------------------------------------------------------------------------
@@ -176,7 +176,7 @@ def portable_path(path: str) -> str:
 def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
     obj = scene.objects[0]
     origin = obj.material.origin
-    yield origin.path if origin is not None and origin.path else FOLDER
+    yield _argument(origin.path) if origin is not None and origin.path else FOLDER
     for name, value in (origin.options if origin is not None else {}).items():
         if name not in SAMPLE_OPTIONS:
             yield from _option(name, value)
@@ -204,6 +204,11 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
         yield from _option(name, value, "x")
 
 
+def _argument(path: str) -> str:
+    """A path that is not read as an option, though it starts with a minus."""
+    return f"./{path}" if path.startswith("-") else path
+
+
 def _option(name: str, value: Any, separator: str = ",") -> Iterator[str]:
     option = f"--{name.replace('_', '-')}"
     if value is True:
@@ -218,6 +223,7 @@ def joined(value: Any, separator: str) -> str:
     """Numbers joined by a separator; a text unchanged."""
     if isinstance(value, str):
         return value
+    value = python_value(value)
     numbers = value if isinstance(value, tuple | list) else (value,)
     return separator.join(_number_text(number) for number in numbers)
 
@@ -233,13 +239,13 @@ def _arguments(values: Mapping[str, Any]) -> Iterator[str]:
 def _map_tilings(tilings: Mapping[str, Tiling], main: Tiling) -> Iterator[str]:
     for name, tiling in tilings.items():
         yield from ("--map-tiling", f"{name}={joined(tiling.tiles, 'x')}")
-        if tiling.shift != main.shift:
+        if python_value(tiling.shift) != python_value(main.shift):
             yield from ("--map-shift", f"{name}={joined(tiling.shift, ',')}")
 
 
 def _layer_parts(layer: Layer) -> Iterator[str]:
     origin = layer.material.origin
-    yield from ("--layer", origin.path if origin is not None and origin.path else "LAYER")
+    yield from ("--layer", _argument(origin.path) if origin and origin.path else "LAYER")
     yield from _option("layer_tiling", layer.tiling.tiles, "x")
     if any(layer.tiling.shift):
         yield from _option("layer_shift", layer.tiling.shift)
@@ -247,10 +253,11 @@ def _layer_parts(layer: Layer) -> Iterator[str]:
 
 def _camera_arguments(camera: Orbit | LookAt) -> Options:
     """The numbers of a camera that differ from the defaults, or that it needs."""
+    values = {name: python_value(getattr(camera, name)) for name in settings_of(type(camera))}
     return {
-        name: getattr(camera, name)
+        name: values[name]
         for name, declared in settings_of(type(camera)).items()
-        if declared.required or getattr(camera, name) != declared.default
+        if declared.required or values[name] != declared.default
     }
 
 
@@ -315,8 +322,6 @@ def value_text(value: Any) -> str:
             return str(flag)
         case int() | float() as number:
             return _number_text(number)
-        case np.ndarray() as array:
-            return value_text(array.tolist())
         case tuple() | list() as items:
             inner = ", ".join(map(value_text, items))
             return f"({inner},)" if len(items) == 1 else f"({inner})"

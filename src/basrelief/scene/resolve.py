@@ -274,7 +274,10 @@ def _layer(obj: Object) -> Layer | None:
 def _transform(obj: Object) -> Transform:
     if obj.transform is None:
         return default_transform(obj.shape, obj.material)
-    transform = np.asarray(obj.transform, np.float64)
+    try:
+        transform = np.asarray(obj.transform, np.float64)
+    except (TypeError, ValueError):
+        transform = np.zeros(0)
     if not is_valid_transform(transform):
         raise InputError(
             "an object's transform must be finite, affine (4 × 4, the last row 0 0 0 1), "

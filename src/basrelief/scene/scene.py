@@ -107,6 +107,8 @@ class Scene:
         object.__setattr__(self, "objects", objects)
         if isinstance(self.fog, str):
             raise InputError(FOG_IS_NUMBERS.format(self.fog))
+        if not isinstance(self.camera, Orbit | LookAt):
+            raise InputError(f"camera is {self.camera!r}: give an Orbit or a LookAt")
         check_settings(self)
         self._check_background()
         self._resolve_records()

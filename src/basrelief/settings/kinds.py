@@ -37,7 +37,7 @@ SYNONYMS = {
     "terrain": "landscape", "pbr": "ggx", "metallic_roughness": "ggx", "blinn_phong": "phong",
     "off": "none", "no": "none", "on": "hard", "pcss": "soft", "ao": "ambient",
     "exp": "exponential", "exp2": "exponential_squared", "exponential2": "exponential_squared",
-    "offset_limiting": "limited", "true": "full",
+    "offset_limiting": "limited", "true": "full", "yes": "hard", "pcf": "soft",
 }  # fmt: skip
 """Values by the words that other programs have for them."""
 

@@ -14,10 +14,10 @@ import os
 import tomllib
 from pathlib import Path
 
-from basrelief.errors import InputError
+from basrelief.errors import InputError, closest
 from basrelief.scene.presets.record import Preset, scene_of
 
-__all__ = ["NOTHING", "PRESETS", "Preset", "preset", "scene_of"]
+__all__ = ["EMPTY_PRESET", "PRESETS", "Preset", "preset", "scene_of"]
 
 _FOLDER = Path(__file__).parent
 PRESETS = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
@@ -53,7 +53,7 @@ def preset(name: str | os.PathLike[str]) -> Preset:
         return _library_preset(text)
     if not text.endswith(".toml"):
         raise InputError(f"no preset is called {text!r}; use one of {', '.join(PRESETS)}, or a "
-                         ".toml file")  # fmt: skip
+                         f".toml file{closest(text, PRESETS)}")  # fmt: skip
     return _read(Path(text))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
+from basrelief.images.files import check_writable
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.options import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
@@ -159,10 +160,7 @@ class Preset:
             For another suffix, and where the file cannot be written.
         """
         target = Path(path)
-        if target.suffix != ".toml":
-            raise InputError(
-                f"{target}: a preset is a .toml file; choose a name that ends in .toml"
-            )
+        check_preset_file(target)
         text = self.to_toml()
         write_whole(target, lambda partial: partial.write_text(text, "utf-8", newline="\n"))
         return target
@@ -274,6 +272,13 @@ class Preset:
 def _tiling(table: Any, key: str) -> Tiling:
     checks.check_table(table, checks.TILING_KEYS, key)
     return Tiling(**table)
+
+
+def check_preset_file(path: Path) -> None:
+    """Raise InputError where a preset cannot be saved."""
+    if path.suffix != ".toml":
+        raise InputError(f"{path}: a preset is a .toml file; choose a name that ends in .toml")
+    check_writable(path)
 
 
 def scene_of(material: Material, options: Mapping[str, Any]) -> Scene:
