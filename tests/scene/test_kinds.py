@@ -16,6 +16,7 @@ from basrelief.images import Picture
 from basrelief.lang import HeightField, Texture
 from basrelief.lang.types import leaf_values
 from basrelief.material import channels, sample
+from basrelief.material.options import ReadOptions
 from basrelief.measure.columns import intersect_columns
 from basrelief.measure.debug import SHOWN, debug_picture
 from basrelief.measure.oracle import intersect_height_field
@@ -166,6 +167,7 @@ def test_a_value_is_suggested_by_its_meaning(name: str, value: str, meant: str) 
 
 def test_synonyms_mean_values_that_exist() -> None:
     values = {value for kind in OPTIONS.values() for value in get_args(kind)}
+    values |= {value for s in settings_of(ReadOptions).values() for value in s.choices}
     assert set(kinds.SYNONYMS.values()) <= values
     assert not values & {*kinds.SYNONYMS}
 

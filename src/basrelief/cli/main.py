@@ -142,7 +142,10 @@ def _top(
 # --- options that several commands share ---------------------------------------------------------
 
 PathArgument = Annotated[
-    str, typer.Argument(help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).")
+    str,
+    typer.Argument(
+        help="A folder of maps, a picture, or sample:NAME (bricks, cobbles, …).", metavar="FOLDER"
+    ),
 ]
 _picture_option = functools.partial(typer.Option, rich_help_panel="Picture")
 _OUTPUT = ("-o", "--output")

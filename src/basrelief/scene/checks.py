@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
+from collections.abc import Iterable
 from numbers import Real
 from typing import Any
 
 from basrelief.errors import InputError
-from basrelief.settings import Setting, settings_of
-from basrelief.settings.kinds import SYNONYMS
+from basrelief.settings import Setting, check_choice, settings_of
 
 NEAR, FAR = 1e-6, 1e6
 """Range of sizes, coordinates and tilings whose squares, cubes and quotients fit in float32."""
@@ -19,23 +17,6 @@ MIN_FIELD_OF_VIEW = 1e-3
 
 FOG_IS_NUMBERS = "fog is {0!r}: fog holds the numbers now; write fog_mode = {0!r}"
 """Message for a fog mode passed as `fog`, the former name of `fog_mode`."""
-
-
-def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
-    """Raise InputError unless the value is allowed; the message suggests the one that is meant."""
-    if value not in allowed:
-        names = [str(a) for a in allowed if a is not None]
-        meant = meant_choice(value, names)
-        hint = f"; did you mean {meant}?" if meant else ""
-        raise InputError(f"{what} is one of {', '.join(names)}, not {value!r}{hint}")
-
-
-def meant_choice(value: Any, allowed: Sequence[str]) -> str | None:
-    """The allowed value that a misspelling or a word of another program means, if any."""
-    name = str(value).strip().lower().replace("-", "_").replace(" ", "_")
-    if SYNONYMS.get(name) in allowed:
-        return SYNONYMS[name]
-    return next(iter(get_close_matches(name, allowed, 1, 0.75)), None)
 
 
 def check_range(what: str, value: float, low: float | None, high: float | None) -> None:

@@ -17,11 +17,12 @@ from basrelief.baking.tables import check_bake
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
 from basrelief.material import Material
-from basrelief.scene.checks import FAR, check_choice
+from basrelief.scene.checks import FAR
 from basrelief.scene.records import SCENE_RECORDS, settings_record
 from basrelief.scene.shapes import SHAPES
 from basrelief.scene.tilings import OWN_TILINGS, Layer, Tiling
 from basrelief.scene.transforms import LYING, Transform, is_valid_transform, placed
+from basrelief.settings import check_choice
 from basrelief.settings.kinds import (
     AlphaKind,
     CastsKind,

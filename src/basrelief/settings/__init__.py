@@ -5,10 +5,11 @@ It lies below all other packages and imports little, since the command line's he
 
 from basrelief.settings.declaration import (
     Setting,
+    check_choice,
     check_choices,
     parameters_of,
     setting,
     settings_of,
 )
 
-__all__ = ["Setting", "check_choices", "parameters_of", "setting", "settings_of"]
+__all__ = ["Setting", "check_choice", "check_choices", "parameters_of", "setting", "settings_of"]

@@ -13,10 +13,12 @@ import functools
 import inspect
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any, Literal, get_args, get_origin
 
 from basrelief.errors import InputError
+from basrelief.settings.kinds import SYNONYMS
 
 Kind = Literal["choice", "text", "flag", "integer", "number", "pair", "triple", "numbers", "other"]
 _KINDS: dict[str, Kind] = {
@@ -187,10 +189,25 @@ def _setting(record: Any, field: dataclasses.Field[Any], meaning: str, details: 
 def check_choices(record: Any) -> None:
     """Raise InputError unless each choice of a record is one of its values."""
     for name, declared in settings_of(type(record)).items():
-        value = getattr(record, name)
-        if declared.choices and value not in declared.choices:
-            known = ", ".join(map(str, declared.choices))
-            raise InputError(f"{name} is one of {known}, not {value!r}")
+        if declared.choices:
+            check_choice(name, getattr(record, name), declared.choices)
+
+
+def check_choice(what: str, value: Any, allowed: Sequence[Any]) -> None:
+    """Raise InputError unless the value is allowed; the message suggests the one that is meant."""
+    if value not in allowed:
+        names = [str(a) for a in allowed if a is not None]
+        meant = meant_choice(value, names)
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise InputError(f"{what} is one of {', '.join(names)}, not {value!r}{hint}")
+
+
+def meant_choice(value: Any, allowed: Sequence[str]) -> str | None:
+    """The allowed value that a misspelling or a word of another program means, if any."""
+    name = str(value).strip().lower().replace("-", "_").replace(" ", "_")
+    if SYNONYMS.get(name) in allowed:
+        return SYNONYMS[name]
+    return next(iter(get_close_matches(name, allowed, 1, 0.75)), None)
 
 
 @functools.cache

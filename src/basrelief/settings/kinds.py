@@ -37,6 +37,9 @@ SYNONYMS = {
     "terrain": "landscape", "pbr": "ggx", "metallic_roughness": "ggx", "blinn_phong": "phong",
     "off": "none", "no": "none", "on": "hard", "pcss": "soft", "ao": "ambient",
     "exp": "exponential", "exp2": "exponential_squared", "exponential2": "exponential_squared",
+    "opengl": "gl", "directx": "dx", "up": "gl", "down": "dx",
+    "red": "r", "green": "g", "blue": "b", "alpha": "a", "luma": "luminance", "grey": "luminance",
+    "inverted": "depth", "displacement": "height", "bump": "height",
     "offset_limiting": "limited", "true": "full", "yes": "hard", "pcf": "soft",
 }  # fmt: skip
 """Values by the words that other programs have for them."""

@@ -25,10 +25,11 @@ from basrelief.errors import InputError, suggestion
 from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
-from basrelief.scene.checks import check_choice, check_range, check_setting
+from basrelief.scene.checks import check_range, check_setting
 from basrelief.scene.recipe import Recipe
 from basrelief.scene.records import settings_record
 from basrelief.scene.resolve import default_tiles
+from basrelief.settings import check_choice
 from basrelief.settings import settings_of as declarations
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog

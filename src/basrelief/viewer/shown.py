@@ -8,7 +8,7 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.scene import LookAt, Orbit, Scene, Tiling
-from basrelief.scene.checks import check_choice, check_range
+from basrelief.scene.checks import check_range
 from basrelief.scene.lights import (
     LIGHT_CONSTRUCTORS,
     LIGHTS,
@@ -16,7 +16,7 @@ from basrelief.scene.lights import (
     light_of_numbers,
     light_parameters,
 )
-from basrelief.settings import settings_of
+from basrelief.settings import check_choice, settings_of
 from basrelief.shading.lights import Light
 from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, techniques_of

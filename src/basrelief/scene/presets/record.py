@@ -17,10 +17,9 @@ from basrelief.images.files import check_writable
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.options import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
-from basrelief.scene.checks import check_choice
 from basrelief.scene.presets import checks
 from basrelief.scene.resolve import default_technique, default_tiles
-from basrelief.settings import settings_of
+from basrelief.settings import check_choice, settings_of
 
 _TABLES = ("maps", "object", "scene", "motion")
 _RECORDS = tuple(

@@ -1,0 +1,88 @@
+"""`compare` and `tune` with a preset: what they take from it, and what they print."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+import basrelief
+from basrelief.measure.views import at_angle
+from basrelief.scene.presets import preset
+from helpers.command_line import done, refused, write_heights
+
+MINE = """
+[object]
+shape = "box"
+tiling = [2, 2]
+edge = "clamp"
+scale = 0.2
+technique = "relief"
+
+[object.settings]
+min_steps = 6
+max_steps = 7
+
+[object.tilings.base_color]
+tiles = [4, 2]
+
+[scene.camera]
+azimuth = 10
+"""
+
+
+@pytest.fixture(autouse=True)
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_heights(tmp_path / "wall")
+    (tmp_path / "mine.toml").write_text(MINE)
+
+
+def printed(output: str) -> list[str]:
+    (line,) = (line for line in output.splitlines() if line.startswith("basrelief render "))
+    return shlex.split(line)
+
+
+def test_compare_measures_the_settings_of_a_preset() -> None:
+    out = done(
+        "compare", "wall", "--preset", "mine.toml", "--technique", "relief", "--angles", "60",
+        "--size", "32x24", "--samples", "1", "--device", "cpu", "-o", "out",
+    )  # fmt: skip
+    (relief,) = (
+        each for each in json.loads(Path("out/compare.json").read_text())["techniques"]
+        if each["name"] == "relief"
+    )  # fmt: skip
+    assert (relief["settings"]["min_steps"], relief["settings"]["max_steps"]) == (6, 7)
+    # the printed command draws the preset's shape, tilings and camera
+    command = " ".join(printed(out))
+    for option in (
+        "--shape box", "--tiling 2x2", "--edge clamp", "--map-tiling base_color=4x2",
+        "--camera azimuth=10",
+    ):  # fmt: skip
+        assert option in command
+
+
+def test_tune_keeps_what_a_preset_says_of_the_picture() -> None:
+    out = done(
+        "tune", "wall", "--preset", "mine.toml", "--technique", "steep", "--missed", "90%",
+        "--angles", "60-60", "--size", "32x24", "--device", "cpu", "-o", "tuned.toml",
+    )  # fmt: skip
+    assert "--shape box" in " ".join(printed(out))
+    values = preset("tuned.toml").values["object"]
+    assert (values["shape"], values["edge"], tuple(values["tiling"])) == ("box", "clamp", (2, 2))
+    assert tuple(values["tilings"]["base_color"]["tiles"]) == (4, 2)
+
+
+def test_tilings_of_single_maps_keep_their_proportion_to_the_heights() -> None:
+    own = {"normal": basrelief.Tiling((2.0, 0.5))}
+    scene = at_angle(basrelief.load("wall"), 60.0, (32, 24), {"tilings": own})
+    (obj,) = scene.resolved
+    assert obj.tilings["normal"].tiles == (2 * obj.tiling.tiles[0], obj.tiling.tiles[1] / 2)
+
+
+def test_a_file_in_place_of_the_folder_is_refused_before_measuring() -> None:
+    Path("out").write_text("mine")
+    line = refused("compare", "wall", "-o", "out")
+    assert line == "out: is a file; name a folder for the comparison"
