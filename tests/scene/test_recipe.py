@@ -15,6 +15,7 @@ import pytest
 
 import basrelief
 from basrelief import Layer, LookAt, Object, Orbit, Scene, Tiling, directional, load, point, spot
+from basrelief.cli import demo
 from basrelief.gallery import PAGES
 from basrelief.gallery.drawing import TEXELS, command_of
 from basrelief.images import read_picture, write_data
@@ -299,6 +300,17 @@ def test_the_printed_command_draws_the_measured_relief(measure: tuple[str, ...])
     if measure[0] == "tune":
         with_preset = "basrelief render wall --preset out.toml"
         np.testing.assert_array_equal(drawn_by_command(with_preset, *small), again)
+
+
+def test_commands_of_the_demo_draw_its_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo, "_SIZE", SIZE)
+    monkeypatch.setattr(demo, "_SAMPLES", 1)
+    # the size of samples that commands draw
+    monkeypatch.setattr(demo, "sample", lambda name: load(f"sample:{name}"))
+    drawn = list(demo.pictures(Path("demo"), "cpu"))
+    assert len(drawn) == demo.COUNT
+    for path, command in drawn:
+        np.testing.assert_array_equal(drawn_by_command(command), read_picture(path).pixels)
 
 
 cached_sample = functools.cache(basrelief.sample)
