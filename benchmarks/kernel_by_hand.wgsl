@@ -33,10 +33,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   var surface = height(start, size);
   var ray_before = ray;
   var surface_before = surface;
-  for (var k = 1; k < steps && ray > surface; k++) {
+  // the last read is at the base, height 0
+  for (var k = 1; k <= steps && ray > surface; k++) {
     ray_before = ray;
     surface_before = surface;
-    ray = 1.0 - f32(k) * step;
+    ray = 1.0 - select(f32(k) * step, 1.0, k == steps);
     surface = height(start + travel * (1.0 - ray), size);
   }
   if (ray <= surface) {

@@ -75,6 +75,20 @@ def test_tune_keeps_what_a_preset_says_of_the_picture() -> None:
     assert tuple(values["tilings"]["base_color"]["tiles"]) == (4, 2)
 
 
+def test_heights_of_a_preset_that_a_technique_does_not_read_are_left_out() -> None:
+    out = done(
+        "compare", "wall", "--preset", "gamedev", "--technique", "steep", "--angles", "60",
+        "--size", "32x24", "--samples", "1", "--device", "cpu", "-o", "out",
+    )  # fmt: skip
+    commands = {
+        each["name"]: each["command"]
+        for each in json.loads(Path("out/compare.json").read_text())["techniques"]
+    }
+    assert "--heights smooth" in commands["steep"]
+    assert "--heights" not in commands["exact"]
+    assert "basrelief render wall" in out
+
+
 def test_tilings_of_single_maps_keep_their_proportion_to_the_heights() -> None:
     own = {"normal": basrelief.Tiling((2.0, 0.5))}
     scene = at_angle(basrelief.load("wall"), 60.0, (32, 24), {"tilings": own})

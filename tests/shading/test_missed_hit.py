@@ -61,7 +61,9 @@ def missed_by_shader(
 @pytest.mark.parametrize("projection", ["full", "biased", "limited"])
 @pytest.mark.parametrize("technique", ["offset", "parallax_occlusion"])
 def test_missed_hits_equal_those_of_the_measures(technique, projection, edge, device) -> None:
-    scene = noise_scene(technique=technique, projection=projection, edge=edge)
+    # few steps, so that enough hits are missed
+    steps = {"max_steps": 12} if technique == "parallax_occlusion" else {}
+    scene = noise_scene(technique=technique, settings=steps, projection=projection, edge=edge)
     frame = render(scene, size=SIZE, samples=1, device="cpu")
     true = truth(scene, SIZE, device="cpu")
     lost, passed = missed_by_shader(scene, frame, true, device)

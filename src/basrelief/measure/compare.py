@@ -56,7 +56,9 @@ class Candidate:
 
     def recipe(self, material: Material, options: Mapping[str, Any]) -> Recipe:
         """The material drawn with this technique, and options of `Object` and `Scene`."""
-        own = {"technique": self.technique, "settings": self.settings}
+        own: dict[str, Any] = {"technique": self.technique, "settings": self.settings}
+        if options.get("heights", "sharp") not in self.technique.takes_heights:
+            own["heights"] = "sharp"
         return Recipe(scene_of(material, {**options, **own}))
 
 
@@ -118,8 +120,9 @@ class Comparison(Results):
         recipes = {}
         for name, recipe in self.recipes.items():
             (obj,) = recipe.scene.objects
-            own = {"technique": obj.technique, "settings": obj.settings}
-            recipes[name] = Recipe(scene_of(material, {**options, **own}))
+            technique = obj.resolved.technique
+            candidate = Candidate(name, technique, obj.settings, technique.name)
+            recipes[name] = candidate.recipe(material, options)
         return replace(self, recipes=recipes)
 
     def to_dict(self) -> dict[str, Any]:
