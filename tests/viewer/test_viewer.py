@@ -138,9 +138,12 @@ def fresh(seen: OpenPage) -> Iterator[OpenPage]:
         """() => {
           document.getElementById("panel").replaceChildren();
           viewer.drop = { channel: "luminance", polarity: "", green: "" };
-          return viewer.reset();
+          window.isReset = false;
+          viewer.reset().then(() => { window.isReset = true; });
         }"""
     )
+    # not awaited by the evaluation, as the browser's protocol does not keep such a promise alive
+    seen.page.wait_for_function("window.isReset")
     seen.console.clear()
     yield seen
     assert seen.console == []

@@ -17,7 +17,7 @@ import numpy as np
 from basrelief.errors import InputError, closest, suggestion
 from basrelief.lang.types import fields_of
 from basrelief.material import Map, Material, load
-from basrelief.measure.views import SET_BY_MEASURE
+from basrelief.measure.views import SET_BY_MEASURE, in_proportion
 from basrelief.scene import (
     OWN_TILINGS,
     Layer,
@@ -328,7 +328,8 @@ def measured_options(
     A name in `settings` that one of the techniques has is a setting of the techniques, not of the
     scene.
     """
-    surface = options.get("surface", "standard")
+    of_preset = preset.options(material, {})
+    surface = options.get("surface") or of_preset.get("surface", "standard")
     check_setting(_DECLARED["surface"], surface)
     named = [technique_named(text.partition(",")[0]) for text in techniques or TECHNIQUES]
     known = {name for technique in named for name in fields_of(technique.settings)}
@@ -347,12 +348,9 @@ def measured_options(
     measured = {name: option for name, option in drawn.items() if name not in SET_BY_MEASURE}
     u, v = merged.get("tiling") or default_tiles(merged.get("shape", "plane"), material)
     # a measurement tiles the heights itself, and other maps in proportion
-    measured["tilings"] = {
-        name: replace(tiling, tiles=(tiling.tiles[0] / u, tiling.tiles[1] / v))
-        for name, tiling in merged["tilings"].items()
-    }
-    of_preset = preset.options(material, {}).get("settings", {})
-    preset_settings = {name: number for name, number in of_preset.items() if name in known}
+    measured = in_proportion(measured, 1.0 / u, 1.0 / v)
+    numbers = of_preset.get("settings", {})
+    preset_settings = {name: number for name, number in numbers.items() if name in known}
     return MeasuredOptions(of_techniques, preset_settings, measured, drawn)
 
 

@@ -7,7 +7,6 @@ import io
 import os
 import sys
 import threading
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -20,6 +19,7 @@ from basrelief.errors import BasreliefError, InputError, new_name
 from basrelief.settings import settings_of
 
 if TYPE_CHECKING:
+    from basrelief.cli.arguments import MeasuredOptions
     from basrelief.material import Material
     from basrelief.scene import Scene
     from basrelief.scene.presets import Preset
@@ -193,6 +193,20 @@ def _scene(path: str, preset: Preset, maps: dict[str, Any], values: dict[str, An
     return arguments.scene(
         material, preset=preset, measured="depth" in maps, **_without_none(values)
     )
+
+
+def _measured(
+    path: str, techniques: list[str] | None, settings: list[str] | None, values: dict[str, Any]
+) -> tuple[Material, MeasuredOptions]:
+    """The material of a command that measures techniques, and its options."""
+    from basrelief.cli import arguments
+
+    preset, maps = _preset_and_maps(values)
+    material = _load_material(path, **{**preset.maps, **maps})
+    return material, arguments.measured_options(
+        material, techniques, settings or [], preset=preset, measured="depth" in maps,
+        **_without_none(values),
+    )  # fmt: skip
 
 
 @app.command()
@@ -431,21 +445,15 @@ def compare(
         from basrelief.measure.report import check_folder
 
         degrees, pixels = arguments.numbers(angles, "--angles"), arguments.size(size)
-        preset, maps = _preset_and_maps(values)
-        material = _load_material(path, **{**preset.maps, **maps})
-        read = arguments.measured_options(
-            material, technique, settings or [], preset=preset, measured="depth" in maps,
-            **_without_none(values),
-        )  # fmt: skip
+        material, read = _measured(path, technique, settings, values)
         folder = output or Path(f"{material.name}-compare")
         check_folder(folder)
 
         result = compare_techniques(
             material, technique, angles=degrees, size=pixels, samples=samples, device=device,
-            settings={**read.preset_settings, **read.settings}, progress=progress.report,
-            **read.measured,
+            settings={**read.preset_settings, **read.settings}, drawn=read.drawn,
+            progress=progress.report, **read.measured,
         )  # fmt: skip
-        result = result.drawn_with(material, read.drawn)
         page = result.save(folder)
     print(f"{result.summary()}\n\n{result.recipe.command}\n\n{page}  ({result.device})")
 
@@ -498,12 +506,7 @@ def tune(
             raise InputError("give one bound: --missed 0.1% or --flip 0.05")
         bound = None if missed is None else arguments.fraction(missed, "--missed")
         degrees, pixels = arguments.span(angles, "--angles"), arguments.size(size)
-        preset, maps = _preset_and_maps(values)
-        material = _load_material(path, **{**preset.maps, **maps})
-        read = arguments.measured_options(
-            material, technique, settings or [], preset=preset, measured="depth" in maps,
-            **_without_none(values),
-        )  # fmt: skip
+        material, read = _measured(path, technique, settings, values)
         target = output or Path(f"{material.name}-tuned.toml")
         check_preset_file(target)
         # what a preset cannot say is refused before the search, which takes long
@@ -511,9 +514,9 @@ def tune(
 
         result = tune_material(
             material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=read.settings, progress=progress.report, **read.measured,
+            device=device, settings=read.settings, drawn=read.drawn, progress=progress.report,
+            **read.measured,
         )  # fmt: skip
-        result = replace(result, recipe=result.chosen.candidate.recipe(material, read.drawn))
         written = result.preset.save(target)
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -103,28 +103,6 @@ class Comparison(Results):
         """The recommended technique on the material."""
         return self.recipes[advice(self).technique]
 
-    def drawn_with(self, material: Material, options: Mapping[str, Any]) -> Comparison:
-        """The same comparison with recipes that draw the material with further options.
-
-        Parameters
-        ----------
-        material : Material
-            The material.
-        options : mapping
-            Fields of `Object` and `Scene`, also those that a comparison sets itself.
-
-        Returns
-        -------
-        Comparison
-        """
-        recipes = {}
-        for name, recipe in self.recipes.items():
-            (obj,) = recipe.scene.objects
-            technique = obj.resolved.technique
-            candidate = Candidate(name, technique, obj.settings, technique.name)
-            recipes[name] = candidate.recipe(material, options)
-        return replace(self, recipes=recipes)
-
     def to_dict(self) -> dict[str, Any]:
         """The content of `compare.json`; docs/compare.md describes the keys."""
         return {
@@ -179,6 +157,7 @@ def compare(
     device: str | Engine = "auto",
     runs: int = RUNS,
     settings: Mapping[str, Any] | None = None,
+    drawn: Mapping[str, Any] | None = None,
     progress: Progress = lambda what, share: None,
     **options: Any,
 ) -> Comparison:
@@ -204,6 +183,9 @@ def compare(
         Runs of which each time is the median.
     settings : mapping, optional
         Settings for every technique that has them.
+    drawn : mapping, optional
+        Fields of `Object` and `Scene` for the recipes of the result, in place of `options`; also
+        those that a comparison sets itself, such as `shape` and `camera`.
     progress : callable
         Called with the current task and the finished share, 0 to 1.
     **options
@@ -269,7 +251,7 @@ def compare(
         runs=runs,
         angles=angles,
         objects={name: first[name].resolved[0] for name in sorted(cost, key=lambda n: cost[n])},
-        recipes={candidate.name: candidate.recipe(material, options) for candidate in chosen},
+        recipes={c.name: c.recipe(material, options if drawn is None else drawn) for c in chosen},
         results=tuple(results),
     )
 

@@ -171,6 +171,7 @@ def tune(
     size: tuple[int, int] = (320, 180),
     device: str | Engine = "auto",
     settings: Mapping[str, Any] | None = None,
+    drawn: Mapping[str, Any] | None = None,
     progress: Progress = lambda what, share: None,
     **options: Any,
 ) -> TuneResult:
@@ -195,6 +196,8 @@ def tune(
         "auto", "cpu" or "gpu", or an engine.
     settings : mapping, optional
         Settings with fixed values, which are not searched.
+    drawn : mapping, optional
+        Fields of `Object` and `Scene` for the recipe of the result, as in `compare`.
     progress : callable
         Called with the current task and the finished share, 0 to 1.
     **options
@@ -259,7 +262,7 @@ def tune(
         measure=measure,
         bound=bound,
         angles=view_angles,
-        recipe=best.candidate.recipe(material, options),
+        recipe=best.candidate.recipe(material, options if drawn is None else drawn),
         settings=settings_of(scene.resolved[0]),
         device=f"{engine.name}: {engine.adapter}",
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from basrelief.errors import InputError
 from basrelief.material import Material
-from basrelief.scene import LYING, Orbit, Scene, placed
+from basrelief.scene import LYING, Orbit, Scene, Tiling, placed
 from basrelief.scene.presets import scene_of
 
 ANGLES = (0.0, 45.0, 60.0, 75.0, 85.0)
@@ -33,8 +33,8 @@ def at_angle(
     The camera is orthographic, so all pixels have the same angle. A tile is 1 world unit wide and
     repeats beyond the picture's edges. The relief lies between the ground and one height range
     below it whatever its reference height, so that pictures of several techniques show the same.
-    `options` are fields of `Object` and `Scene`; `tilings` are those of one tile of the heights.
-    Raises InputError for an angle outside 0 to 89.
+    `options` are fields of `Object` and `Scene`; tilings of single maps and of the layer are those
+    of one tile of the heights. Raises InputError for an angle outside 0 to 89.
     """
     if not 0.0 <= angle <= MAX_ANGLE:
         raise InputError(f"an angle of {angle:g} degrees: give 0 (head-on) to {MAX_ANGLE:g}")
@@ -49,16 +49,24 @@ def at_angle(
         orthographic_height=VIEW_HEIGHT,
     )
     lying = LYING @ placed(scale=(tiles, tiles / material.proportion, tiles))
-    if "tilings" in options:
-        # in proportion to the tiling of the heights
-        own = {
-            name: replace(tiling, tiles=(tiling.tiles[0] * tiles, tiling.tiles[1] * tiles))
-            for name, tiling in options["tilings"].items()
-        }
-        options = {**options, "tilings": own}
+    options = in_proportion(options, tiles, tiles)
     fixed = {"shape": "plane", "tiling": (tiles, tiles), "alpha": "opaque", "camera": camera}
     scene = scene_of(material, {**options, **fixed, "transform": lying})
     (obj,) = scene.objects
     height = (obj.resolved.reference_height - 1.0) * obj.resolved.scale
     lowered = placed((0.0, height, 0.0)) @ lying
     return replace(scene, objects=(replace(obj, transform=lowered),))
+
+
+def in_proportion(options: Mapping[str, Any], u: float, v: float) -> dict[str, Any]:
+    """Options with the tilings of single maps and of the layer times u and v."""
+
+    def scaled(tiling: Tiling) -> Tiling:
+        return replace(tiling, tiles=(tiling.tiles[0] * u, tiling.tiles[1] * v))
+
+    changed = dict(options)
+    if options.get("tilings"):
+        changed["tilings"] = {name: scaled(own) for name, own in options["tilings"].items()}
+    if options.get("layer") is not None:
+        changed["layer"] = replace(options["layer"], tiling=scaled(options["layer"].tiling))
+    return changed
