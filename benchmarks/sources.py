@@ -58,7 +58,7 @@ def halliwell(shadows: str, texels: int = 512) -> basrelief.Scene:
         camera=CAMERA,
         lights=(basrelief.directional(-50.0, 35.0),),
         shadows=shadows,  # type: ignore[arg-type]
-        shadowing={"shadow_steps": 16},
+        shadowing={"max_shadow_steps": 16},
     )
 
 

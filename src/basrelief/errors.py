@@ -53,6 +53,8 @@ RENAMED = {
     "Finish": "SurfaceParameters",
     "air": "fog",
     "shadow_map": "shadow_map_size",
+    "shadow_steps": "max_shadow_steps",
+    "shadow_softness": "light_angle",
     "turned": "rotated",
     "Tuned": "TuneResult",
     "View": "ViewerPage",

@@ -196,8 +196,8 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
         {"occlusion_kind": "directional", "shading": {"directional_occlusion": 0.7}},
     ),
     "shadows": (
-        "--shadows soft --set shadow_softness=20 --scale 0.3",
-        {"shadows": "soft", "shadowing": {"shadow_softness": 20.0}, "scale": 0.3},
+        "--shadows soft --set light_angle=20 --scale 0.3",
+        {"shadows": "soft", "shadowing": {"light_angle": 20.0}, "scale": 0.3},
     ),
     "preset": ("--preset gamedev", {"preset": "gamedev"}),
     "over a preset": (

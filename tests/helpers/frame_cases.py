@@ -122,7 +122,7 @@ SCENE_NUMBERS = {
         "shininess": 21.0,
         "directional_occlusion": 0.7,
     },
-    "shadowing": {"shadow_steps": 9, "shadow_softness": 5.0, "shadow_offset": 0.06},
+    "shadowing": {"max_shadow_steps": 9, "light_angle": 25.0, "shadow_offset": 0.06},
     "fog": {
         "fog_color": (0.3, 0.4, 0.2),
         "fog_density": 0.45,

@@ -71,7 +71,8 @@ def scenes() -> dict[str, Scene]:
                 spot((0.5, 1.0, 0.75), (0.125, 0.0, 0.25), (0.5, 1.0, 0.5), 3.0, 1.5, 50.0, 0.5),
             ),
             shading_model="phong", shading={"ambient": 0.1, "shininess": 60.0}, shadows="hard",
-            shadowing={"shadow_steps": 24, "shadow_softness": 0.1}, occlusion_kind="directional",
+            shadowing={"max_shadow_steps": 24, "light_angle": 5.0},
+            occlusion_kind="directional",
             shadows_on="polygon", shadow_map_size=512,
         ),
         "fog without a light": scene(

@@ -73,7 +73,7 @@ def test_a_depth_map_has_no_code_of_light_fog_or_shadow(name: str) -> None:
     made, other = obj(name), Object(sample("tiles", 16), "sphere")
     lit = words(program_of(made.resolved, Scene((made, other), **FULL)))
     assert lit >= LIT - ({"self_shadow_visibility"} if name == "nothing displaced" else set())
-    of_shadow = {"shadowing", "Shadowing", "shadow", "shadow_steps"}
+    of_shadow = {"shadowing", "Shadowing", "shadow", "max_shadow_steps"}
     assert words(depth_program_of(made.resolved)) & (LIT | of_shadow) == set()
 
 

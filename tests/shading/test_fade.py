@@ -83,7 +83,7 @@ def test_shadows_fade_too() -> None:
         )  # fmt: skip
         frames = [
             drawn(obj, camera=camera, size=(192, 96), lights=(light,), shadows=shadows,
-                  shadowing={"shadow_steps": 256, "shadow_offset": 0.0})
+                  shadowing={"max_shadow_steps": 256, "shadow_offset": 0.0})
             for shadows in ("hard", "none")
         ]  # fmt: skip
         dark = frames[0].color[48, :, 0] < 0.7 * frames[1].color[48, :, 0]

@@ -66,7 +66,9 @@ def host_pixel(
     aspect = map_layout.tiles.y / map_layout.tiles.x
     hit = host_hit(field, baked, place * map_layout.tiles, view, aspect, relief, settings, variant)
     light = normalize(map_layout.light)
-    visible = host_self_shadow(field, hit.uv, light, aspect, relief, shadowing, variant)
+    visible = host_self_shadow(
+        field, baked, hit.uv, light, aspect, relief, settings, shadowing, variant
+    )
     return HostPixel(hit.uv, hit.height, visible, hit.found)
 
 

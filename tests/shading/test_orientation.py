@@ -517,7 +517,7 @@ def test_the_shadow_of_a_block_equals_that_of_the_ray_to_the_light(transform, ti
     side = -0.5 * unit(face.right) + 0.9 * unit(face.down)
     towards = light_towards(face, side, 35.0)
     camera = tilted_camera(face, "orthographic", slant=0.25)
-    shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
+    shadowing = Shadowing(max_shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
     frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
     wanted = reference([face], camera)
     ours = wanted.sure & ~wanted.grazing
@@ -548,7 +548,7 @@ def test_a_block_is_between_the_light_and_its_shadow(transform, tiling) -> None:
     face = Face.of(obj, "front", BLOCK)
     towards = light_towards(face, 0.7 * unit(face.right) + 0.5 * unit(face.down), 35.0)
     camera = tilted_camera(face, "orthographic", slant=0.2)
-    shadowing = Shadowing(shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
+    shadowing = Shadowing(max_shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
     frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
     block = face.at(0.45 - (tiling[0] < 0), 0.55 - (tiling[1] < 0))
     away = positions(frame, camera) - block

@@ -21,7 +21,9 @@ from basrelief.shading.self_shadow import (
 from basrelief.techniques import Ray
 
 COLUMNS = 128
-FINE = Shadowing(shadow_steps=256, shadow_offset=0.0)
+SINE = float(np.sqrt(0.5))
+"""The sine of the lights' elevation, 45 degrees."""
+FINE = Shadowing(max_shadow_steps=256, shadow_offset=0.0)
 
 
 def wall() -> HeightField:
@@ -34,7 +36,7 @@ def wall() -> HeightField:
 def ray_to_light(uv: Vec2, height: float, rise: Vec2) -> Ray:
     """The ray to a light from a height; rising through the whole range moves uv by `rise`."""
     climb = 1.0 - height
-    return Ray(uv=uv, travel=rise * climb, height=height, drop=-climb, cosine=1.0)
+    return Ray(uv=uv, travel=rise * climb, height=height, drop=-climb, cosine=SINE)
 
 
 @pytest.mark.parametrize("rise", [-0.1, -0.25, -0.4])
@@ -54,26 +56,53 @@ def test_the_side_towards_the_light_is_lit():
     assert soft_visibility(wall(), ray, FINE).visibility == 1.0
 
 
-def test_a_soft_shadow_is_darkest_at_the_wall():
-    settings = Shadowing(shadow_steps=64, shadow_softness=2.0, shadow_offset=0.0)
+def test_a_soft_shadow_grows_lighter_away_from_the_wall():
+    settings = Shadowing(max_shadow_steps=256, light_angle=20.0, shadow_offset=0.0)
     shares = [
         float(
             soft_visibility(
                 wall(), ray_to_light(Vec2(u, 0.5), 0.0, Vec2(-0.4, 0.0)), settings
             ).visibility
         )
-        for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95)
+        for u in (0.52, 0.6, 0.7, 0.8, 0.88, 0.95, 0.99)
     ]
     assert shares == sorted(shares)
     assert shares[0] < 0.05
-    assert shares[-1] == 1.0
+    assert 0.05 < shares[4] < 0.5 < shares[5] < 0.95
+    assert shares[-1] > 0.8
 
 
-def test_reads_are_counted_and_bounded():
+@pytest.mark.parametrize("u", [0.7, 0.8, 0.85, 0.9, 0.95])
+@pytest.mark.parametrize("elevation", [20.0, 45.0, 70.0])
+def test_the_penumbra_of_a_wall_is_that_of_a_disc(u: float, elevation: float) -> None:
+    """The visible part of the disc above the top edge of a wall, which is sharp and level."""
+    rise, angle = -0.4, 15.0
+    # the height range that gives the ray this rise over the map
+    height_range = -rise * np.tan(np.radians(elevation))
+    ray = Ray(Vec2(u, 0.5), Vec2(rise, 0.0), 0.0, -1.0, cosine=np.sin(np.radians(elevation)))
+    found = soft_visibility(
+        wall(), ray, Shadowing(max_shadow_steps=4096, light_angle=angle, shadow_offset=0.0)
+    )
+    # the bilinear top edge lies half a texel before the middle
+    to_edge = u - 0.5 + 0.5 / COLUMNS
+    edge = np.degrees(np.arctan2(height_range, to_edge)) - elevation
+    x = np.clip(edge / (0.5 * angle), -1.0, 1.0)
+    above = np.linspace(x, 1.0, 20001)
+    wanted = 2.0 / np.pi * np.trapezoid(np.sqrt(np.maximum(1.0 - above**2, 0.0)), above)
+    assert found.visibility == pytest.approx(wanted, abs=0.06)
+
+
+def test_steps_follow_the_texels():
+    """The ray passes over 6.4 of 128 texels."""
     free = ray_to_light(Vec2(0.9, 0.5), 0.0, Vec2(0.05, 0.0))
-    assert hard_visibility(wall(), free, Shadowing(shadow_steps=9)).reads == 9
+    for most, reads in ((1, 1), (5, 5), (7, 7), (9, 7), (4096, 7)):
+        assert hard_visibility(wall(), free, Shadowing(max_shadow_steps=most)).reads == reads
+    # a soft shadow needs the ray to the lower rim, 6.4 · tan 45° ÷ tan 40° = 7.6 texels long
+    for most, reads in ((5, 5), (8, 8), (9, 8)):
+        settings = Shadowing(max_shadow_steps=most, light_angle=10.0)
+        assert soft_visibility(wall(), free, settings).reads == reads
     blocked = ray_to_light(Vec2(0.51, 0.5), 0.0, Vec2(-0.4, 0.0))
-    assert hard_visibility(wall(), blocked, Shadowing(shadow_steps=9)).reads == 1
+    assert hard_visibility(wall(), blocked, Shadowing()).reads == 1
 
 
 # --- the samples of a ray, one by one -------------------------------------------------------------
@@ -96,39 +125,56 @@ def posts(tops: dict[int, float]) -> HeightField:
 
 
 def visibility_of(kind, tops: dict[int, float], field=posts, **settings):
-    """Visibility and reads of the ray past posts; by default 4 steps, softness 2, offset 0.05."""
-    usual = {"shadow_steps": 4, "shadow_softness": 2.0, "shadow_offset": 0.05}
+    """Visibility and reads of the ray past posts; by default 4 steps, 30 degrees, offset 0.05."""
+    usual = {"max_shadow_steps": 4, "light_angle": 30.0, "shadow_offset": 0.05}
     ray = ray_to_light(LEFT, START, ALONG)
     return kind(field(tops), ray, Shadowing(**{**usual, **settings}))
 
 
+def part_of_disc(above_by_t: float, angle: float) -> float:
+    """The visible part of a light at 45 degrees, for a height above the ray ÷ t of a blocker; the
+    ray climbs 0.8."""
+    edge = above_by_t * 0.5 / 0.8 / np.radians(angle / 2.0)
+    # the area of a disc above a chord
+    half = np.arccos(np.clip(edge, -1.0, 1.0))
+    return float((half - np.sin(half) * np.cos(half)) / np.pi)
+
+
+def rim_end(angle: float) -> float:
+    """The t at which the ray to the lower rim of a light at 45 degrees leaves the relief."""
+    return float(min(1.0 / np.tan(np.radians(45.0 - angle / 2.0)), 4.0))
+
+
+@pytest.mark.parametrize("angle", [2.0, 10.0, 30.0, 40.0])
 @pytest.mark.parametrize(
-    ("tops", "darkest"),
+    "tops",
     [
-        # height of the post above ray and offset, times the remaining part of the ray
-        ({1: 0.7}, (0.7 - 0.4 - 0.05) * 0.75),
-        ({2: 0.9}, (0.9 - 0.6 - 0.05) * 0.5),
-        ({3: 1.0}, (1.0 - 0.8 - 0.05) * 0.25),
-        # the sample at the top of the range has no weight
-        ({4: 1.0}, 0.0),
-        # a low post nearby can count more than a higher one further on
-        ({1: 0.56, 3: 1.0}, 0.11 * 0.75),
-        ({1: 0.47, 3: 1.0}, 0.15 * 0.25),
-        # within the offset, and below the ray
-        ({1: 0.44, 2: 0.64}, 0.0),
-        ({1: 0.3, 2: 0.5}, 0.0),
+        {},
+        {1: 0.45},
+        {2: 0.62},
+        {3: 0.9},
+        {4: 1.0},
+        # a low post nearby can cover more than a higher one further on, and the reverse
+        {1: 0.49, 3: 0.9},
+        {1: 0.35, 3: 1.0},
+        {1: 1.0},
     ],
 )
-def test_a_soft_shadow_is_weighted_by_proximity(tops, darkest: float) -> None:
-    """The visibility is 1 − softness · max of (height above the ray − offset) · (1 − k ÷ steps)."""
-    for softness in (0.0, 0.5, 2.0, 4.0):
-        found = visibility_of(soft_visibility, tops, shadow_softness=softness)
-        assert found.visibility == pytest.approx(1.0 - softness * darkest, abs=1e-6)
-        assert found.reads == 4
-    # never below 0
-    assert visibility_of(soft_visibility, tops, shadow_softness=64.0).visibility == (
-        0.0 if darkest else 1.0
+def test_a_soft_shadow_is_the_covered_part_of_a_disc(tops: dict[int, float], angle: float) -> None:
+    """Of four samples, the last where the ray to the lower rim leaves the relief."""
+    step = rim_end(angle) / 4.0
+    heights = np.zeros((50, 100), np.float32)
+    for k, top in tops.items():
+        column, row = round(100 * (0.15 + 0.32 * k * step)), round(50 * (0.85 - 0.24 * k * step))
+        heights[row - 1 : row + 2, column - 2 : column + 3] = top
+    found = visibility_of(
+        soft_visibility, tops, lambda _: HeightField([heights], "clamp"), light_angle=angle
     )
+    steepest = max(
+        (tops.get(k, 0.0) - START - 0.8 * k * step - 0.05) / (k * step) for k in range(1, 5)
+    )
+    assert found.visibility == pytest.approx(part_of_disc(steepest, angle), abs=2e-5)
+    assert found.reads == 4
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.05, 0.15, 0.29])
@@ -153,8 +199,10 @@ def test_a_grazed_point_is_lit() -> None:
 
 @pytest.mark.parametrize("kind", [hard_visibility, soft_visibility])
 def test_steps_are_clamped_to_1_and_4096(kind) -> None:
+    field = HeightField([np.zeros((2, 2), np.float32)], "wrap")
+    ray = ray_to_light(LEFT, 0.0, Vec2(5000.0, 0.0))
     for steps, reads in ((-3, 1), (0, 1), (1, 1), (4096, 4096), (5000, 4096)):
-        assert visibility_of(kind, {}, shadow_steps=steps).reads == reads
+        assert kind(field, ray, Shadowing(max_shadow_steps=steps)).reads == reads
 
 
 # --- columns, one by one --------------------------------------------------------------------------
@@ -181,42 +229,36 @@ def columns_along_ray(tops: dict[int, float]) -> HeightField:
 
 
 @pytest.mark.parametrize(
-    ("tops", "darkest"),
+    "tops",
     [
-        ({}, None),
-        ({1: 0.6}, 1),
-        ({2: 0.7}, 2),
-        ({3: 0.9}, 3),
-        ({5: 1.0}, 5),
-        # proximity counts more
-        ({2: 0.6, 5: 1.0}, 2),
-        ({2: 0.45, 3: 0.8}, 3),
-        # neither the column of the start nor one beyond the ray's end counts
-        ({0: 1.0, 6: 1.0}, None),
-        # within the offset
-        ({1: 0.36, 3: 0.61}, None),
+        {},
+        {1: 0.3},
+        {2: 0.4},
+        {3: 0.72},
+        {5: 1.0},
+        # one of several covers most
+        {2: 0.4, 5: 1.0},
+        {2: 0.33, 3: 0.72},
+        # the column of the start does not count
+        {0: 1.0},
     ],
 )
-def test_a_soft_shadow_of_columns_is_weighted_by_proximity(tops, darkest) -> None:
+def test_a_soft_shadow_of_columns_is_the_covered_part_of_a_disc(tops) -> None:
     """Evaluated where the ray enters each column, for any number of steps."""
-    weighted = 0.0
-    if darkest is not None:
-        entered = COLUMN_ENTRIES[darkest][1]
-        weighted = (tops[darkest] - START - 0.8 * entered - 0.05) * (1.0 - entered)
-        assert weighted > 0.01
-    for softness in (0.0, 0.5, 2.0):
+    along = np.arange(60) * 0.1 + 0.05
+    entries = np.sort(np.concatenate([along / 0.32, along / 0.24]))
+    for angle in (5.0, 20.0, 40.0):
+        reached = entries[entries < rim_end(angle)]
+        heights = np.array([tops.get(k, START) for k in range(1, len(reached) + 1)])
+        steepest = max((heights - START - 0.8 * reached - 0.05) / reached)
         found = visibility_of(
-            soft_visibility_on_columns,
-            tops,
-            columns_along_ray,
-            shadow_softness=softness,
-            shadow_steps=1,
-        )
-        assert found.visibility == pytest.approx(1.0 - softness * weighted, abs=1e-6)
-        assert found.reads == 6
-    # the march ends once visibility is 0
-    dark = visibility_of(soft_visibility_on_columns, tops, columns_along_ray, shadow_softness=64.0)
-    assert (dark.visibility, dark.reads) == ((1.0, 6) if darkest is None else (0.0, min(tops)))
+            soft_visibility_on_columns, tops, columns_along_ray, light_angle=angle,
+            max_shadow_steps=1,
+        )  # fmt: skip
+        assert found.visibility == pytest.approx(part_of_disc(steepest, angle), abs=2e-5)
+    # the search ends once the light is hidden
+    dark = visibility_of(soft_visibility_on_columns, {2: 1.0}, columns_along_ray)
+    assert (dark.visibility, dark.reads) == (pytest.approx(0.0, abs=1e-6), 2)
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.05, 0.15])
@@ -275,7 +317,7 @@ def test_a_program_without_shadows_has_no_code_for_them():
     obj = Object(sample("bricks", 16))
     without = print_wgsl(program_of(obj.resolved).module, "wrap")
     within = print_wgsl(program_of(obj.resolved, Scene((obj,), shadows="soft")).module, "wrap")
-    for word in ("self_shadow_visibility", "LightVisibility", "shadow_steps"):
+    for word in ("self_shadow_visibility", "LightVisibility", "max_shadow_steps"):
         assert word not in without
         assert word in within
 

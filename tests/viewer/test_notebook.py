@@ -141,7 +141,7 @@ def test_settings_are_in_the_scene(viewer: Viewer, material: Material) -> None:
         0.2,
     )
     viewer.tiling, viewer.shift = (2, 1.5), (-0.25, 0.5)
-    viewer.shading, viewer.shadowing = {"ambient": (0.2, 0.1, 0.3)}, {"shadow_steps": 12}
+    viewer.shading, viewer.shadowing = {"ambient": (0.2, 0.1, 0.3)}, {"max_shadow_steps": 12}
     viewer.surface_parameters = {"roughness": 0.4}
     viewer.camera = Orbit(10.0, 20.0, 3.0, (0.1, -0.1, 0.0))
     lights = (
@@ -156,7 +156,7 @@ def test_settings_are_in_the_scene(viewer: Viewer, material: Material) -> None:
     )  # fmt: skip
     scene = Scene(
         (obj,), viewer.camera, lights, {"ambient": (0.2, 0.1, 0.3)}, "phong", "soft",
-        shadowing={"shadow_steps": 12},
+        shadowing={"max_shadow_steps": 12},
     )  # fmt: skip
     assert_agree(_drawn(scene), _drawn(viewer.scene()), TEXELS)
 

@@ -601,9 +601,9 @@ def test_integer_settings_are_rounded_to_the_nearest(seen: OpenPage) -> None:
       const { validated, copyOf } = await import("view/checks.js");
       const state = copyOf(viewer.state);
       state.settings.relief.max_steps = value;
-      state.shadowing.shadow_steps = value;
+      state.shadowing.max_shadow_steps = value;
       const { relief } = validated(state, viewer.start, viewer.data).settings;
-      return [relief.max_steps, state.shadowing.shadow_steps];
+      return [relief.max_steps, state.shadowing.max_shadow_steps];
     }"""
     for value, wanted in ((8.49, 8), (8.5, 9), (8.51, 9), (9.5, 10), (0.2, 1), (1e9, 4096)):
         assert seen.page.evaluate(script, value) == [wanted, wanted]

@@ -324,7 +324,10 @@ def render(
         ),
     ] = None,
     show: Annotated[
-        str, _picture_option(help="Picture: color, reads, missed, overshoot or depth-error.")
+        str,
+        _picture_option(
+            help="Picture: color, reads, missed, overshoot, depth-error or shadow-error."
+        ),
     ] = "color",
     device: DeviceOption = "auto",
     **values: Any,
@@ -381,6 +384,7 @@ def _draw_debug_picture(
     from basrelief.engine import choose_device
     from basrelief.errors import InputError
     from basrelief.measure.debug import check_shown, debug_picture
+    from basrelief.measure.light import shown_light
     from basrelief.measure.truth import truth
     from basrelief.rendering.render import render
 
@@ -393,10 +397,13 @@ def _draw_debug_picture(
             f"--show {kind} measures against the bilinear surface, but {columns[0]} draws columns; "
             "use --show reads or another technique"
         )
+    if kind == "shadow-error" and scene.shadows == "none":
+        raise InputError("--show shadow-error: the picture has no shadows; add --shadows hard")
     engine = choose_device(device)
     reference = None if kind == "reads" else truth(scene, size, device=engine)
     frame = render(scene, size=size, samples=samples, device=engine)
-    picture = debug_picture(kind, frame, reference)
+    light = shown_light(scene, size, engine) if kind == "shadow-error" else None
+    picture = debug_picture(kind, frame, reference, light)
     picture.image.save(target, bits=bits, quality=quality)
     print(f"{target}  ({frame.device})\n{picture.meaning}")
 

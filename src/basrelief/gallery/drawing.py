@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from basrelief.engine import Engine
 from basrelief.gallery.page import Page, Panel
 from basrelief.measure.debug import DebugPicture, debug_picture
+from basrelief.measure.light import shown_light
 from basrelief.measure.truth import truth
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
@@ -74,9 +75,11 @@ def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
     if panel.shown == "color":
         return DebugPicture(frame.image, "")
     height, width = frame.distance.shape
-    needs_truth = panel.shown != "reads"
-    reference = truth(panel.scene, (width, height), device=engine) if needs_truth else None
-    return debug_picture(panel.shown, frame, reference)
+    size, light = (width, height), None
+    reference = None if panel.shown == "reads" else truth(panel.scene, size, device=engine)
+    if panel.shown == "shadow-error":
+        light = shown_light(panel.scene, size, engine)
+    return debug_picture(panel.shown, frame, reference, light)
 
 
 def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:

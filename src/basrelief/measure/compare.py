@@ -23,6 +23,7 @@ from basrelief.lang.types import fields_of
 from basrelief.material import Material, load
 from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import errors, flip, has_flip, uv_error
+from basrelief.measure.light import light_of
 from basrelief.measure.report import write
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
@@ -292,7 +293,7 @@ def _at_one_angle(
         yield Result(
             angle=angle,
             technique=name,
-            errors=errors(frame, true),
+            errors=errors(frame, true, light_of(scene, size, engine)),
             flip=flip(reference, frame) if has_flip() else None,
             seconds=seconds[name],
             picture=frame.color[:, :, :3].astype(np.float16),
@@ -395,6 +396,7 @@ def _result(result: Result) -> dict[str, Any]:
         "missed": errors.missed,
         "passed": errors.passed,
         "short": errors.short,
+        "wrong_light": errors.wrong_light,
         "uv_error": asdict(errors.uv),
         "depth_error": asdict(errors.depth),
         "flip": result.flip,

@@ -15,13 +15,20 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.measure import colors
-from basrelief.measure.errors import depth_error, errors, missed, overshoot
+from basrelief.measure.errors import (
+    depth_error,
+    errors,
+    light_error,
+    missed,
+    overshoot,
+    wrong_light,
+)
 from basrelief.measure.truth import Truth
 from basrelief.rendering.frame import Frame, Image
 
 __all__ = ["SHOWN", "DebugPicture", "Shown", "debug_picture"]
 
-Shown = Literal["reads", "missed", "overshoot", "depth-error"]
+Shown = Literal["reads", "missed", "overshoot", "depth-error", "shadow-error"]
 SHOWN: tuple[str, ...] = get_args(Shown)
 _DIMMED = 0.25
 """Brightness of the picture behind missed hits."""
@@ -37,19 +44,27 @@ class DebugPicture:
     meaning: str
 
 
-def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -> DebugPicture:
+def debug_picture(
+    what: Shown | str,
+    frame: Frame,
+    truth: Truth | None = None,
+    light: NDArray[np.float64] | None = None,
+) -> DebugPicture:
     """Draw reads or errors of a frame as colours.
 
     Parameters
     ----------
-    what : {"reads", "missed", "overshoot", "depth-error"}
-        Quantity to draw: heights read in each pixel, missed hits, overshoot in texels, or depth
-        error in world units. The last two are signed and on a scale of square roots: orange is
-        too far, blue too short.
+    what : {"reads", "missed", "overshoot", "depth-error", "shadow-error"}
+        Quantity to draw: heights read in each pixel, missed hits, overshoot in texels, depth error
+        in world units, or the error of the light with the largest one. Overshoot and depth error
+        are signed and on a scale of square roots: orange is too far, blue too short. Of the light
+        orange is too much, blue too little.
     frame : Frame
         The frame, as `render` returns it.
     truth : Truth, optional
         The truth of the same scene and size; "reads" does not need it.
+    light : ndarray of float64, shape (lights, h, w), optional
+        The share of each light in the frame, for "shadow-error": `measure.light.shown_light`.
 
     Returns
     -------
@@ -60,7 +75,7 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
     Raises
     ------
     InputError
-        For another quantity, a missing truth, and a truth of another size.
+        For another quantity, a missing truth or light, and one of another size.
     """
     if not is_shown(what):
         raise InputError(_unknown_picture(what))
@@ -75,6 +90,10 @@ def debug_picture(what: Shown | str, frame: Frame, truth: Truth | None = None) -
             return _signed(overshoot(frame, truth), "uv overshoot", "texels")
         case "depth-error":
             return _signed(depth_error(frame, truth), "depth error", "world units")
+        case "shadow-error":
+            if light is None:
+                raise InputError("shadow-error needs the light of the picture; give it as light=…")
+            return _light(light, truth)
         case _:
             assert_never(what)
 
@@ -128,6 +147,20 @@ def _signed(values: NDArray[np.float64], what: str, unit: str) -> DebugPicture:
         f"(pale orange: too far); the middle of either half is {most / 4.0:g}"
     )
     return DebugPicture(image, meaning)
+
+
+def _light(light: NDArray[np.float64], truth: Truth) -> DebugPicture:
+    error = light_error(light, truth)
+    largest = np.abs(error).argmax(0)[None]
+    values = np.where(truth.there, np.take_along_axis(error, largest, 0)[0], np.nan)
+    pixels = _with_background(colors.signed(values), np.isnan(values))
+    share = wrong_light(light, truth).sum() / max(int(truth.there.sum()), 1)
+    meaning = (
+        "error of a light's share, from -1 (pale blue: dark where it should be lit) over 0 (dark) "
+        f"to 1 (pale orange: lit where it should be dark); {share:.2%} of the pixels that show the "
+        "object are in wrong light, off by more than a half"
+    )
+    return DebugPicture(_with_scale(pixels, colors.signed, -1.0), meaning)
 
 
 def _round_up(values: NDArray[np.float64]) -> float:

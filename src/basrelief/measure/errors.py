@@ -4,6 +4,8 @@ A hit is **missed** where the displaced texture coordinates are more than one te
 the true first hit, or where nothing is drawn. Missed hits are of two kinds. The ray **passed**
 through a feature where it ended behind the true hit. It stopped **short** where it ended before it,
 as techniques of one read do, which search for no hit, and marches that ran out of steps.
+
+A pixel is in **wrong light** where more than half a light is missing or too much; `measure.light`.
 """
 
 from __future__ import annotations
@@ -19,11 +21,16 @@ from basrelief.images import srgb_encode
 from basrelief.measure.truth import Truth
 from basrelief.rendering.frame import Frame, Image
 
-__all__ = ["Errors", "Spread", "depth_error", "errors", "flip", "missed", "overshoot", "uv_error"]
+__all__ = [
+    "Errors", "Spread", "depth_error", "errors", "flip", "light_error", "missed", "overshoot",
+    "uv_error", "wrong_light",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 MISS_TOLERANCE = 1.0
 """Largest uv error, in texels, of a hit that does not count as missed."""
+WRONG_LIGHT = 0.5
+"""Largest error of a light's share in a pixel that does not count as in wrong light."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +64,8 @@ class Errors:
         Magnitudes of the depth errors of drawn pixels, in world units along the ray.
     reads : float
         Mean number of heights read in a covered pixel.
+    wrong_light : float or None
+        Share of pixels in wrong light, 0 to 1; None without shadows.
     """
 
     pixels: int
@@ -66,10 +75,14 @@ class Errors:
     uv: Spread
     depth: Spread
     reads: float
+    wrong_light: float | None = None
 
 
-def errors(frame: Frame, truth: Truth) -> Errors:
-    """All errors of a frame; raises InputError where frame and truth have different sizes."""
+def errors(frame: Frame, truth: Truth, light: Floats | None = None) -> Errors:
+    """All errors of a frame; raises InputError where frame and truth have different sizes.
+
+    `light` is the share of each light in the picture, as `measure.light.shown_light` gives it.
+    """
     is_missed = missed(frame, truth)
     count = max(int(truth.there.sum()), 1)
     behind = overshoot(frame, truth) > 0.0
@@ -82,6 +95,7 @@ def errors(frame: Frame, truth: Truth) -> Errors:
         uv=_spread(uv_error(frame, truth)[drawn]),
         depth=_spread(np.abs(depth_error(frame, truth)[drawn])),
         reads=frame.mean_reads,
+        wrong_light=None if light is None else float(wrong_light(light, truth).sum() / count),
     )
 
 
@@ -91,6 +105,26 @@ def missed(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
     is_off = np.nan_to_num(uv_error(frame, truth), nan=np.inf) > MISS_TOLERANCE
     is_missed: NDArray[np.bool_] = truth.there & is_off
     return is_missed
+
+
+def wrong_light(light: Floats, truth: Truth) -> NDArray[np.bool_]:
+    """Mask of pixels in wrong light, (height, width).
+
+    `light` is the share of each light in the picture, as `measure.light.shown_light` gives it.
+    Raises InputError for a truth without shadows, and for one of another size.
+    """
+    difference = np.abs(light_error(light, truth))
+    is_wrong: NDArray[np.bool_] = truth.there & (difference > WRONG_LIGHT).any(0)
+    return is_wrong
+
+
+def light_error(light: Floats, truth: Truth) -> Floats:
+    """The share of each light in a picture less the true one, (lights, height, width)."""
+    if truth.light is None:
+        raise InputError("the truth is of a scene without shadows; turn them on: shadows='hard'")
+    if light.shape != truth.light.shape:
+        raise InputError("the light is of other lights or another size than the truth's")
+    return light - truth.light
 
 
 def uv_error(frame: Frame, truth: Truth) -> Floats:

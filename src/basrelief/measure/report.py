@@ -212,6 +212,8 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     if errors.missed > 0.0:
         yield "… passed through", _share(errors.passed)
         yield "… stopped short", _share(errors.short)
+    if errors.wrong_light is not None:
+        yield "in wrong light", _share(errors.wrong_light)
     yield "uv error, texels", _spread(errors.uv, 1.0)
     yield "depth error, % of a tile", _spread(errors.depth, 100.0)
     yield "heights read in a pixel", f"{errors.reads:.1f}"

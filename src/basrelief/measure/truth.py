@@ -2,7 +2,7 @@
 
 Only the rays come from the shaders: their points on the polygon and their travel. The oracle uses
 the heights of the same field that techniques read, in 32 bits. What is cut out at the true hit
-comes from a picture drawn by `exact`.
+comes from a picture drawn by `exact`, and so does which lights a true hit faces.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
 from basrelief.lang.resources import Edge
+from basrelief.measure.light import Points, shown_light, visible_share
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
 from basrelief.rendering.programs import map_edge, values_of, view_ray_program_of
@@ -50,6 +51,8 @@ class Truth:
         Size of the height map along u and along v.
     wraps : bool
         Whether the map repeats.
+    light : ndarray of float64, shape (lights, h, w), or None
+        Share of each light that reaches the hit, 0 to 1; None for a scene without shadows.
     """
 
     uv: Floats
@@ -59,6 +62,7 @@ class Truth:
     travel: Floats
     texels: tuple[int, int]
     wraps: bool
+    light: Floats | None = None
 
 
 def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine = "auto") -> Truth:
@@ -107,9 +111,16 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
         there &= ((tile_uv >= 0.0) & (tile_uv <= 1.0)).all(-1)
     if obj.material.opacity is not None and obj.alpha != "opaque":
         there &= _covered(scene, obj, size, engine)
+    light = None
+    if scene.shadows != "none":
+        points = Points(uv[there], height[there], rays["scale"][there].astype(float))
+        angle = scene.shadowing.light_angle if scene.shadows == "soft" else 0.0
+        light = shown_light(replace(_by_exact(scene, obj), shadows="none"), size, engine)
+        for share, source in zip(light, scene.lights, strict=True):
+            share[there] *= visible_share(heights, obj, points, source, angle)
     return Truth(
         uv, height, np.where(there, distance, 0.0), there, travel, heights.shape[::-1],
-        map_edge(obj) == "wrap",
+        map_edge(obj) == "wrap", light,
     )  # fmt: skip
 
 
@@ -117,6 +128,12 @@ def _covered(
     scene: Scene, obj: ResolvedObject, size: tuple[int, int], engine: Engine
 ) -> NDArray[np.bool_]:
     """Whether a pixel is covered at its true hit, drawn by `exact` with the picture's filter."""
+    drawn = replace(_by_exact(scene, obj), lights=(), shadows="none", fog_mode="none")
+    return render(drawn, size=size, samples=1, device=engine).hit
+
+
+def _by_exact(scene: Scene, obj: ResolvedObject) -> Scene:
+    """The scene drawn by `exact`, with straight rays."""
     exact = replace(
         scene.objects[0],
         technique="exact",
@@ -126,8 +143,7 @@ def _covered(
         scale=obj.scale,
         reference_height=obj.reference_height,
     )
-    drawn = replace(scene, objects=(exact,), lights=(), shadows="none", fog_mode="none")
-    return render(drawn, size=size, samples=1, device=engine).hit
+    return replace(scene, objects=(exact,))
 
 
 def measurable(scene: Scene) -> ResolvedObject:

@@ -23,7 +23,8 @@ from basrelief.errors import InputError
 from basrelief.material import Material, load
 from basrelief.measure.compare import Candidate, Progress, candidates, check_measurable
 from basrelief.measure.errors import flip as flip_of
-from basrelief.measure.errors import has_flip, missed
+from basrelief.measure.errors import has_flip, missed, wrong_light
+from basrelief.measure.light import light_of
 from basrelief.measure.results import settings_of
 from basrelief.measure.timing import Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
@@ -45,7 +46,13 @@ MAX_EFFORT = 1024
 _RUNS = 5
 """Timed runs of each trial at each angle; the median counts."""
 Measure = Literal["missed", "flip"]
-_MEASURE_NAMES: dict[Measure, str] = {"missed": "missed hits", "flip": "FLIP"}
+_MEASURE_NAMES: dict[tuple[Measure, bool], str] = {
+    ("missed", False): "missed hits",
+    ("missed", True): "missed hits or pixels in wrong light",
+    ("flip", False): "FLIP",
+    ("flip", True): "FLIP",
+}
+"""The bounded error in words, without and with shadows."""
 _SAMPLES: dict[Measure, int] = {"missed": 1, "flip": 4}
 """Samples a pixel while a candidate is measured."""
 
@@ -79,7 +86,8 @@ class TuneResult:
     others : tuple of Trial
         Other trials under the bound, the fastest first.
     measure : {"missed", "flip"}
-        The bounded error: the share of missed hits, or mean FLIP.
+        The bounded error: the share of missed hits, with shadows also of pixels in wrong light, or
+        mean FLIP.
     bound : float
         The bound, 0 to 1.
     angles : tuple of float
@@ -149,7 +157,8 @@ class TuneResult:
         return "\n".join(lines)
 
     def _error_text(self, trial: Trial) -> str:
-        return f"{self._formatted(trial.error)} {_MEASURE_NAMES[self.measure]}"
+        shadows = self.recipe.scene.shadows != "none"
+        return f"{self._formatted(trial.error)} {_MEASURE_NAMES[self.measure, shadows]}"
 
     def _formatted(self, error: float) -> str:
         match self.measure:
@@ -182,7 +191,8 @@ def tune(
     what : Material or path
         A material, or a folder of maps, a picture or "sample:NAME".
     missed : float, optional
-        Bound on the share of missed hits, 0 to 1. Give either `missed` or `flip`.
+        Bound on the share of missed hits, 0 to 1; with shadows also of pixels in wrong light. Give
+        either `missed` or `flip`.
     flip : float, optional
         Bound on the mean FLIP error, 0 to 1.
     angles : (float, float)
@@ -341,10 +351,15 @@ class _Evaluator:
 
     def error(self, candidate: Candidate, angle: float) -> float:
         """Error of a candidate at one angle."""
-        frame, reference = self.render(self.scene(candidate, angle)), self.reference[angle]
+        scene, reference = self.scene(candidate, angle), self.reference[angle]
+        frame = self.render(scene)
         if isinstance(reference, Frame):
             return flip_of(reference, frame)
-        return float(missed(frame, reference).sum() / max(int(reference.there.sum()), 1))
+        wrong = missed(frame, reference)
+        light = light_of(scene, self.size, self.engine)
+        if light is not None:
+            wrong |= wrong_light(light, reference)
+        return float(wrong.sum() / max(int(reference.there.sum()), 1))
 
     def timed(self, trials: Sequence[Trial]) -> list[Trial]:
         """The trials with mean times over head-on, middle and grazing views, measured in turn."""

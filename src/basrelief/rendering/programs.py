@@ -81,6 +81,7 @@ def variant_of(obj: ResolvedObject, scene: Scene) -> Variant:
     derived: dict[str, Any] = {
         "displaced": obj.has_relief,
         "columns": effective_technique(obj).columns,
+        "exact_shadows": effective_technique(obj).exact and scene.shadows == "hard",
         "projection": obj.projection,
         "fades": obj.fade is not None,
         "own_tilings": bool(obj.tilings),

@@ -46,10 +46,12 @@ def host_hit(
 @shader
 def host_self_shadow(
     field: HeightField,
+    baked: Texture,
     uv: Vec2,
     light: Vec3,
     aspect: float,
     relief: ReliefParameters,
+    settings: Settings,
     shadowing: Shadowing,
     variant: Variant,
 ) -> float:
@@ -62,7 +64,7 @@ def host_self_shadow(
     height = sharp(field, uv)
     travel = in_tiles(light.xy * (relief.scale * (1.0 - height) / light.z), aspect)
     ray = rising_ray(uv, height, travel, light.z, relief.scale, 0.0, 0.0)
-    return light_visibility(field, ray, shadowing, variant).visibility
+    return light_visibility(field, baked, ray, settings, shadowing, variant).visibility
 
 
 @shader

@@ -125,7 +125,7 @@ def trace(
     For a light only `visibility` and `reads` are valid.
     """
     if variant.shadows != "none" and to_light:
-        light = light_visibility(field, ray, shadowing, variant)
+        light = light_visibility(field, baked, ray, settings, shadowing, variant)
         return ReliefHit(
             light.visibility < 1.0,
             interval.t_exit,

@@ -27,16 +27,18 @@ class Variant(AvailableMaps):
     slots, technique and surface, and on the edge and filter of its maps.
 
     `displaced`: the object has a relief; `columns`: its height field is one column per texel;
-    `fades`: it fades with distance. `own_tilings`: maps have tilings of their own; `layer`: there
-    is a second layer. `shadow_maps`: other objects cast shadows on this
-    one. `depth_only`: the picture is a depth map, which needs distance and opacity alone. Of the
-    values of `edge` only "clip" matters here; the others are the edge of the maps.
+    `exact_shadows`: its technique traces the rays of hard shadows; `fades`: it fades with distance.
+    `own_tilings`: maps have tilings of their own; `layer`: there is a second layer. `shadow_maps`:
+    other objects cast shadows on this one. `depth_only`: the picture is a depth map, which needs
+    distance and opacity alone. Of the values of `edge` only "clip" matters here; the others are the
+    edge of the maps.
     """
 
     # --- of the object
     shape: ShapeKind = "plane"
     displaced: bool = False
     columns: bool = False
+    exact_shadows: bool = False
     projection: Projection = "full"
     fades: bool = False
     edge: EdgeKind = "wrap"

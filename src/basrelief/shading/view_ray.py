@@ -26,7 +26,7 @@ class ViewRay:
 
     It enters at texture coordinates `uv` at height 1 and moves by `travel` until height 0, as in
     `techniques.Ray`. `distance` is that of the entry along the ray, `length` the distance from
-    there to height 0, in world units.
+    there to height 0, in world units. `scale` is the height range in tile widths.
     """
 
     found: bool
@@ -34,6 +34,7 @@ class ViewRay:
     travel: Vec2
     distance: float
     length: float
+    scale: float
 
 
 @shader
@@ -49,7 +50,7 @@ def view_ray(
     ray = primary_ray(sample.camera, Vec2(float(at.x), float(at.y)) + sample.offset)
     intersection = intersect(ray, placement, variant)
     if not intersection.found:
-        return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0)
+        return ViewRay(False, Vec2(0.0), Vec2(0.0), 0.0, 0.0, 0.0)
     faded = faded_relief(relief, intersection.distance, variant)
     height_range = object_height_range(faded, placement, variant)
     straight = relief_ray(intersection, faded, height_range, 0.0, 0.0, variant)
@@ -60,4 +61,5 @@ def view_ray(
         straight.travel,
         intersection.distance + interval.t_enter,
         interval.t_exit - interval.t_enter,
+        straight.scale,
     )

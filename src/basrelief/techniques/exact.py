@@ -148,7 +148,7 @@ class Traversal:
     reads: int
 
 
-@technique(bake=BOUNDS, most_reads=24)
+@technique(bake=BOUNDS, most_reads=24, exact=True)
 def exact(field: HeightField, baked: Texture, ray: Ray, settings: Nothing) -> Hit:
     """The exact first hit: leap as far as the bounds prove empty space, solve the other cells.
 

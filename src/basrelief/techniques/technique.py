@@ -71,6 +71,8 @@ class Technique(Shader[P, R]):
     columns : bool
         Whether its height field is one column per texel (`techniques.columns`) instead of the
         bilinear surface.
+    exact : bool
+        Whether it finds the first hit of every ray; it then traces the rays of hard shadows too.
     """
 
     reference_height: float = 1.0
@@ -78,6 +80,7 @@ class Technique(Shader[P, R]):
     most_reads: int = 0
     bake: Bake | None = None
     columns: bool = False
+    exact: bool = False
 
     @property
     def takes_heights(self) -> tuple[str, ...]:
@@ -102,6 +105,7 @@ def technique(
     most_reads: int = 0,
     bake: Bake | None = None,
     columns: bool = False,
+    exact: bool = False,
 ) -> Callable[[Callable[P, R]], Technique[P, R]]:
     """Mark a shader as a technique.
 
@@ -119,6 +123,9 @@ def technique(
     columns : bool, default False
         Whether the height field is one column per texel; the object's normals and self-shadows are
         then those of columns.
+    exact : bool, default False
+        Whether the technique finds the first hit of every ray. It then traces the rays of hard
+        shadows too, from the top of the relief down to the point, in place of a march.
 
     Returns
     -------
@@ -140,7 +147,7 @@ def technique(
             projection,
             most_reads,
         )
-        marked.bake, marked.columns = bake, columns
+        marked.bake, marked.columns, marked.exact = bake, columns, exact
         return marked
 
     return mark

@@ -149,6 +149,7 @@ def _technique(technique: Technique[..., Any]) -> dict[str, Any]:
         "mostReads": technique.most_reads,
         "bake": technique.bake and technique.bake.name,
         "columns": technique.columns,
+        "exact": technique.exact,
         "heights": technique.takes_heights,
         "settings": numbers_of(technique.settings),
     }

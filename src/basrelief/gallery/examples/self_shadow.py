@@ -22,7 +22,7 @@ def panels(texels: int) -> Iterator[Panel]:
             camera=CAMERA,
             lights=LIGHTS,
             shadows=shadows,
-            shadowing={"shadow_steps": 24},
+            shadowing={"max_shadow_steps": 24},
         )
         yield Panel("no shadow" if shadows == "none" else f"{shadows} shadow", scene)
 

@@ -108,6 +108,7 @@ export type Technique = {
   mostReads: number;
   bake: string | null;
   columns: boolean;
+  exact: boolean;
   heights: Heights[];
   settings: Setting[];
 };

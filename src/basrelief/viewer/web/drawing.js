@@ -317,7 +317,7 @@ export class Drawing {
   choices(state) {
     const { pictures, data } = this;
     const technique = pictures.field ? state.technique : "flat";
-    const { columns, heights } = data.techniques[technique];
+    const { columns, exact, heights } = data.techniques[technique];
     /** @type {(tiling: Tiling) => boolean} */
     const repeats = ({ tiles, shift }) => shift.some(Boolean) || tiles.some((n) => n <= 0 || n > 1);
     const tilings = [{ tiles: state.tiling, shift: state.shift }];
@@ -338,6 +338,7 @@ export class Drawing {
       displaced: technique !== "flat",
       shadows: technique === "flat" ? "none" : state.shadows,
       columns,
+      exact_shadows: exact && state.shadows === "hard",
       "map.edge": wraps ? "wrap" : "clamp",
       "map.filter": columns ? "columns" : filter,
       own_tilings: state.apart,
