@@ -995,6 +995,21 @@ def test_presets_equal_the_librarys(fresh: OpenPage, material: Material, name: s
     assert fresh.text("#about-preset") == ""
 
 
+def test_a_preset_keeps_its_lengths_on_another_shape(fresh: OpenPage, material: Material) -> None:
+    """A scale in widths of the shape is four times as much in those of a sphere's tiles."""
+    fresh.page.get_by_label("Preset").select_option("wikibooks")
+    for shape in ("sphere", "plane", "cylinder"):
+        fresh.page.get_by_label("Shape").select_option(shape)
+        (obj,) = preset("wikibooks").scene(material, shape=shape).resolved
+        assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(obj.scale)
+        settings = fresh.page.evaluate("viewer.state.settings.offset")
+        assert settings == pytest.approx(json_value(obj.settings))
+        assert fresh.page.get_by_label("Preset").input_value() == "wikibooks"
+    fresh.page.get_by_label("Preset").select_option("catlike")
+    fresh.page.get_by_label("Shape").select_option("sphere")
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(0.03)
+
+
 def test_a_preset_with_a_layer_is_disabled_on_a_page_without_one(
     seen: OpenPage, browser: Any, tmp_path: Path
 ) -> None:

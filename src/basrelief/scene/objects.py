@@ -106,8 +106,9 @@ class Object:
     )
     settings: Any = setting(factory=dict, kind="numbers", group="Relief")
     scale: float | None = setting(
-        default=None, low=0.0, high=10.0, control={"high": 0.5, "step": 0.001}, group="Relief"
-    )
+        default=None, low=0.0, high=10.0, control={"high": 0.5, "step": 0.001}, group="Relief",
+        in_tiles=True,
+    )  # fmt: skip
     reference_height: float | None = setting(
         default=None, low=0.0, high=1.0, control={"step": 0.01}, group="Relief"
     )
