@@ -355,6 +355,14 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "smooth": {"heights": "smooth", "tiling": (8.0, 8.0)},
     "mips": {"heights": "mip", "tiling": (8.0, 8.0), "technique": "steep"},
     "landscape": {"surface": "landscape", "technique": "fixed_length", "scale": 0.2},
+    "land with holes": {
+        "surface": "landscape",
+        "alpha": "mask",
+        "mapping": "triplanar",
+        "scale": 0.2,
+        "layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1))),
+        "surface_parameters": {"cutoff": 0.3, "roughness": 0.6, "water_level": 0.2},
+    },
     "faded": {"fade": (1.5, 2.5), "shadows": "hard"},
     "three sides": {"mapping": "triplanar", "scale": 0.2},
     "apart": {

@@ -77,7 +77,7 @@ class Object:
     surface_parameters : record or mapping, optional
         Parameters of the surface, or the fields of them to change.
     mapping : {"planar", "triplanar"}, default "planar"
-        Projection of the colour onto the relief, from one side or from three.
+        Projection of the colours, also of a layer's, onto the relief, from one side or from three.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
     casts : {"shape", "opaque", "none"}, default "shape"
