@@ -296,7 +296,7 @@ def test_positions_and_sizes() -> None:
         ({"fade": "3,1"}, "fade 3 to 1: give two distances, the nearer first"),
         ({"surface": "sea"}, "surface is one of standard, landscape, not 'sea'"),
         ({"settings": ["water_level=0.1"]}, "--set water_level: there is no such setting here"),
-        ({"settings": ["roughness=1"], "surface": "landscape"}, "--set roughness: there is no"),
+        ({"settings": ["water_level=1"], "surface": "standard"}, "--set water_level: there is"),
         ({"settings": ["fog_density=-1"]}, "fog_density is -1: give a number from 0 to 1000"),
         (
             {"fog_mode": "thick"},

@@ -508,7 +508,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         ),
         (
             "the landscape surface (--surface landscape)",
-            "water_level=0.4 0 to 1 height of the water",
+            "water_level=0.4 0 to 1 Height of the water",
         ),
         ("smooth heights (--heights smooth, mip)", "mip_bias=1 0 to 16 mip levels"),
         ("the shading", "shininess=10 1 to 1000"),

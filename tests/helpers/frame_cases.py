@@ -110,7 +110,15 @@ SURFACE_PARAMETERS = {
         "water_color": (0.2, 0.5, 0.4),
         "water_level": 0.55,
         "sky_color": (0.7, 0.8, 1.0),
+        "base_color": (0.8, 0.9, 0.7),
         "normal_strength": 0.6,
+        "roughness": 0.7,
+        "metallic": 0.4,
+        "occlusion": 0.6,
+        "emission": (0.3, 0.4, 0.2),
+        "cutoff": 0.6,
+        "layer_color": 0.7,
+        "layer_normal": 1.6,
     },
 }
 """Parameters of the surfaces; none is at its default."""

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import basrelief
+from basrelief.cli import arguments
+from basrelief.measure.compare import candidates
 from basrelief.measure.views import at_angle
 from basrelief.scene.presets import preset
 from helpers.command_line import done, refused, write_heights
@@ -100,3 +102,74 @@ def test_a_file_in_place_of_the_folder_is_refused_before_measuring() -> None:
     Path("out").write_text("mine")
     line = refused("compare", "wall", "-o", "out")
     assert "out: is a file" in line
+
+
+SHAPE_UNIT = """
+[object]
+lengths = "shape"
+tiling = [4, 2]
+technique = "offset"
+scale = 0.05
+
+[object.settings]
+max_offset = 0.01
+"""
+QUICK = ("--angles", "60-60", "--size", "32x24", "--device", "cpu")
+
+
+def test_measurements_keep_the_lengths_of_a_preset_in_its_unit() -> None:
+    """Lengths of a shape with 4 × 2 tiles, the preset's and explicit ones, in tiles."""
+    Path("shape.toml").write_text(SHAPE_UNIT)
+    material = basrelief.load("wall")
+    for options, scale, settings, own in (
+        ({}, 0.2, (0.04, 0.5), None),
+        ({"scale": 0.1}, 0.4, (0.04, 0.5), None),
+        ({"settings": ["max_offset=0.02"]}, 0.2, (0.08, 0.5), None),
+        ({"settings": ["max_offset_ratio=3"]}, 0.2, (0.04, 1.5), None),
+        ({"techniques": ["offset,max_offset=0.03"]}, 0.2, (0.04, 0.5), (0.12, 0.5)),
+        ({"techniques": ["relief,search_steps=3", "offset"]}, 0.2, (0.04, 0.5), None),
+    ):
+        read = arguments.measured_options(
+            material, **{"techniques": None, "settings": [], **options}, preset=preset("shape.toml")
+        )
+        assert read.measured["scale"] == pytest.approx(scale)
+        assert read.drawn["scale"] == pytest.approx(scale)
+        measured = {**read.preset_settings, **read.settings}
+        assert (measured["max_offset"], measured["max_offset_ratio"]) == pytest.approx(settings)
+        offset = next(
+            c for c in candidates(read.techniques, measured) if c.technique.name == "offset"
+        )
+        found = offset.settings["max_offset"], offset.settings["max_offset_ratio"]
+        assert found == pytest.approx(own or settings)
+
+
+def test_what_measurements_print_draws_the_same_relief() -> None:
+    """The printed commands and the written preset have lengths of tiles."""
+    Path("shape.toml").write_text(SHAPE_UNIT)
+    out = done(
+        "compare", "wall", "--preset", "shape.toml", "--technique", "offset,max_offset=0.03",
+        "--scale", "0.1", "--samples", "1", *QUICK[2:], "--angles", "60", "-o", "out",
+    )  # fmt: skip
+    (offset,) = (
+        each for each in json.loads(Path("out/compare.json").read_text())["techniques"]
+        if each["technique"] == "offset"
+    )  # fmt: skip
+    assert "--scale 0.4 " in offset["command"]
+    assert "--set max_offset=0.12 --set max_offset_ratio=0.5" in offset["command"]
+    assert "basrelief render wall" in out
+    done(
+        "tune", "wall", "--preset", "shape.toml", "--technique", "offset", "--missed", "100%",
+        "--set", "max_offset=0.02", *QUICK, "-o", "tuned.toml",
+    )  # fmt: skip
+    (obj,) = preset("tuned.toml").scene(basrelief.load("wall")).resolved
+    assert (obj.scale, *obj.tiling.tiles) == pytest.approx((0.2, 4.0, 2.0))
+    numbers = obj.settings.max_offset, obj.settings.max_offset_ratio
+    assert numbers == pytest.approx((0.08, 0.5))
+
+
+def test_bakes_take_the_scale_of_a_preset_in_its_unit() -> None:
+    Path("shape.toml").write_text(SHAPE_UNIT)
+    for explicit, scale in ((), "0.2"), (("--scale", "0.1"), "0.4"):
+        out = done("bake", "wall", "normal", "--preset", "shape.toml", *explicit, "--device", "cpu",
+                   "--overwrite")  # fmt: skip
+        assert f"scale {scale}: height range as a fraction of the map's width" in out

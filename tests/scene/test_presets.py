@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,14 @@ from hypothesis import strategies as st
 
 import basrelief
 from basrelief import PRESETS, InputError, Material, Object, Orbit, Preset, Scene, preset
+from basrelief.cli import arguments
 from basrelief.images import write_data
 from basrelief.lang import Vec3
 from basrelief.material import Map
 from basrelief.scene import Tiling, technique_named
+from basrelief.scene.recipe import Recipe
 from basrelief.shading.lights import DIRECTIONAL, POINT
+from basrelief.techniques.offset import Offset
 from helpers.command_line import done, refused, write_heights
 from helpers.repository import REPOSITORY
 
@@ -122,8 +126,6 @@ def test_wikibooks_follows_its_article() -> None:
     assert obj.scale == pytest.approx(0.04)
     assert obj.resolved.settings.max_offset == pytest.approx(0.04)
     assert obj.resolved.settings.max_offset_ratio == 1.0
-    obj, _ = drawn("wikibooks", tiling=(4.0, 4.0), scale=0.1, settings={"max_offset": 0.5})
-    assert (obj.scale, obj.resolved.settings.max_offset) == (0.1, 0.5)
     # the tiled coordinates are shifted
     assert drawn("catlike", tiling=(4.0, 4.0))[0].scale == 0.03
 
@@ -199,7 +201,7 @@ def displayed_shift(name: str, value: float, **options: Any) -> tuple[np.ndarray
     standing = {"lights": [basrelief.directional()], **options}
     frame = basrelief.render(material_of_heights(value), preset=name, **SMALL, **standing)
     flat = basrelief.render(
-        material_of_heights(value), **SMALL, **{**standing, "technique": "flat"}
+        material_of_heights(value), **SMALL, **{**standing, "technique": "flat", "settings": {}}
     )
     tiling = options.get("tiling", (1.0, 1.0))
     flat_uv = flat.uv.astype(np.float64) / tiling
@@ -242,7 +244,7 @@ def test_the_clamped_offset() -> None:
 @pytest.mark.parametrize("tiling", [(1.0, 1.0), (2.0, 4.0), (4.0, 1.0)])
 def test_the_clamp_is_in_the_coordinates_of_the_mesh(tiling: tuple[float, float]) -> None:
     """W3: 0.01 along u and along v, whatever the tilings of the maps."""
-    shift, view = displayed_shift("wikibooks", 1.0, tiling=tiling, scale=0.2 * tiling[0])
+    shift, view = displayed_shift("wikibooks", 1.0, tiling=tiling, scale=0.2)
     expected = np.clip(to_texture(0.2 * 0.5 * view[:, :2] / view[:, 2:]), -0.01, 0.01)
     assert (np.abs(expected) == 0.01).any(axis=0).all()
     assert shift == pytest.approx(expected, abs=2e-6)
@@ -340,6 +342,134 @@ def test_options_win_over_a_preset() -> None:
     assert {*obj.tilings} == {"base_color", "normal"}
     # None stands for the material's own
     assert drawn("gamedev", scale=None)[0].scale is None
+
+
+# --- the unit of lengths --------------------------------------------------------------------------
+
+SHAPE_UNIT = """
+[object]
+lengths = "shape"
+technique = "fixed_length"
+tiling = [4, 2]
+scale = 0.1
+settings = { step_length = 0.01 }
+"""
+
+
+def command_scene(*arguments_of_command: str, **options: Any) -> Scene:
+    """The scene of a command line with options of `scene_options` as texts."""
+    return arguments.scene(
+        material_of_heights(), preset=preset("wikibooks"), settings=arguments_of_command, **options
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "tiles"),
+    [
+        ({}, (1.0, 1.0)),
+        ({"shape": "sphere"}, (4.0, 3.0)),
+        ({"shape": "cylinder"}, (3.0, 1.5)),
+        ({"tiling": (4.0, -2.0)}, (4.0, 2.0)),
+        ({"shape": "box", "tiling": (0.5, 3.0)}, (0.5, 3.0)),
+    ],
+)
+def test_explicit_lengths_are_in_the_unit_of_the_preset(options, tiles) -> None:
+    """A length of the shape is tiles times as many of a tile, whoever states it; the ratio of both
+    limits is that of the tilings."""
+    repeated = {"scale": 0.01, "settings": {"max_offset": 0.01}}
+    texts = {name: "x".join(map(str, x)) if name == "tiling" else x for name, x in options.items()}
+    for obj in (
+        drawn("wikibooks", **options)[0],
+        drawn("wikibooks", **options, **repeated)[0],
+        drawn("wikibooks", **options, scale=0.01, settings=Offset(max_offset=0.01))[0],
+        command_scene(**texts).objects[0],
+        command_scene("max_offset=0.01", scale=0.01, **texts).objects[0],
+    ):
+        settings = obj.resolved.settings
+        assert obj.scale == pytest.approx(0.01 * tiles[0])
+        assert settings.max_offset == pytest.approx(0.01 * tiles[0])
+        assert settings.max_offset_ratio == pytest.approx(tiles[1] / tiles[0])
+    obj = command_scene("max_offset_ratio=2", scale=0.02, technique="offset", **texts).objects[0]
+    assert obj.scale == pytest.approx(0.02 * tiles[0])
+    assert obj.resolved.settings.max_offset_ratio == pytest.approx(2.0 * tiles[1] / tiles[0])
+    # of another technique too
+    obj = command_scene("step_length=0.02", technique="fixed_length", **texts).objects[0]
+    assert obj.resolved.settings.step_length == pytest.approx(0.02 * tiles[0])
+    # of another preset they are those of a tile
+    obj, _ = drawn("catlike", scale=0.01, settings={"max_offset": 0.01}, **options)
+    assert (obj.scale, obj.resolved.settings.max_offset) == (0.01, np.float32(0.01))
+
+
+@pytest.mark.parametrize("tiling", [(1.0, 1.0), (4.0, 2.0), (0.5, 3.0)])
+def test_explicit_offsets_in_closed_form(tiling: tuple[float, float]) -> None:
+    """0.1 · (h − ½) · xy ÷ z in the coordinates of the mesh, at most 0.02, whatever the tiling."""
+    own = {"scale": 0.1, "settings": {"max_offset": 0.02}, "tiling": tiling}
+    shift, view = displayed_shift("wikibooks", 0.8, **own)
+    expected = to_texture(0.1 * 0.3 * view[:, :2] / view[:, 2:])
+    assert (np.abs(expected) > 0.02).any(axis=0).all()
+    assert (np.abs(expected) < 0.02).any(axis=0).all()
+    assert shift == pytest.approx(np.clip(expected, -0.02, 0.02), abs=3e-6)
+
+
+def test_a_clamp_may_be_longer_than_a_tile() -> None:
+    """Half a shape is two of its tiles."""
+    own = {"scale": 1.0, "settings": {"max_offset": 0.5}, "tiling": (4.0, 4.0)}
+    shift, view = displayed_shift("wikibooks", 0.0, **own, reference_height=1.0)
+    expected = np.clip(to_texture(-1.0 * view[:, :2] / view[:, 2:]), -0.5, 0.5)
+    assert (np.abs(expected) > 0.25).any(axis=0).all()
+    assert shift == pytest.approx(expected, abs=1e-5)
+
+
+def test_files_with_lengths_of_the_shape(tmp_path: Path) -> None:
+    """As the library's; `--depth` and `--tile` are metres of a tile all the same."""
+    (tmp_path / "mine.toml").write_text(SHAPE_UNIT)
+    mine = preset(tmp_path / "mine.toml")
+    material = material_of_heights()
+    for options, scale, step in (
+        ({}, 0.4, 0.04), ({"scale": 0.2}, 0.8, 0.04), ({"tiling": (2.0, 2.0)}, 0.2, 0.02),
+        ({"settings": {"step_length": 0.03}}, 0.4, 0.12),
+    ):  # fmt: skip
+        (obj,) = mine.scene(material, **options).resolved
+        assert (obj.scale, obj.settings.step_length) == pytest.approx((scale, step))
+    measured = replace(material, depth=0.1, tile=1.0)
+    (obj,) = arguments.scene(measured, preset=mine, measured=True).resolved
+    assert (obj.scale, obj.settings.step_length) == pytest.approx((0.1, 0.04))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scale": 4.0}, "scale, in widths of the shape, is 4: give a number from 0 to 2.5"),
+        ({"scale": -1.0}, "scale, in widths of the shape, is -1: give a number from 0 to 2.5"),
+        ({"settings": {"max_offset": 100.0}},
+         "max_offset, in widths of the shape, is 100: give a number from 0 to 64"),
+        ({"scale": "deep"}, "scale is 'deep': give a number"),
+        ({"settings": {"max_offset": "far"}}, "max_offset is a number, not 'far'"),
+        ({"tiling": (0.0, 1.0)}, "tiling (0.0, 1.0): give finite numbers other than 0"),
+        ({"tiling": 3.0}, "tiling is 3.0: give two numbers"),
+        ({"shape": "ring"}, "shape is one of plane, box, sphere, cylinder, not 'ring'"),
+    ],
+)  # fmt: skip
+def test_lengths_out_of_range_are_refused_in_the_unit_of_the_preset(options, message) -> None:
+    assert error_message(lambda: drawn("wikibooks", **{"tiling": (4.0, 2.0), **options})) == message
+
+
+def test_what_a_recipe_prints_has_the_lengths_of_tiles() -> None:
+    """Texts name no preset, so their lengths are those of a tile."""
+    scene = preset("wikibooks").scene(
+        basrelief.load("sample:bricks"), shape="sphere", scale=0.02, settings={"max_offset": 0.03}
+    )
+    recipe = Recipe(scene, {"size": SMALL["size"], "samples": 1})
+    assert "--scale 0.08 " in recipe.command
+    assert "--set max_offset=0.12 " in recipe.command
+    wanted = basrelief.render(scene, **SMALL).color
+    namespace: dict[str, Any] = {}
+    exec(
+        recipe.python.replace("import basrelief; ", "frame = "), {"basrelief": basrelief}, namespace
+    )
+    assert (namespace["frame"].color == wanted).all()
+    again = recipe.preset("mine").scene(scene.objects[0].material)
+    assert (basrelief.render(again, **SMALL).color == wanted).all()
 
 
 def test_presets_of_objects_and_scenes_are_refused() -> None:

@@ -228,17 +228,88 @@ def test_by_default_water_lies_below_a_height_of_two_fifths() -> None:
         np.testing.assert_allclose(color(obj), wanted, atol=1e-4)
 
 
-def test_a_landscape_has_the_same_response_everywhere() -> None:
-    """Roughness 0.8, metallic 0, occlusion 1, no emission, whatever the maps contain."""
-    maps = {name: map_of([[0.3]]) for name in ("roughness", "metallic", "occlusion")}
-    maps["emission"] = map_of(np.ones((1, 1, 3)))
-    black = ground(0.0, maps, normal_strength=0.0)
+@pytest.mark.parametrize(("roughness", "factor"), [(None, 1.0), (0.5, 1.0), (0.6, 0.75)])
+def test_the_ground_has_its_own_roughness(roughness, factor: float) -> None:
+    """That of the map times the parameter; 0.8 without a map."""
+    maps = {} if roughness is None else {"roughness": map_of([[roughness]])}
+    black = ground(0.0, maps, normal_strength=0.0, roughness=factor)
     scene = {"lights": (directional(0.0, 0.0),), "shading": MATTE}
     # black and lit along the view: π · D · V · F is 0.01 ÷ roughness⁴
-    np.testing.assert_allclose(color(black, **scene), 0.01 / 0.8**4, rtol=3e-4)
-    white = ground(1.0, maps, normal_strength=0.0)
-    ambient = {"lights": (), "shading": Shading(ambient=(0.2, 0.4, 0.8))}
-    np.testing.assert_allclose(color(white, **ambient), [0.2, 0.4, 0.8], atol=1e-5)
+    own = (0.8 if roughness is None else roughness) * factor
+    np.testing.assert_allclose(color(black, **scene), 0.01 / own**4, rtol=3e-4)
+
+
+AMBIENT = {"lights": (), "shading": Shading(ambient=(0.2, 0.4, 0.8))}
+
+
+@pytest.mark.parametrize("strength", [0.0, 0.5, 1.0])
+def test_occlusion_and_emission_are_those_of_the_ground(strength: float) -> None:
+    """ambient · mix(1, 0.3, strength) + emission."""
+    maps = {"occlusion": map_of([[0.3]]), "emission": map_of(np.full((1, 1, 3), 0.5))}
+    numbers = {"normal_strength": 0.0, "occlusion": strength, "emission": (0.2, 0.4, 0.0)}
+    wanted = np.array([0.2, 0.4, 0.8]) * (1.0 - 0.7 * strength) + [0.1, 0.2, 0.0]
+    np.testing.assert_allclose(color(ground(1.0, maps, **numbers), **AMBIENT), wanted, atol=1e-5)
+    # water and sky have a colour alone
+    for other in (
+        ground(1.0, maps, **numbers, water_level=0.6, water_color=2.0),
+        replace(ground(1.0, maps, **numbers, sky_color=1.0), technique="fixed_length",
+                settings={"steps": 5, "step_length": 0.001}),
+    ):  # fmt: skip
+        np.testing.assert_allclose(color(other, **AMBIENT), [0.2, 0.4, 0.8], atol=1e-5)
+
+
+@pytest.mark.parametrize("water_level", [0.0, 0.6])
+@pytest.mark.parametrize("alpha", ["blend", "mask", "opaque"])
+@pytest.mark.parametrize("opacity", [0.3, 0.7])
+def test_ground_and_water_are_cut_out_by_opacity(water_level, alpha, opacity: float) -> None:
+    """Over a background of black: the colour times its coverage; below the cutoff nothing."""
+    maps = {"opacity": map_of([[opacity]])}
+    numbers = {"normal_strength": 0.0, "water_level": water_level, "water_color": 2.0}
+    obj = replace(ground(1.0, maps, **numbers), alpha=alpha)
+    frame = drawn(obj, camera=FRONT, size=(9, 9), background=(0.0, 0.0, 0.0), **AMBIENT)
+    coverage = {"blend": opacity, "mask": float(opacity >= 0.5), "opaque": 1.0}[alpha]
+    assert frame.hit[4, 4] == (coverage >= 0.5)
+    wanted = np.array([0.2, 0.4, 0.8]) * coverage
+    np.testing.assert_allclose(frame.color[4, 4, :3], wanted, atol=1e-4)
+
+
+def test_the_cutoff_is_a_parameter() -> None:
+    obj = replace(ground(1.0, {"opacity": map_of([[0.3]])}, cutoff=0.25), alpha="mask")
+    assert drawn(obj, camera=FRONT, size=(9, 9), **AMBIENT).hit.all()
+
+
+def test_the_sky_is_opaque() -> None:
+    """It is no point of the ground, whose opacity is read where the ray ends."""
+    above = {"technique": "fixed_length", "settings": {"steps": 5, "step_length": 0.001}}
+    sky = replace(ground(1.0, {"opacity": map_of([[0.0]])}), alpha="mask", **above)
+    np.testing.assert_allclose(color(sky, **AMBIENT), [0.2, 0.4, 0.8], atol=1e-5)
+
+
+@pytest.mark.parametrize(("mask", "strength"), [(1.0, 1.0), (0.25, 1.0), (0.5, 0.5), (0.0, 1.0)])
+def test_mountains_follow_the_mask_and_the_strength_of_the_layer(mask, strength: float) -> None:
+    """mix(grass, stone, height · mask · strength)."""
+    grass = uniform_material(GRASS, 0.8, layer_mask=map_of([[mask]]))
+    obj = Object(
+        grass, surface="landscape", technique="parallax_occlusion", transform=np.eye(4),
+        layer=Layer(uniform_material(STONE)), surface_parameters={"layer_color": strength},
+    )  # fmt: skip
+    share = 0.8 * mask * strength
+    np.testing.assert_allclose(color(obj), GRASS * (1 - share) + STONE * share, atol=1e-4)
+
+
+@pytest.mark.parametrize(("mask", "strength"), [(1.0, 1.0), (0.5, 1.0), (1.0, 2.0), (1.0, 0.0)])
+def test_mountains_have_the_normals_of_the_layer(mask, strength: float) -> None:
+    """Its slopes times height · mask · strength, added to those of the ground."""
+    leaning = np.array([0.48, 0.36, 0.8])
+    stone = uniform_material(1.0, normal=map_of((leaning * 0.5 + 0.5)[None, None]))
+    obj = replace(
+        ground(1.0, {"layer_mask": map_of([[mask]])}, layer_normal=strength),
+        layer=Layer(stone, Tiling((1.0, 1.0))),
+    )
+    slope = 0.5 * mask * strength
+    tilt = unit([*(leaning[:2] * slope), leaning[2]])
+    wanted = unit([0.36 + tilt[0], -0.48 + tilt[1], 0.8 * tilt[2]])
+    np.testing.assert_allclose(shading_normal(obj), wanted, atol=3e-4)
 
 
 def test_ground_and_mountains_have_their_own_tilings() -> None:

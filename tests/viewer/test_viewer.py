@@ -355,6 +355,14 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "smooth": {"heights": "smooth", "tiling": (8.0, 8.0)},
     "mips": {"heights": "mip", "tiling": (8.0, 8.0), "technique": "steep"},
     "landscape": {"surface": "landscape", "technique": "fixed_length", "scale": 0.2},
+    "land with holes": {
+        "surface": "landscape",
+        "alpha": "mask",
+        "mapping": "triplanar",
+        "scale": 0.2,
+        "layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1))),
+        "surface_parameters": {"cutoff": 0.3, "roughness": 0.6, "water_level": 0.2},
+    },
     "faded": {"fade": (1.5, 2.5), "shadows": "hard"},
     "three sides": {"mapping": "triplanar", "scale": 0.2},
     "apart": {
@@ -993,6 +1001,21 @@ def test_presets_equal_the_librarys(fresh: OpenPage, material: Material, name: s
     fresh.page.get_by_label("reference height", exact=True).fill("0.3")
     assert fresh.page.get_by_label("Preset").input_value() == ""
     assert fresh.text("#about-preset") == ""
+
+
+def test_a_preset_keeps_its_lengths_on_another_shape(fresh: OpenPage, material: Material) -> None:
+    """A scale in widths of the shape is four times as much in those of a sphere's tiles."""
+    fresh.page.get_by_label("Preset").select_option("wikibooks")
+    for shape in ("sphere", "plane", "cylinder"):
+        fresh.page.get_by_label("Shape").select_option(shape)
+        (obj,) = preset("wikibooks").scene(material, shape=shape).resolved
+        assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(obj.scale)
+        settings = fresh.page.evaluate("viewer.state.settings.offset")
+        assert settings == pytest.approx(json_value(obj.settings))
+        assert fresh.page.get_by_label("Preset").input_value() == "wikibooks"
+    fresh.page.get_by_label("Preset").select_option("catlike")
+    fresh.page.get_by_label("Shape").select_option("sphere")
+    assert fresh.page.evaluate("viewer.state.scale") == pytest.approx(0.03)
 
 
 def test_a_preset_with_a_layer_is_disabled_on_a_page_without_one(

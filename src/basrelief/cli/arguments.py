@@ -277,15 +277,15 @@ def scene_options(
 ) -> dict[str, Any]:
     """The options of `Object` and `Scene` from a preset, changed by those of a command line.
 
-    `options` are their fields as text or numbers. With `measured`, the command line sets the
-    material's depth, which replaces the preset's scale.
+    `options` are their fields as text or numbers; lengths are in the preset's unit. With
+    `measured`, the command line sets the material's depth, which replaces the preset's scale.
     """
     parsed = {name: _parsed(name, text) for name, text in options.items()}
     if measured:
         parsed["scale"] = None
     if layer is not None:
         parsed["layer"] = Layer(load(layer))
-    merged = preset.options(material, parsed)
+    merged = preset.merged(material, parsed)
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
     # loaded here once: loading runs a user's file
     technique = technique_named(merged.get("technique") or default_technique(material))
@@ -298,17 +298,18 @@ def scene_options(
     for record, values in values_by_record.items():
         merged[record] = {**merged.get(record, {}), **values}
     merged["tilings"] = _tilings(material, merged, map_tiling, map_shift)
-    return merged
+    return preset.in_tiles(merged, material)
 
 
 class MeasuredOptions(NamedTuple):
     """Options of a command that measures techniques.
 
-    `settings` are those of the techniques, `preset_settings` those of a preset. `measured` are the
-    options of `Object` and `Scene` without those that a measurement sets itself, `drawn` are all of
-    them, for a picture of the material.
+    `techniques` are the measured ones, None for all. `settings` are those of all techniques,
+    `preset_settings` those of a preset. `measured` are the options of `Object` and `Scene` without
+    those that a measurement sets itself, `drawn` are all of them, for a picture of the material.
     """
 
+    techniques: list[str] | None
     settings: dict[str, Any]
     preset_settings: dict[str, Any]
     measured: dict[str, Any]
@@ -326,9 +327,9 @@ def measured_options(
     """The options of a measurement; parameters are those of `scene_options`.
 
     A name in `settings` that one of the techniques has is a setting of the techniques, not of the
-    scene.
+    scene. Lengths are in the preset's unit, as in `scene_options`.
     """
-    of_preset = preset.options(material, {})
+    of_preset = preset.merged(material, {})
     surface = options.get("surface") or of_preset.get("surface", "standard")
     check_setting(_DECLARED["surface"], surface)
     named = [technique_named(text.partition(",")[0]) for text in techniques or TECHNIQUES]
@@ -351,7 +352,35 @@ def measured_options(
     measured = in_proportion(measured, 1.0 / u, 1.0 / v)
     numbers = of_preset.get("settings", {})
     preset_settings = {name: number for name, number in numbers.items() if name in known}
-    return MeasuredOptions(of_techniques, preset_settings, measured, drawn)
+    shared = {**preset_settings, **of_techniques}
+
+    def in_tiles(own: Mapping[str, Any], technique: Technique[..., Any]) -> dict[str, Any]:
+        """Settings of a technique, beside the shared ones, with lengths in tile widths."""
+        names = preset.settings_in_tiles(own, technique, merged, material)
+        converted = preset.settings_in_tiles({**shared, **own}, technique, merged, material)
+        return {name: converted[name] for name in names}
+
+    spelled = [_respelled(text, in_tiles) for text in techniques] if techniques else None
+    for values in (preset_settings, of_techniques):
+        converted = [in_tiles(values, technique) for technique in named]
+        for technique, changed in zip(named, converted, strict=True):
+            has = fields_of(technique.settings)
+            values.update({name: number for name, number in changed.items() if name in has})
+    return MeasuredOptions(spelled, of_techniques, preset_settings, measured, drawn)
+
+
+def _respelled(
+    text: str, change: Callable[[Mapping[str, Any], Technique[..., Any]], Mapping[str, Any]]
+) -> str:
+    """The text of a technique with settings of its own, such as "relief,max_steps=64", changed."""
+    # imported here, since drawing a picture does not need it
+    from basrelief.measure.compare import own_settings
+
+    name, own = own_settings(text)
+    if not own:
+        return text
+    changed = change(own, technique_named(name))
+    return ",".join([name, *(f"{key}={value!r}" for key, value in changed.items())])
 
 
 def _layer(layer: Layer | None, tiling: str | None, shift: str | None) -> Layer | None:

@@ -457,7 +457,7 @@ def compare(
         check_folder(folder)
 
         result = compare_techniques(
-            material, technique, angles=degrees, size=pixels, samples=samples, device=device,
+            material, read.techniques, angles=degrees, size=pixels, samples=samples, device=device,
             settings={**read.preset_settings, **read.settings}, drawn=read.drawn,
             progress=progress.report, **read.measured,
         )  # fmt: skip
@@ -520,9 +520,9 @@ def tune(
         Recipe(scene_of(material, read.drawn)).preset(target.stem)
 
         result = tune_material(
-            material, missed=bound, flip=flip, angles=degrees, techniques=technique, size=pixels,
-            device=device, settings=read.settings, drawn=read.drawn, progress=progress.report,
-            **read.measured,
+            material, missed=bound, flip=flip, angles=degrees, techniques=read.techniques,
+            size=pixels, device=device, settings=read.settings, drawn=read.drawn,
+            progress=progress.report, **read.measured,
         )  # fmt: skip
         written = result.preset.save(target)
     print(f"{result.report()}\n\n{result.command}\n\n{written}  ({result.device})")

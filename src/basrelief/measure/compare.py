@@ -343,7 +343,7 @@ def _candidate(
 ) -> Candidate:
     if isinstance(requested, Candidate):
         return requested
-    text, own = (requested, {}) if not isinstance(requested, str) else _own_settings(requested)
+    text, own = (requested, {}) if not isinstance(requested, str) else own_settings(requested)
     technique = technique_named(text)
     known = fields_of(technique.settings)
     for name in own:
@@ -357,7 +357,7 @@ def _candidate(
     )
 
 
-def _own_settings(text: str) -> tuple[str, dict[str, float]]:
+def own_settings(text: str) -> tuple[str, dict[str, float]]:
     """Name and settings from text such as "relief,max_steps=64"."""
     name, *parts = text.split(",")
     own = {}

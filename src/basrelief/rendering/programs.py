@@ -195,6 +195,6 @@ def values_of(
 def _surface_parameters(obj: ResolvedObject) -> Any:
     """The surface parameters, with emission multiplied by the scale of the emission map."""
     glow = textures.emission_scale(obj.material)
-    if glow == 1.0 or obj.surface != "standard":
+    if glow == 1.0:
         return obj.surface_parameters
     return replace(obj.surface_parameters, emission=Vec3(*obj.surface_parameters.emission) * glow)

@@ -77,7 +77,7 @@ class Object:
     surface_parameters : record or mapping, optional
         Parameters of the surface, or the fields of them to change.
     mapping : {"planar", "triplanar"}, default "planar"
-        Projection of the colour onto the relief, from one side or from three.
+        Projection of the colours, also of a layer's, onto the relief, from one side or from three.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
     casts : {"shape", "opaque", "none"}, default "shape"
@@ -106,8 +106,9 @@ class Object:
     )
     settings: Any = setting(factory=dict, kind="numbers", group="Relief")
     scale: float | None = setting(
-        default=None, low=0.0, high=10.0, control={"high": 0.5, "step": 0.001}, group="Relief"
-    )
+        default=None, low=0.0, high=10.0, control={"high": 0.5, "step": 0.001}, group="Relief",
+        in_tiles=True,
+    )  # fmt: skip
     reference_height: float | None = setting(
         default=None, low=0.0, high=1.0, control={"step": 0.01}, group="Relief"
     )

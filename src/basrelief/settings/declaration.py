@@ -49,6 +49,8 @@ class Setting:
         Meaning, a phrase without a full stop.
     details : str
         The sentences of the docstring after the first, such as how a default is computed.
+    in_tiles : bool
+        Whether it is a length in tile widths, for which a preset may have another unit.
     low, high : float or None
         The inclusive range of its numbers; None leaves that side open.
     choices : tuple
@@ -78,6 +80,7 @@ class Setting:
     spelling: str = ""
     group: str = ""
     details: str = ""
+    in_tiles: bool = False
 
     @property
     def option(self) -> str:
@@ -119,6 +122,7 @@ def setting(
     control: Mapping[str, float] | None = None,
     spelling: str = "",
     group: str = "",
+    in_tiles: bool = False,
 ) -> Any:
     """Field of a record that users set: default, range and description.
 
@@ -132,12 +136,12 @@ def setting(
     low, high
         The inclusive range; None leaves that side open. It is checked when a user's values are
         read, not when a shader builds a record.
-    kind, control, spelling, group
+    kind, control, spelling, group, in_tiles
         As for `Setting`; the kind is that of the annotation by default.
     """
     metadata = {
         "doc": doc, "low": low, "high": high, "kind": kind, "control": control or {},
-        "spelling": spelling, "group": group,
+        "spelling": spelling, "group": group, "in_tiles": in_tiles,
     }  # fmt: skip
     if factory is not dataclasses.MISSING:
         return dataclasses.field(default_factory=factory, metadata=metadata)

@@ -309,7 +309,11 @@ def relief_normal(
     where neither needs it."""
     if variant.columns:
         return column_normal(field, relief_hit, intersection)
-    if variant.displaced and variant.mapping == "triplanar" and variant.base_color_map:
+    if (
+        variant.displaced
+        and variant.mapping == "triplanar"
+        and (variant.base_color_map or variant.layer_color_map)
+    ):
         return height_field_normal(field, relief_hit, intersection)
     return ReliefNormal(Vec3(0.0, 0.0, 1.0), 0.0)
 

@@ -86,7 +86,11 @@ class FixedLength:
 
     steps: int = setting(default=300, doc="maximum number of steps", low=1, high=4096)
     step_length: float = setting(
-        default=0.01, doc="length of a step along the ray, in tile widths", low=1e-5, high=1.0
+        default=0.01,
+        doc="length of a step along the ray, in tile widths",
+        low=1e-5,
+        high=1.0,
+        in_tiles=True,
     )
 
 

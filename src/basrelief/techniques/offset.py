@@ -23,7 +23,11 @@ class Offset:
     """Settings of the techniques with one read."""
 
     max_offset: float = setting(
-        default=1.0, doc="maximum offset along u and along v, in tiles", low=0.0, high=1.0
+        default=1.0,
+        doc="maximum offset along u and along v, in tiles",
+        low=0.0,
+        high=256.0,
+        in_tiles=True,
     )
     max_offset_ratio: float = setting(
         default=1.0, doc="maximum offset along v ÷ that along u", low=0.0, high=64.0

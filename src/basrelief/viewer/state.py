@@ -18,7 +18,7 @@ from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
 from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tiling
 from basrelief.scene.lights import LIGHTS, light_numbers, light_parameters
-from basrelief.scene.presets import PRESETS, preset
+from basrelief.scene.presets import PRESETS, Preset, preset
 from basrelief.scene.recipe import (
     SAMPLE_OPTIONS,
     omitted_of_sources,
@@ -295,8 +295,23 @@ def _presets(
             why = f"it has a layer of {_layer_name(obj)}; make a page with --preset {name}"
             presets[name] = {"about": about, "why": why}
             continue
-        presets[name] = {"about": about, "state": state_of(scene, obj, techniques)}
+        state = state_of(scene, obj, techniques)
+        presets[name] = {
+            "about": about, "state": state, "shapes": _on_shapes(chosen, material, state)
+        }  # fmt: skip
     return presets
+
+
+def _on_shapes(chosen: Preset, material: Material, state: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes of the state on each shape: the lengths of a preset in widths of the shape."""
+    if chosen.lengths == "tile":
+        return {}
+    name = state["technique"]
+    changes: dict[str, Any] = {}
+    for shape in SHAPES:
+        obj = chosen.scene(material, shape=shape).resolved[0]
+        changes[shape] = {"scale": obj.scale, "settings": {name: json_value(obj.settings)}}
+    return changes
 
 
 def _layer_name(obj: Object) -> str | None:

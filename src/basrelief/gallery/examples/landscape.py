@@ -34,6 +34,7 @@ def land(texels: int, height: float = 1.0, **options: Any) -> Object:
         tiling=heights.tiles,
         tilings={"base_color": colors},
         surface="landscape",
+        surface_parameters={"layer_normal": 0.0},
         layer=Layer(sample("stone", texels), colors),
         transform=LYING,
         **options,

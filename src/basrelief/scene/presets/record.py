@@ -17,9 +17,11 @@ from basrelief.images.files import check_writable
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.options import ReadOptions
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
+from basrelief.scene.checks import check_range, check_setting, is_number
 from basrelief.scene.presets import checks
 from basrelief.scene.resolve import default_technique, default_tiles
-from basrelief.settings import check_choice, settings_of
+from basrelief.settings import Setting, check_choice, settings_of
+from basrelief.techniques import Technique
 
 _TABLES = ("maps", "object", "scene", "motion")
 _RECORDS = tuple(
@@ -29,8 +31,6 @@ _RECORDS = tuple(
     if declared.kind == "numbers"
 )
 """Options that are records of numbers, which merge field by field."""
-_LENGTHS = ("max_offset", "step_length")
-"""Settings that are lengths in widths of a tile."""
 _SAMPLE = "sample:"
 
 
@@ -49,8 +49,9 @@ class Preset:
     values : mapping
         The tables `maps` (options of `load`), `object` and `scene` (fields of `Object` and
         `Scene`), with TOML values, and `motion`, whose `scroll` is the speed of the maps in texture
-        coordinates of the shape per second. With `object.lengths = "shape"`, scale and lengths are
-        fractions of the shape's width instead of a tile's.
+        coordinates of the shape per second. With `object.lengths = "shape"`, the scale and settings
+        that are lengths are fractions of the shape's width instead of a tile's, also those of
+        options that override the preset's.
     file : path, optional
         File of the preset; paths in its values are relative to its folder.
 
@@ -81,7 +82,7 @@ class Preset:
         checks.check_table(self._table("object"), checks.OBJECT_KEYS, "object")
         checks.check_table(self._table("scene"), checks.SCENE_KEYS, "scene")
         checks.check_table(self._table("motion"), checks.MOTION_KEYS, "motion")
-        check_choice("object.lengths", self._lengths, ("tile", "shape"))
+        check_choice("object.lengths", self.lengths, ("tile", "shape"))
         self._check_scene()
 
     # --- values
@@ -100,6 +101,11 @@ class Preset:
         u, v = self._table("motion").get("scroll", (0.0, 0.0))
         return float(u), float(v)
 
+    @property
+    def lengths(self) -> str:
+        """Unit of the scale and of settings that are lengths: the width of a "tile" or "shape"."""
+        return str(self._table("object").get("lengths", "tile"))
+
     def scene(self, material: Material, **options: Any) -> Scene:
         """The scene of a material with the preset's options.
 
@@ -108,7 +114,8 @@ class Preset:
         material : Material
             Material of the object.
         **options
-            Options of `Object` and `Scene`, which override the preset's.
+            Options of `Object` and `Scene`, which override the preset's; lengths are in the
+            preset's unit.
 
         Returns
         -------
@@ -123,12 +130,64 @@ class Preset:
 
     def options(self, material: Material, overrides: Mapping[str, Any]) -> dict[str, Any]:
         """All options of `Object` and `Scene`: the preset's, with `overrides` applied."""
+        return self.in_tiles(self.merged(material, overrides), material)
+
+    def merged(self, material: Material, overrides: Mapping[str, Any]) -> dict[str, Any]:
+        """The options of the preset with `overrides` applied, lengths in the preset's unit."""
         defaults = self._preset_options()
         if "layer" in defaults and "layer" not in overrides:
             defaults["layer"] = self._layer(
                 load(self._resolved_path(defaults["layer"]["material"]))
             )
         return self._merged(defaults, material, overrides)
+
+    # --- lengths
+
+    def in_tiles(self, options: Mapping[str, Any], material: Material) -> dict[str, Any]:
+        """Options with lengths in tile widths, as `Object` takes them.
+
+        Raises InputError for a length that is out of range in tile widths.
+        """
+        converted = dict(options)
+        if self.lengths == "tile":
+            return converted
+        tiles, _ = _tiles_of(options, material)
+        declared = settings_of(Object)["scale"]
+        if "scale" in options:
+            converted["scale"] = _in_tiles(declared, options["scale"], tiles)
+        if "settings" in options:
+            technique = technique_named(options.get("technique") or default_technique(material))
+            settings = options["settings"]
+            converted["settings"] = self.settings_in_tiles(settings, technique, options, material)
+        return converted
+
+    def settings_in_tiles(
+        self,
+        settings: Any,
+        technique: Technique[..., Any],
+        options: Mapping[str, Any],
+        material: Material,
+    ) -> Any:
+        """Settings of a technique with lengths in tile widths; `options` place the tiles."""
+        if self.lengths == "tile":
+            return settings
+        declared = settings_of(technique.settings)
+        if isinstance(settings, technique.settings):
+            settings = {name: getattr(settings, name) for name in declared}
+        if not isinstance(settings, Mapping):
+            return settings
+        tiles, tiles_v = _tiles_of(options, material)
+        converted = {
+            name: _in_tiles(declared[name], value, tiles)
+            if name in declared and declared[name].in_tiles
+            else value
+            for name, value in settings.items()
+        }
+        ratio = settings.get("max_offset_ratio", 1.0)
+        if "max_offset" in settings and "max_offset_ratio" in declared and is_number(ratio):
+            # the ratio of two lengths in the shape's coordinates
+            converted["max_offset_ratio"] = ratio * tiles_v / tiles
+        return converted
 
     # --- files
 
@@ -169,10 +228,6 @@ class Preset:
     def _table(self, name: str) -> Mapping[str, Any]:
         table: Mapping[str, Any] = self.values.get(name, MappingProxyType({}))
         return table
-
-    @property
-    def _lengths(self) -> str:
-        return str(self._table("object").get("lengths", "tile"))
 
     def _resolved_path(self, path: str) -> str:
         """A path relative to the preset's folder, resolved; names of samples are unchanged."""
@@ -226,8 +281,6 @@ class Preset:
                 defaults[name] = {
                     key: value for key, value in defaults[name].items() if key in known
                 }
-        if self._lengths == "shape":
-            self._scale_to_tiles(defaults, material, overrides)
         if "technique" in defaults or "technique" in overrides:
             defaults["technique"] = technique
         merged = {
@@ -239,23 +292,6 @@ class Preset:
                 merged[name] = {**defaults[name], **overrides[name]}
         return merged
 
-    def _scale_to_tiles(
-        self, defaults: dict[str, Any], material: Material, overrides: Mapping[str, Any]
-    ) -> None:
-        """Convert lengths from widths of the shape to widths of a tile of the heights."""
-        options = {**defaults, **overrides}
-        tiling = options.get("tiling") or default_tiles(options.get("shape", "plane"), material)
-        tiles, tiles_v = (abs(float(count)) for count in tiling)
-        if "scale" in defaults:
-            defaults["scale"] = defaults["scale"] * tiles
-        settings = dict(defaults.get("settings", {}))
-        for name in _LENGTHS:
-            if name in settings:
-                settings[name] = min(settings[name] * tiles, 1.0)
-        if "max_offset" in settings:
-            settings["max_offset_ratio"] = tiles_v / tiles
-        defaults["settings"] = settings
-
     def _check_scene(self) -> None:
         """Build a scene of a small material, so that errors are reported at once."""
         test_material = Material(
@@ -265,7 +301,28 @@ class Preset:
         defaults = self._preset_options()
         if "layer" in defaults:
             defaults["layer"] = self._layer(test_material)
-        scene_of(test_material, self._merged(defaults, test_material, {}))
+        merged = self._merged(defaults, test_material, {})
+        scene_of(test_material, self.in_tiles(merged, test_material))
+
+
+def _tiles_of(options: Mapping[str, Any], material: Material) -> tuple[float, float]:
+    """Tiles along u and v that options of `Object` place on a shape, without their sign."""
+    shape, tiling = options.get("shape", "plane"), options.get("tiling")
+    known = settings_of(Object)
+    check_setting(known["shape"], shape)
+    check_setting(known["tiling"], tiling)
+    u, v = default_tiles(shape, material) if tiling is None else tiling
+    tiles_u, tiles_v = Tiling((u, v)).checked("tiling").tiles
+    return abs(float(tiles_u)), abs(float(tiles_v))
+
+
+def _in_tiles(declared: Setting, value: Any, tiles: float) -> Any:
+    """A length in widths of the shape, in tile widths; what is no number is unchanged."""
+    if not is_number(value):
+        return value
+    low, high = (None if end is None else end / tiles for end in (declared.low, declared.high))
+    check_range(f"{declared.name}, in widths of the shape,", value, low, high)
+    return value * tiles
 
 
 def _tiling(table: Any, key: str) -> Tiling:

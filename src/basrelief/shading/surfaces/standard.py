@@ -145,9 +145,11 @@ def alpha_mask(opacity: float, surface_parameters: SurfaceParameters) -> float:
 @shader
 def layer_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
     """The layer's linear colour; without a map the neutral grey."""
-    if variant.layer_color_map:
-        return trilinear(map, point.uv, point.footprint).xyz
-    return Vec3(MIDDLE_GREY)
+    if not variant.layer_color_map:
+        return Vec3(MIDDLE_GREY)
+    if variant.displaced and variant.mapping == "triplanar":
+        return triplanar(map, point).xyz
+    return trilinear(map, point.uv, point.footprint).xyz
 
 
 @shader
@@ -171,26 +173,16 @@ def add_detail_layer(
 ) -> Surface:
     """Detail maps: multiply the colour and tilt the normal, weighted by the mask.
 
-    Middle grey leaves the colour as it is; brighter greys brighten it. Normals are combined as
-    normalize(n₁.xy + n₂.xy, n₁.z · n₂.z), "whiteout" (C. Barré-Brisebois and S. Hill, Blending in
-    Detail, 2012).
+    Middle grey leaves the colour as it is; brighter greys brighten it.
     """
     layer_point = retiled(point, tilings.layer)
     tint = layer_color_of(maps.layer_color, layer_point, variant) / MIDDLE_GREY
     tint = mix(Vec3(1.0), tint, mask * surface_parameters.layer_color)
-    detail = mirrored_normal(
-        layer_normal_of(maps.layer_normal, layer_point, variant), tilings.layer
-    )
-    scaled = Vec2(detail.x, detail.y * tilings.layer_normal_stretch) * (
-        mask * surface_parameters.layer_normal
-    )
-    # normalised again: without slope z has to be 1
-    layer_normal = normalize(Vec3(scaled, detail.z))
-    base_normal = surface.normal
+    slope = mask * surface_parameters.layer_normal
     return Surface(
         base_color=surface.base_color * tint,
         opacity=surface.opacity,
-        normal=normalize(Vec3(base_normal.xy + layer_normal.xy, base_normal.z * layer_normal.z)),
+        normal=tilted_by_layer(surface.normal, slope, layer_point, tilings, maps, variant),
         occlusion=surface.occlusion,
         roughness=surface.roughness,
         metallic=surface.metallic,
@@ -198,7 +190,64 @@ def add_detail_layer(
     )
 
 
+@shader
+def tilted_by_layer(
+    normal: Vec3,
+    slope: float,
+    layer_point: SurfacePoint,
+    tilings: MapTilings,
+    maps: SurfaceMaps,
+    variant: Variant,
+) -> Vec3:
+    """A normal tilted by the layer's, whose slopes are multiplied by `slope`:
+    normalize(n₁.xy + n₂.xy, n₁.z · n₂.z), "whiteout" (C. Barré-Brisebois and S. Hill, Blending in
+    Detail, 2012)."""
+    detail = mirrored_normal(
+        layer_normal_of(maps.layer_normal, layer_point, variant), tilings.layer
+    )
+    scaled = Vec2(detail.x, detail.y * tilings.layer_normal_stretch) * slope
+    # normalised again: without slope z has to be 1
+    layer_normal = normalize(Vec3(scaled, detail.z))
+    return normalize(Vec3(normal.xy + layer_normal.xy, normal.z * layer_normal.z))
+
+
 # --- the surface ---------------------------------------------------------------------------------
+
+
+@shader
+def packed_response(
+    point: SurfacePoint, tilings: MapTilings, maps: SurfaceMaps, variant: Variant
+) -> Vec4:
+    """Occlusion, roughness, metallic and the mask of the layer at a point."""
+    return response_of(maps.response, point_on_map(point, tilings.response, variant), variant)
+
+
+@shader
+def material_surface(
+    packed: Vec4,
+    point: SurfacePoint,
+    surface_parameters: SurfaceParameters,
+    tilings: MapTilings,
+    maps: SurfaceMaps,
+    variant: Variant,
+) -> Surface:
+    """The material at a point without a layer, by its maps and the surface parameters; `packed` is
+    its response."""
+    color = base_color_of(
+        maps.base_color, point_on_map(point, tilings.base_color, variant), variant
+    )
+    emission = emission_of(maps.emission, point_on_map(point, tilings.emission, variant), variant)
+    normal_point = point_on_map(point, tilings.normal, variant)
+    normal = normal_of(maps.normal, normal_point, surface_parameters.normal_strength, variant)
+    return Surface(
+        base_color=color.xyz * surface_parameters.base_color,
+        opacity=opacity_of(color.w, surface_parameters, variant),
+        normal=oriented_normal(normal, tilings.normal, variant),
+        occlusion=mix(1.0, packed.x, surface_parameters.occlusion),
+        roughness=packed.y * surface_parameters.roughness,
+        metallic=packed.z * surface_parameters.metallic,
+        emission=emission * surface_parameters.emission,
+    )
 
 
 @shader
@@ -210,22 +259,8 @@ def standard_surface(
     variant: Variant,
 ) -> Surface:
     """Sample the maps at a point and apply the surface parameters."""
-    color = base_color_of(
-        maps.base_color, point_on_map(point, tilings.base_color, variant), variant
-    )
-    packed = response_of(maps.response, point_on_map(point, tilings.response, variant), variant)
-    emission = emission_of(maps.emission, point_on_map(point, tilings.emission, variant), variant)
-    normal_point = point_on_map(point, tilings.normal, variant)
-    normal = normal_of(maps.normal, normal_point, surface_parameters.normal_strength, variant)
-    surface = Surface(
-        base_color=color.xyz * surface_parameters.base_color,
-        opacity=opacity_of(color.w, surface_parameters, variant),
-        normal=oriented_normal(normal, tilings.normal, variant),
-        occlusion=mix(1.0, packed.x, surface_parameters.occlusion),
-        roughness=packed.y * surface_parameters.roughness,
-        metallic=packed.z * surface_parameters.metallic,
-        emission=emission * surface_parameters.emission,
-    )
+    packed = packed_response(point, tilings, maps, variant)
+    surface = material_surface(packed, point, surface_parameters, tilings, maps, variant)
     if variant.layer:
         return add_detail_layer(
             surface, packed.w, point, surface_parameters, tilings, maps, variant

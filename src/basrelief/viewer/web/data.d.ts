@@ -126,7 +126,12 @@ export type ShapeData = {
 };
 
 /** A preset as a state, or the reason why the page cannot draw it. */
-export type Preset = { about: string; state?: SceneState; why?: string };
+export type Preset = {
+  about: string;
+  state?: SceneState;
+  shapes?: { [shape: string]: object }; // what differs on a shape
+  why?: string;
+};
 
 export type Menus = { heights: Heights[]; [choice: string]: string[] };
 

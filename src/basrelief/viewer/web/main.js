@@ -312,7 +312,7 @@ export class ViewerPage {
 
   /** @param {string} name */
   preset(name) {
-    const found = this.data.presets[name]?.state;
+    const found = this.presetState(name);
     if (!found) return;
     const { camera, shape } = this.state;
     const { compare, divider, show } = this.state;
@@ -321,16 +321,27 @@ export class ViewerPage {
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
 
+  /**
+   * The state of a preset on the present shape; undefined where the page cannot draw it.
+   * @param {string} name
+   */
+  presetState(name) {
+    const { state, shapes } = this.data.presets[name] ?? {};
+    return state && merged(state, shapes?.[this.state.shape], this.data);
+  }
+
   // Clear the preset's name once its settings have changed.
   clearPreset() {
     const { preset, camera, shape, tiling, compare, divider, show, ...rest } = this.state;
-    const found = this.data.presets[preset]?.state;
+    const found = this.presetState(preset);
     if (found && difference(rest, found)) this.state.preset = "";
   }
 
   /** @param {string} shape */
   reshaped(shape) {
     this.state.tiling = copyOf(this.data.shapes[shape].tiling);
+    // its lengths may be those of the shape
+    this.preset(this.state.preset);
     this.reframe();
   }
 
