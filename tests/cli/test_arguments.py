@@ -277,7 +277,7 @@ def test_positions_and_sizes() -> None:
         ({"settings": ["emission=1/2"]}, "emission"),
         ({"settings": ["ambient=-1"]}, "ambient is -1"),
         ({"settings": ["bias=1"]}, "--set bias: it is an option of its own; write --bias"),
-        ({"bias": -1.0}, "bias is -1: give a number from 0"),
+        ({"bias": -2.0}, "bias is -2: give a number from -1 to 100"),
         ({"technique": "leap"}, "no technique is called 'leap'; use one of flat, offset"),
         ({"shape": "torus"}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
         ({"projection": "skew"}, "projection is one of full, biased, limited, not 'skew'"),

@@ -55,7 +55,8 @@ class Object:
     projection : {"full", "biased", "limited"}, optional
         Projection of the view ray. The default is the technique's.
     bias : float, default 0.42
-        Bias of the projection "biased", 0 to 100.
+        Bias of the projection "biased", −1 to 100. Below 0 the offsets are longer than the true
+        ray's.
     heights : {"sharp", "smooth", "mip"}, default "sharp"
         Levels of the heights to read: the finest (sharp), a blend set by `smoothing` (smooth), or
         the one whose texels match the pixel's footprint (mip).
@@ -113,7 +114,11 @@ class Object:
     )
     projection: Projection | None = setting(default=None, group="Relief")
     bias: float = setting(
-        default=0.42, low=0.0, high=100.0, control={"high": 2.0, "step": 0.01}, group="Relief"
+        default=0.42,
+        low=-1.0,
+        high=100.0,
+        control={"low": -0.5, "high": 2.0, "step": 0.01},
+        group="Relief",
     )
     heights: HeightsKind = setting(default="sharp", group="Relief")
     smoothing: Any = setting(factory=dict, kind="numbers", group="Relief")
