@@ -40,6 +40,7 @@ from basrelief.scene.resolve import (
     default_transform,
     number_records,
 )
+from basrelief.scene.transforms import Transform
 from basrelief.settings import parameters_of, settings_of
 from basrelief.shading.lights import Light
 from basrelief.techniques import TECHNIQUES, Technique, flat
@@ -244,20 +245,33 @@ def _parsed(name: str, text: Any) -> Any:
 
 
 def scene(
-    material: Material, *, stretch: str | None = None, add: Sequence[str] = (), **options: Any
+    material: Material,
+    *,
+    stretch: str | None = None,
+    turn: str | None = None,
+    add: Sequence[str] = (),
+    **options: Any,
 ) -> Scene:
     """The scene that a command line describes.
 
-    `stretch` scales the shape, and each of `add` is a further object; the other parameters are
-    those of `scene_options`.
+    `stretch` scales the shape, `turn` then rotates it, and each of `add` is a further object; the
+    other parameters are those of `scene_options`.
     """
     merged = scene_options(material, **options)
-    if stretch is not None:
+    if stretch is not None or turn is not None:
         shape = merged.get("shape", "plane")
-        factors = vector(stretch, "--stretch")
-        if not all(NEAR <= abs(factor) <= FAR for factor in factors):
-            raise InputError(f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most")
-        merged["transform"] = placed(scale=factors) @ default_transform(shape, material)
+        check_setting(_DECLARED["shape"], shape)
+        transform = default_transform(shape, material)
+        if stretch is not None:
+            factors = vector(stretch, "--stretch")
+            if not all(NEAR <= abs(factor) <= FAR for factor in factors):
+                raise InputError(
+                    f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most"
+                )
+            transform = placed(scale=factors) @ transform
+        if turn is not None:
+            transform = _rotation(turn, "--turn") @ transform
+        merged["transform"] = transform
     main_scene = scene_of(material, merged)
     return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
 
@@ -474,15 +488,16 @@ def _added_transform(values: Mapping[str, str], what: str) -> Any:
         )
     if not np.all((np.asarray(size) >= NEAR) & (np.asarray(size) <= FAR)):
         raise InputError(f"{what}: size {values['size']}: write numbers above 0, up to {FAR:g}")
-    turn = np.eye(4)
-    if "turn" in values:
-        axis, _, degrees = values["turn"].partition("/")
-        if axis not in ("x", "y", "z"):
-            raise InputError(
-                f"{what}: turn {values['turn']}: write an axis and degrees, for example x/30"
-            )
-        turn = rotated(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
+    turn = _rotation(values["turn"], f"{what}: turn") if "turn" in values else np.eye(4)
     return placed(position) @ turn @ placed(scale=size)
+
+
+def _rotation(text: str, what: str) -> Transform:
+    """The rotation of "x/30", an axis of the world and degrees."""
+    axis, _, degrees = text.partition("/")
+    if axis not in ("x", "y", "z"):
+        raise InputError(f"{what} {text}: write an axis and degrees, for example x/30")
+    return rotated(axis, number(degrees, what))  # type: ignore[arg-type]
 
 
 def _white_material() -> Material:

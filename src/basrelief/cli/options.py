@@ -120,6 +120,7 @@ RELIEF: Options = {
     **_options_of(Object, group="Relief"),
     "settings": _texts("Set a number that `techniques` lists; repeatable.", "NAME=VALUE", "--set"),
     "stretch": _text("Scale the shape along the world's axes.", "X,Y,Z"),
+    "turn": _text("Rotate the shape; x/90 makes a plane a wall.", "AXIS/DEGREES"),
 }
 SURFACE: Options = {
     **_options_of(Object, group="Surface"),
