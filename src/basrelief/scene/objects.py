@@ -81,9 +81,10 @@ class Object:
         Projection of the colour onto the relief, from one side or from three.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
-    casts : {"shape", "opaque", "none"}, default "shape"
-        Shadows cast on other objects: with the cut-outs (shape), as if there were no cut-outs
-        (opaque), or no shadows (none).
+    casts : {"shape", "polygon", "opaque", "none"}, default "shape"
+        Shadows cast on other objects: of the relief with its cut-outs (shape), of the polygon with
+        the cut-outs not displaced, as the stock shaders of game engines cast them (polygon), of the
+        relief as if there were no cut-outs (opaque), or no shadows (none).
     tilings : mapping of str to Tiling, optional
         Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
         and "emission".
