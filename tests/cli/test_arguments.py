@@ -323,6 +323,12 @@ def test_positions_and_sizes() -> None:
             {"add": ["box,size=1/2"]},
             "--add box: size 1/2: write one number, or three, for example 1/2/3",
         ),
+        ({"add": ["box,layer_shift=1"]}, "--add box: layer_shift: there is no layer; add layer="),
+        ({"add": ["box,ambient=1"]}, "--add box: there is no parameter ambient"),
+        ({"add": ["box,water_level=1"]}, "--add box: there is no parameter water_level"),
+        ({"add": ["box,normal_tiling=two"]}, "--add box: normal_tiling two: write a number"),
+        ({"add": ["box,roughness=2"]}, "roughness is 2: give a number from 0 to 1"),
+        ({"add": ["box,surface=lake"]}, "surface is one of standard, landscape"),
         ({"add": ["box,size=0"]}, "size 0: write numbers above 0"),
         (
             {"add": ["box,turn=30"]},
@@ -353,6 +359,34 @@ def test_further_objects() -> None:
         0.5,
         0.2,
     )
+
+
+def test_further_objects_have_all_that_the_main_one_has() -> None:
+    """Layer, tilings of single maps, surface, and the numbers of the records."""
+    text = (
+        "sphere,material=sample:tiles,technique=relief,max_steps=9,roughness=0.25,heights=smooth,"
+        "mip_bias=2,tiling=4x2,normal_tiling=2x3,normal_shift=0.5/0.25,emission_shift=0.5,"
+        "layer=sample:grid,layer_tiling=6x5,layer_shift=0.25/0,alpha=mask,cutoff=0.4,color=1/0.5/0"
+    )
+    obj = scene(add=[text]).objects[1].resolved
+    assert (obj.technique, obj.settings.max_steps, obj.smoothing.mip_bias) == (relief, 9, 2.0)
+    assert obj.surface_parameters == SurfaceParameters(
+        base_color=Vec3(1.0, 0.5, 0.0), roughness=0.25, cutoff=0.4
+    )
+    assert obj.tilings == {
+        "normal": Tiling((2.0, 3.0), (0.5, 0.25)),
+        "emission": Tiling((4.0, 2.0), (0.5, 0.5)),
+    }
+    assert (obj.layer.material.name, obj.layer.tiling) == ("grid", Tiling((6.0, 5.0), (0.25, 0.0)))
+    lake = scene(
+        add=["plane,material=sample:noise,surface=landscape,water_level=0.6,layer=sample:stone"]
+    )
+    lake_obj = lake.objects[1].resolved
+    assert (lake_obj.surface, lake_obj.surface_parameters.water_level) == (
+        "landscape",
+        pytest.approx(0.6),
+    )
+    assert lake_obj.layer.tiling == Tiling((10.0, 10.0))
 
 
 def test_tilings_of_layers_and_single_maps() -> None:

@@ -563,7 +563,7 @@ def test_help_is_complete_and_in_panels(columns: int, monkeypatch: pytest.Monkey
         "Further",
     ]  # fmt: skip
     words = " ".join(text.replace("│", " ").split())
-    assert "scale=0.05; repeatable." in words
+    assert "normal_tiling=2x3; repeatable." in words
     assert "field_of_view=30 · position=1/1/1," in words
 
 

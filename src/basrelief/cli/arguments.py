@@ -433,7 +433,14 @@ def _by_record(
 # --- added objects -------------------------------------------------------------------------------
 
 _PARAMETERS = ("position", "size", "turn", "material", "color")
-"""Parameters of --add besides those of `Object`."""
+"""Parameters of --add besides those of `Object`, its records and its maps."""
+_LAYER = ("layer", "layer_tiling", "layer_shift")
+_MAP_PLACEMENTS = {
+    f"{name}_{word}": (name, field)
+    for name in OWN_TILINGS
+    for word, field in (("tiling", "tiles"), ("shift", "shift"))
+}
+"""Map and field of `Tiling` by the parameter of --add that sets it."""
 _PARSERS: dict[str, Callable[[str, str], Any]] = {
     "choice": lambda text, what: text, "text": lambda text, what: text,
     "number": number, "pair": pair,
@@ -445,37 +452,79 @@ def object_from(text: str) -> Object:
     """An added object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
 
     The first word is its shape. Parameters are its `position` in world units, its `size` as a
-    factor, a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it), and
-    the settings of `Object` that are numbers, pairs or words. Without a `material` the object has
-    one `color`; with a material, the color multiplies the maps.
+    factor, a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it), the
+    settings of `Object` that are numbers, pairs or words, the numbers of its technique, its surface
+    and smooth heights, tiling and shift of single maps (`normal_tiling=2x3`), and a `layer` with
+    `layer_tiling` and `layer_shift`. Without a `material` the object has one `color`; with a
+    material, the color multiplies the maps.
     """
     shape, *parts = text.split(",")
     shape, what = shape.strip(), f"--add {shape.strip()}"
     values = dict(name_and_value(part, what) for part in parts)
+    check_setting(_DECLARED["shape"], shape)
+    surface = values.get("surface", "standard")
+    check_setting(_DECLARED["surface"], surface)
     parsers = {
         name: _PARSERS[declared.kind]
         for name, declared in settings_of(Object).items()
         if declared.kind in _PARSERS and name != "shape"
     }
-    for name in values:
-        known = (*_PARAMETERS, *parsers)
+    material = load(values["material"]) if "material" in values else _white_material()
+    technique = technique_named(values.get("technique") or default_technique(material))
+    records = {
+        owner: [*fields_of(record)]
+        for owner, record in number_records(technique, surface).items()
+        if owner in settings_of(Object)
+    }
+    numbers_known = {name: owner for owner, names in records.items() for name in names}
+    known = (*_PARAMETERS, *parsers, *_LAYER, *_MAP_PLACEMENTS, *numbers_known)
+    options: dict[str, Any] = {"shape": shape, "technique": technique}
+    if "color" in values or ("material" not in values and surface == "standard"):
+        color_text = values.get("color", _GREY)
+        options["surface_parameters"] = {"base_color": value(color_text, f"{what}: color")}
+    for name, text_of_value in values.items():
         if name not in known:
             raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
-    material = load(values["material"]) if "material" in values else _white_material()
-    options: dict[str, Any] = {"shape": shape}
-    for name, parse in parsers.items():
-        if name in values:
-            options[name] = parse(values[name], f"{what}: {name}")
-    if "color" in values or "material" not in values:
-        options["surface_parameters"] = {
-            "base_color": value(values.get("color", _GREY), f"{what}: color")
-        }
+        if name in parsers and name != "technique":
+            options[name] = parsers[name](text_of_value, f"{what}: {name}")
+        elif name in numbers_known:
+            record = options.setdefault(numbers_known[name], {})
+            record[name] = value(text_of_value, f"{what}: {name}")
+    options["tilings"] = _added_tilings(values, options, material, what)
+    options["layer"] = _added_layer(values, what)
     obj = Object(material, **options)
     return replace(obj, transform=_added_transform(values, what) @ obj.resolved.transform)
 
 
 _GREY = "0.5"
 """Colour of an object with neither material nor colour: dark enough not to be overexposed."""
+
+
+def _added_tilings(
+    values: Mapping[str, str], options: Mapping[str, Any], material: Material, what: str
+) -> dict[str, Tiling]:
+    """Tilings of single maps; tiles or a shift that is not set is that of the heights."""
+    tiles = options.get("tiling") or default_tiles(options["shape"], material)
+    main = Tiling(tiles, options.get("shift", (0.0, 0.0)))
+    own: dict[str, Tiling] = {}
+    for parameter, (name, field) in _MAP_PLACEMENTS.items():
+        if parameter in values:
+            parsed = pair(values[parameter], f"{what}: {parameter}")
+            own[name] = replace(own.get(name, main), **{field: parsed})
+    return own
+
+
+def _added_layer(values: Mapping[str, str], what: str) -> Layer | None:
+    """The second layer of an added object."""
+    placed_by = [name for name in _LAYER[1:] if name in values]
+    if "layer" not in values:
+        if placed_by:
+            raise InputError(f"{what}: {placed_by[0]}: there is no layer; add layer=FOLDER")
+        return None
+    layer = Layer(load(values["layer"]))
+    fields = {"layer_tiling": "tiles", "layer_shift": "shift"}
+    placement = {fields[name]: pair(values[name], f"{what}: {name}") for name in placed_by}
+    return replace(layer, tiling=replace(layer.tiling, **placement))
 
 
 def _added_transform(values: Mapping[str, str], what: str) -> Any:

@@ -158,7 +158,8 @@ MAPS_OPTIONS: Options = {
 FURTHER: Options = {
     "add": _texts(
         "Add an object: sphere, position=0/0.1/0, size=0.3, turn=x/30, material=sample:tiles, "
-        "color=1/0.5/0.2, technique=relief, scale=0.05; repeatable.",
+        "color=1/0.5/0.2, technique=relief, max_steps=32, layer=sample:grid, layer_tiling=10x10, "
+        "normal_tiling=2x3; repeatable.",
         "SHAPE,NAME=VALUE…",
     ),
 }
