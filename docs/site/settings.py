@@ -174,7 +174,7 @@ def _command(setting: Setting, command: str) -> str:
         return command.replace("{}", setting.name.replace("tiles", "tiling"))
     _, option = RECORDS.get(setting.name, ("", setting.option))
     if setting.name == "transform":
-        option = "--stretch X,Y,Z"
+        option = "--stretch X,Y,Z`, `--turn AXIS/DEGREES"
     return f"{option} {setting.spelling}".strip().replace("|", " or ")
 
 

@@ -277,7 +277,7 @@ def test_positions_and_sizes() -> None:
         ({"settings": ["emission=1/2"]}, "emission"),
         ({"settings": ["ambient=-1"]}, "ambient is -1"),
         ({"settings": ["bias=1"]}, "--set bias: it is an option of its own; write --bias"),
-        ({"bias": -1.0}, "bias is -1: give a number from 0"),
+        ({"bias": -2.0}, "bias is -2: give a number from -1 to 100"),
         ({"technique": "leap"}, "no technique is called 'leap'; use one of flat, offset"),
         ({"shape": "torus"}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),
         ({"projection": "skew"}, "projection is one of full, biased, limited, not 'skew'"),
@@ -288,6 +288,7 @@ def test_positions_and_sizes() -> None:
         ({"tiling": "0"}, "tiling (0.0, 0.0): give finite numbers other than 0"),
         ({"tiling": "wide"}, "--tiling wide: write a number"),
         ({"shift": "inf"}, "--shift inf: write a finite number"),
+        ({"stretch": "1/2/3", "shape": "torus"}, "shape is one of plane, box, sphere, cylinder"),
         ({"stretch": "2"}, "--stretch 2: write three numbers"),
         ({"stretch": "1/0/1"}, "--stretch 1/0/1: write numbers other than 0"),
         ({"background": "red"}, "--background red: write a number"),
@@ -322,6 +323,12 @@ def test_positions_and_sizes() -> None:
             {"add": ["box,size=1/2"]},
             "--add box: size 1/2: write one number, or three, for example 1/2/3",
         ),
+        ({"add": ["box,layer_shift=1"]}, "--add box: layer_shift: there is no layer; add layer="),
+        ({"add": ["box,ambient=1"]}, "--add box: there is no parameter ambient"),
+        ({"add": ["box,water_level=1"]}, "--add box: there is no parameter water_level"),
+        ({"add": ["box,normal_tiling=two"]}, "--add box: normal_tiling two: write a number"),
+        ({"add": ["box,roughness=2"]}, "roughness is 2: give a number from 0 to 1"),
+        ({"add": ["box,surface=lake"]}, "surface is one of standard, landscape"),
         ({"add": ["box,size=0"]}, "size 0: write numbers above 0"),
         (
             {"add": ["box,turn=30"]},
@@ -352,6 +359,34 @@ def test_further_objects() -> None:
         0.5,
         0.2,
     )
+
+
+def test_further_objects_have_all_that_the_main_one_has() -> None:
+    """Layer, tilings of single maps, surface, and the numbers of the records."""
+    text = (
+        "sphere,material=sample:tiles,technique=relief,max_steps=9,roughness=0.25,heights=smooth,"
+        "mip_bias=2,tiling=4x2,normal_tiling=2x3,normal_shift=0.5/0.25,emission_shift=0.5,"
+        "layer=sample:grid,layer_tiling=6x5,layer_shift=0.25/0,alpha=mask,cutoff=0.4,color=1/0.5/0"
+    )
+    obj = scene(add=[text]).objects[1].resolved
+    assert (obj.technique, obj.settings.max_steps, obj.smoothing.mip_bias) == (relief, 9, 2.0)
+    assert obj.surface_parameters == SurfaceParameters(
+        base_color=Vec3(1.0, 0.5, 0.0), roughness=0.25, cutoff=0.4
+    )
+    assert obj.tilings == {
+        "normal": Tiling((2.0, 3.0), (0.5, 0.25)),
+        "emission": Tiling((4.0, 2.0), (0.5, 0.5)),
+    }
+    assert (obj.layer.material.name, obj.layer.tiling) == ("grid", Tiling((6.0, 5.0), (0.25, 0.0)))
+    lake = scene(
+        add=["plane,material=sample:noise,surface=landscape,water_level=0.6,layer=sample:stone"]
+    )
+    lake_obj = lake.objects[1].resolved
+    assert (lake_obj.surface, lake_obj.surface_parameters.water_level) == (
+        "landscape",
+        pytest.approx(0.6),
+    )
+    assert lake_obj.layer.tiling == Tiling((10.0, 10.0))
 
 
 def test_tilings_of_layers_and_single_maps() -> None:
@@ -438,6 +473,7 @@ def test_any_light_text_is_parsed_or_refused(kind: str, text: str) -> None:
             "tiling": TEXTS,
             "shift": TEXTS,
             "stretch": TEXTS,
+            "turn": st.one_of(TEXTS, TEXTS.map("y/{}".format)),
             "background": TEXTS,
             "fade": TEXTS,
             "map_tiling": st.lists(written(st.sampled_from(["normal", "height"])), max_size=2),

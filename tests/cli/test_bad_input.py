@@ -200,6 +200,10 @@ WRONG = {
     "a misspelled setting": ("--set maxsteps=3", "; did you mean max_steps?"),
     "a misspelled preset": ("--preset gamdev", "; did you mean gamedev?"),
     "a misspelled light": ("--light directonal", "; did you mean directional?"),
+    "a turn without an axis": (
+        "--turn 90", "--turn 90: write an axis and degrees, for example x/30",
+    ),
+    "a turn without degrees": ("--turn x", "--turn : write a number"),
     "no stretch": ("--stretch 1,0,2", "--stretch 1,0,2: write numbers other than 0"),
     "no such bits": ("--bits 12", "old.png: .png holds 8 or 16 bits a channel, not 12"),
 }  # fmt: skip

@@ -239,6 +239,17 @@ def test_stretch(bumps: Path, here: Path) -> None:
     assert same(picture, expected)
 
 
+def test_turn(bumps: Path, here: Path) -> None:
+    lying = basrelief.Object(basrelief.load(bumps)).resolved.transform
+    picture = drawn_by_command(bumps, *DRAW, "--turn", "x/90")
+    assert same(picture, drawn(bumps, transform=rotated("x", 90.0) @ lying))
+    assert not same(picture, drawn(bumps))
+    # the shape is stretched first, as an added object is
+    picture = drawn_by_command(bumps, *DRAW, "--turn", "z/-30", "--stretch", "1,1,0.5")
+    expected = drawn(bumps, transform=rotated("z", -30.0) @ placed(scale=(1.0, 1.0, 0.5)) @ lying)
+    assert same(picture, expected)
+
+
 ADDED = "sphere,position=0/0.2/0,size=0.5,material=sample:tiles,technique=steep,scale=0.1"
 
 
@@ -552,7 +563,7 @@ def test_help_is_complete_and_in_panels(columns: int, monkeypatch: pytest.Monkey
         "Further",
     ]  # fmt: skip
     words = " ".join(text.replace("│", " ").split())
-    assert "scale=0.05; repeatable." in words
+    assert "normal_tiling=2x3; repeatable." in words
     assert "field_of_view=30 · position=1/1/1," in words
 
 

@@ -76,6 +76,19 @@ def test_options_of_reading_are_on_the_page(tmp_path: Path) -> None:
     assert data["state"]["layer"] is True
 
 
+@pytest.mark.usefixtures("without_stills")
+def test_a_wall_is_one_on_the_page(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = run("view", "sample:noise", "-o", page, "--texels", "32", "--turn", "x/90", "--stretch",
+               "1,1,0.5", "--device", "cpu")  # fmt: skip
+    assert done.code == 0, done.err
+    shapes = page_data(page)["shapes"]
+    assert shapes["plane"]["placement"] == {"stretch": "1,1,0.5", "turn": "x/90"}
+    # a camera may look up at it; other shapes are where they always are
+    assert not shapes["plane"]["lying"]
+    assert shapes["box"]["placement"] is None
+
+
 @pytest.mark.parametrize(
     ("options", "line"),
     [

@@ -15,13 +15,18 @@ import pytest
 
 import basrelief
 from basrelief import Layer, LookAt, Object, Orbit, Scene, Tiling, directional, load, point, spot
-from basrelief.cli import demo
+from basrelief.cli import arguments, demo
 from basrelief.gallery import PAGES
 from basrelief.gallery.drawing import TEXELS, command_of
 from basrelief.images import read_picture, write_data
-from basrelief.scene import LYING, placed
+from basrelief.scene import LYING, placed, rotated
 from basrelief.scene.presets import preset
-from basrelief.scene.recipe import Recipe, omitted_by_command, portable_path
+from basrelief.scene.recipe import (
+    Recipe,
+    omitted_by_command,
+    placement_options,
+    portable_path,
+)
 from basrelief.settings import settings_of
 from helpers.command_line import done, write_heights
 
@@ -64,6 +69,7 @@ def scenes() -> dict[str, Scene]:
             shape="cylinder", transform=placed(scale=(0.5, 1.25, 0.75)), casts="opaque",
             camera=Orbit(orthographic_height=2.0),
         ),
+        "a wall": scene(transform=rotated("x", 90.0) @ placed(scale=(1.0, 1.0, 1.5)) @ LYING),
         "lights": scene(
             lights=(
                 directional(70.0, 25.0, (1.0, 0.5, 0.25), 1.5),
@@ -91,6 +97,7 @@ NAMES = (
     "a surface",
     "a landscape",
     "a stretched shape",
+    "a wall",
     "lights",
     "fog without a light",
     "no background",
@@ -144,9 +151,7 @@ def test_the_python_draws_the_same_picture(name: str) -> None:
     assert np.abs(drawn_by_python(line) - color(scenes()[name])).max() < 1e-5
 
 
-@pytest.mark.parametrize(
-    "name", [n for n in NAMES if n not in ("a stretched shape", "no background")]
-)
+@pytest.mark.parametrize("name", [n for n in NAMES if n != "no background"])
 def test_the_preset_draws_the_same_picture(name: str) -> None:
     file = Recipe(scenes()[name]).preset("again").save("again.toml")
     again = preset(file).scene(load(STONE, **preset(file).maps))
@@ -163,6 +168,28 @@ def test_every_setting_is_written_in_a_scene() -> None:
                 and repr(getattr(owner, name)) != repr(declared.default)
                 for owner in owners
             ), name
+
+
+@pytest.mark.parametrize("shape", ["plane", "box"])
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("degrees", [0.0, 30.0, -90.0, 180.0, 217.5])
+@pytest.mark.parametrize("factors", [(1.0, 1.0, 1.0), (0.5, 2.0, 1.25), (-1.0, 1.5, -0.5)])
+def test_every_turn_and_stretch_is_written_as_options(axis, degrees, factors, shape) -> None:
+    material = load(STONE)
+    base = Object(material, shape).resolved.transform
+    transform = rotated(axis, degrees) @ placed(scale=factors) @ base
+    options = placement_options(Object(material, shape, transform=transform))
+    assert options is not None
+    again = arguments.scene(material, shape=shape, **options).objects[0].resolved
+    np.testing.assert_allclose(again.transform, transform, atol=1e-8)
+
+
+def test_other_transforms_are_not_written_as_options() -> None:
+    twice = rotated("x", 30.0) @ rotated("y", 40.0)
+    skewed = np.eye(4)
+    skewed[0, 1] = 0.3
+    for transform in (twice, skewed, placed((0.0, 0.1, 0.0)), rotated("z", 33.3) @ skewed):
+        assert placement_options(Object(load(STONE), "box", transform=transform)) is None
 
 
 # --- sources --------------------------------------------------------------------------------------
@@ -251,7 +278,6 @@ def test_a_material_made_in_python_is_named_as_left_out() -> None:
 
 def test_scenes_that_a_preset_cannot_describe_are_refused() -> None:
     for drawn, why in (
-        (scenes()["a stretched shape"], "no transform"),
         (scenes()["no background"], "no transparent background"),
         (scene(objects=(Object(load(GRAVEL)),)), "describes one object"),
     ):

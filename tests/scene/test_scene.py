@@ -90,7 +90,7 @@ REFUSED = {
         {"reference_height": 1.5}, "reference_height is 1.5: give a number from 0 to 1",
     ),
     "a reference height below 0": ({"reference_height": -0.1}, "reference_height is -0.1"),
-    "a bias below 0": ({"bias": -0.42}, "bias is -0.42"),
+    "a bias below −1": ({"bias": -1.42}, "bias is -1.42: give a number from -1 to 100"),
     "a bias that is none": ({"bias": NAN}, "bias is nan"),
     "a negative strength": (
         {"surface_parameters": SurfaceParameters(normal_strength=-1.0)}, "normal_strength is -1",

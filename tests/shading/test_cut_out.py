@@ -6,15 +6,19 @@ The relief is a plane of constant height, so that hits are known in float64.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from basrelief.engine.cpu import CpuEngine
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.programs import depth_program_of, program_of
+from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, placed
 from basrelief.shading.brdf import Shading
+from basrelief.shading.lights import FAR_AWAY
 from helpers.agreement import assert_engines_agree
 from helpers.synthetic import bilinear, drawn, map_of, noise, on_plane, rays, uniform_material
 
@@ -138,7 +142,7 @@ def roof_crossing(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.nan_to_num(inside, nan=0.5), opacity
 
 
-@pytest.mark.parametrize("casts", ["shape", "opaque", "none"])
+@pytest.mark.parametrize("casts", ["shape", "polygon", "opaque", "none"])
 def test_the_shadow_has_the_holes_of_the_mask_if_it_casts_its_shape(casts: str) -> None:
     """C16: the shadow has the holes of the mask, or no holes, or there is no shadow."""
     dark, points = shadow_on_floor(alpha="mask", casts=casts)
@@ -151,6 +155,29 @@ def test_the_shadow_has_the_holes_of_the_mask_if_it_casts_its_shape(casts: str) 
     assert dark[solid].all() == (casts != "none")
     assert dark[holes].all() == (casts == "opaque")
     assert dark[holes].any() == (casts == "opaque")
+
+
+def test_a_polygon_casts_its_undisplaced_holes() -> None:
+    """A relief of one height below the polygon moves the holes that the light sees; the shadow of
+    the polygon has them where the opacity map has them, at the polygon's depth."""
+    sunk = Material("sunk", height=map_of(np.zeros((16, 16))),
+                    base_color=map_of(np.full((16, 16, 3), 0.6)),
+                    opacity=map_of(noise(11, (16, 16), 1, 0.0, 1.0)))  # fmt: skip
+    flat = replace(sunk, height=None)
+
+    def shadow(material: Material, **options: Any) -> np.ndarray:
+        roof = Object(
+            material, alpha="mask", transform=placed((0.0, RAISED, 0.0)) @ LYING, **options
+        )
+        scene = Scene((FLOOR, roof), ABOVE, (LIGHT,), shadows="hard", shadow_map_size=256)
+        return shadow_map_values(scene, CpuEngine())[0]["distances"].levels[0]
+
+    relief = {"technique": "relief", "scale": 0.2}
+    of_polygon = shadow(sunk, **relief, casts="polygon")
+    np.testing.assert_array_equal(of_polygon, shadow(flat))
+    hit = of_polygon < FAR_AWAY
+    assert hit.sum() > 100
+    assert (of_polygon != shadow(sunk, **relief, casts="shape"))[hit].mean() > 0.9
 
 
 def test_an_opaque_object_casts_a_shadow_without_holes() -> None:

@@ -764,9 +764,18 @@ def test_projections(view) -> None:
     v = Vec3(*view)
     np.testing.assert_allclose([*projection.full(v, 0.42)], [x / z, y / z], rtol=1e-6)
     np.testing.assert_allclose([*projection.limited(v, 0.42)], [x, y], rtol=1e-6)
-    for bias in (0.0, 0.1, 0.42, 3.0):
+    for bias in (-0.1, 0.0, 0.1, 0.42, 3.0):
         wanted = [x / (z + bias), y / (z + bias)]
         np.testing.assert_allclose([*projection.biased(v, bias)], wanted, rtol=1e-6)
+
+
+@pytest.mark.parametrize("bias", [-0.6, -0.7, -1.0])
+def test_a_negative_bias_never_reverses_the_ray(bias: float) -> None:
+    """At V.z + bias of 0 or less the offset is that of a grazing ray, towards the viewer."""
+    wanted = np.array([0.64, -0.48]) / projection.MIN_COSINE
+    np.testing.assert_allclose(
+        [*projection.biased(Vec3(0.64, -0.48, 0.6), bias)], wanted, rtol=1e-6
+    )
 
 
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.01, 1)), st.floats(0.1, 10))
@@ -843,7 +852,8 @@ def relief_hit(
 
 @pytest.mark.parametrize(("technique", "settings"), all_techniques(20))
 @pytest.mark.parametrize(
-    ("kind", "bias"), [("full", 0.42), ("biased", 0.0), ("biased", 0.42), ("limited", 0.42)]
+    ("kind", "bias"),
+    [("full", 0.42), ("biased", -0.15), ("biased", 0.0), ("biased", 0.42), ("limited", 0.42)],
 )
 @pytest.mark.parametrize("view", VIEWS)
 def test_the_projection_comes_before_every_technique(technique, settings, kind, bias, view) -> None:

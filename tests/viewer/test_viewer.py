@@ -29,6 +29,7 @@ from basrelief.rendering import textures
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
 from basrelief.scene import (
+    LYING,
     SHAPES,
     Layer,
     Object,
@@ -824,6 +825,23 @@ def _scene_of_command(material: Material, command: str) -> Scene:
 
 def _parts(word: str) -> list[str]:
     return word.split("=", 1) if word.startswith("--") and "=" in word else [word]
+
+
+def test_a_copied_command_turns_the_object(
+    browser: Any, tmp_path: Path, material: Material
+) -> None:
+    transform = rotated("x", 90.0) @ placed(scale=(1.0, 1.0, 0.5)) @ LYING
+    with no_stills():
+        write_view(Scene((Object(material, transform=transform),)), tmp_path / "wall.html")
+    seen = OpenPage(browser, tmp_path / "wall.html")
+    seen.frame()
+    command = seen.page.evaluate("viewer.text('command')")
+    assert "--turn=x/90" in command
+    assert "the transform of the object" not in command
+    scene = _scene_of_command(material, command)
+    assert scene.objects[0].resolved.transform == pytest.approx(transform)
+    assert_agree(render(scene, size=SIZE, samples=1, device="cpu"), seen.frame(), TEXELS)
+    seen.page.close()
 
 
 def test_a_copied_command_without_lights_draws_without_lights(

@@ -40,6 +40,7 @@ from basrelief.scene.resolve import (
     default_transform,
     number_records,
 )
+from basrelief.scene.transforms import Transform
 from basrelief.settings import parameters_of, settings_of
 from basrelief.shading.lights import Light
 from basrelief.techniques import TECHNIQUES, Technique, flat
@@ -244,20 +245,33 @@ def _parsed(name: str, text: Any) -> Any:
 
 
 def scene(
-    material: Material, *, stretch: str | None = None, add: Sequence[str] = (), **options: Any
+    material: Material,
+    *,
+    stretch: str | None = None,
+    turn: str | None = None,
+    add: Sequence[str] = (),
+    **options: Any,
 ) -> Scene:
     """The scene that a command line describes.
 
-    `stretch` scales the shape, and each of `add` is a further object; the other parameters are
-    those of `scene_options`.
+    `stretch` scales the shape, `turn` then rotates it, and each of `add` is a further object; the
+    other parameters are those of `scene_options`.
     """
     merged = scene_options(material, **options)
-    if stretch is not None:
+    if stretch is not None or turn is not None:
         shape = merged.get("shape", "plane")
-        factors = vector(stretch, "--stretch")
-        if not all(NEAR <= abs(factor) <= FAR for factor in factors):
-            raise InputError(f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most")
-        merged["transform"] = placed(scale=factors) @ default_transform(shape, material)
+        check_setting(_DECLARED["shape"], shape)
+        transform = default_transform(shape, material)
+        if stretch is not None:
+            factors = vector(stretch, "--stretch")
+            if not all(NEAR <= abs(factor) <= FAR for factor in factors):
+                raise InputError(
+                    f"--stretch {stretch}: write numbers other than 0, {FAR:g} at most"
+                )
+            transform = placed(scale=factors) @ transform
+        if turn is not None:
+            transform = _rotation(turn, "--turn") @ transform
+        merged["transform"] = transform
     main_scene = scene_of(material, merged)
     return replace(main_scene, objects=(*main_scene.objects, *map(object_from, add)))
 
@@ -448,7 +462,14 @@ def _by_record(
 # --- added objects -------------------------------------------------------------------------------
 
 _PARAMETERS = ("position", "size", "turn", "material", "color")
-"""Parameters of --add besides those of `Object`."""
+"""Parameters of --add besides those of `Object`, its records and its maps."""
+_LAYER = ("layer", "layer_tiling", "layer_shift")
+_MAP_PLACEMENTS = {
+    f"{name}_{word}": (name, field)
+    for name in OWN_TILINGS
+    for word, field in (("tiling", "tiles"), ("shift", "shift"))
+}
+"""Map and field of `Tiling` by the parameter of --add that sets it."""
 _PARSERS: dict[str, Callable[[str, str], Any]] = {
     "choice": lambda text, what: text, "text": lambda text, what: text,
     "number": number, "pair": pair,
@@ -460,37 +481,79 @@ def object_from(text: str) -> Object:
     """An added object from "sphere,position=0/0.1/0,size=0.3,material=sample:tiles".
 
     The first word is its shape. Parameters are its `position` in world units, its `size` as a
-    factor, a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it), and
-    the settings of `Object` that are numbers, pairs or words. Without a `material` the object has
-    one `color`; with a material, the color multiplies the maps.
+    factor, a rotation about an axis (`turn=x/30`, degrees; a plane is horizontal before it), the
+    settings of `Object` that are numbers, pairs or words, the numbers of its technique, its surface
+    and smooth heights, tiling and shift of single maps (`normal_tiling=2x3`), and a `layer` with
+    `layer_tiling` and `layer_shift`. Without a `material` the object has one `color`; with a
+    material, the color multiplies the maps.
     """
     shape, *parts = text.split(",")
     shape, what = shape.strip(), f"--add {shape.strip()}"
     values = dict(name_and_value(part, what) for part in parts)
+    check_setting(_DECLARED["shape"], shape)
+    surface = values.get("surface", "standard")
+    check_setting(_DECLARED["surface"], surface)
     parsers = {
         name: _PARSERS[declared.kind]
         for name, declared in settings_of(Object).items()
         if declared.kind in _PARSERS and name != "shape"
     }
-    for name in values:
-        known = (*_PARAMETERS, *parsers)
+    material = load(values["material"]) if "material" in values else _white_material()
+    technique = technique_named(values.get("technique") or default_technique(material))
+    records = {
+        owner: [*fields_of(record)]
+        for owner, record in number_records(technique, surface).items()
+        if owner in settings_of(Object)
+    }
+    numbers_known = {name: owner for owner, names in records.items() for name in names}
+    known = (*_PARAMETERS, *parsers, *_LAYER, *_MAP_PLACEMENTS, *numbers_known)
+    options: dict[str, Any] = {"shape": shape, "technique": technique}
+    if "color" in values or ("material" not in values and surface == "standard"):
+        color_text = values.get("color", _GREY)
+        options["surface_parameters"] = {"base_color": value(color_text, f"{what}: color")}
+    for name, text_of_value in values.items():
         if name not in known:
             raise InputError(f"{what}: there is no parameter {name}; {suggestion(name, known)}")
-    material = load(values["material"]) if "material" in values else _white_material()
-    options: dict[str, Any] = {"shape": shape}
-    for name, parse in parsers.items():
-        if name in values:
-            options[name] = parse(values[name], f"{what}: {name}")
-    if "color" in values or "material" not in values:
-        options["surface_parameters"] = {
-            "base_color": value(values.get("color", _GREY), f"{what}: color")
-        }
+        if name in parsers and name != "technique":
+            options[name] = parsers[name](text_of_value, f"{what}: {name}")
+        elif name in numbers_known:
+            record = options.setdefault(numbers_known[name], {})
+            record[name] = value(text_of_value, f"{what}: {name}")
+    options["tilings"] = _added_tilings(values, options, material, what)
+    options["layer"] = _added_layer(values, what)
     obj = Object(material, **options)
     return replace(obj, transform=_added_transform(values, what) @ obj.resolved.transform)
 
 
 _GREY = "0.5"
 """Colour of an object with neither material nor colour: dark enough not to be overexposed."""
+
+
+def _added_tilings(
+    values: Mapping[str, str], options: Mapping[str, Any], material: Material, what: str
+) -> dict[str, Tiling]:
+    """Tilings of single maps; tiles or a shift that is not set is that of the heights."""
+    tiles = options.get("tiling") or default_tiles(options["shape"], material)
+    main = Tiling(tiles, options.get("shift", (0.0, 0.0)))
+    own: dict[str, Tiling] = {}
+    for parameter, (name, field) in _MAP_PLACEMENTS.items():
+        if parameter in values:
+            parsed = pair(values[parameter], f"{what}: {parameter}")
+            own[name] = replace(own.get(name, main), **{field: parsed})
+    return own
+
+
+def _added_layer(values: Mapping[str, str], what: str) -> Layer | None:
+    """The second layer of an added object."""
+    placed_by = [name for name in _LAYER[1:] if name in values]
+    if "layer" not in values:
+        if placed_by:
+            raise InputError(f"{what}: {placed_by[0]}: there is no layer; add layer=FOLDER")
+        return None
+    layer = Layer(load(values["layer"]))
+    fields = {"layer_tiling": "tiles", "layer_shift": "shift"}
+    placement = {fields[name]: pair(values[name], f"{what}: {name}") for name in placed_by}
+    return replace(layer, tiling=replace(layer.tiling, **placement))
 
 
 def _added_transform(values: Mapping[str, str], what: str) -> Any:
@@ -503,15 +566,16 @@ def _added_transform(values: Mapping[str, str], what: str) -> Any:
         )
     if not np.all((np.asarray(size) >= NEAR) & (np.asarray(size) <= FAR)):
         raise InputError(f"{what}: size {values['size']}: write numbers above 0, up to {FAR:g}")
-    turn = np.eye(4)
-    if "turn" in values:
-        axis, _, degrees = values["turn"].partition("/")
-        if axis not in ("x", "y", "z"):
-            raise InputError(
-                f"{what}: turn {values['turn']}: write an axis and degrees, for example x/30"
-            )
-        turn = rotated(axis, number(degrees, f"{what}: turn"))  # type: ignore[arg-type]
+    turn = _rotation(values["turn"], f"{what}: turn") if "turn" in values else np.eye(4)
     return placed(position) @ turn @ placed(scale=size)
+
+
+def _rotation(text: str, what: str) -> Transform:
+    """The rotation of "x/30", an axis of the world and degrees."""
+    axis, _, degrees = text.partition("/")
+    if axis not in ("x", "y", "z"):
+        raise InputError(f"{what} {text}: write an axis and degrees, for example x/30")
+    return rotated(axis, number(degrees, what))  # type: ignore[arg-type]
 
 
 def _white_material() -> Material:

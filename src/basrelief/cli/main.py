@@ -153,7 +153,7 @@ _SCENE_OPTIONS = (
     options.RELIEF, options.SURFACE, options.LIGHT, options.FOG, options.CAMERA,
 )  # fmt: skip
 _NOT_MEASURED = (
-    "shape", "stretch", "tiling", "heights", "fade", "edge", "alpha", "casts", "shadows_on",
+    "shape", "stretch", "turn", "tiling", "heights", "fade", "edge", "alpha", "casts", "shadows_on",
     "shadow_map_size",
 )  # fmt: skip
 """Options of a scene that a measurement decides itself, or has no use for."""

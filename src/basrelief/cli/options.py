@@ -120,6 +120,7 @@ RELIEF: Options = {
     **_options_of(Object, group="Relief"),
     "settings": _texts("Set a number that `techniques` lists; repeatable.", "NAME=VALUE", "--set"),
     "stretch": _text("Scale the shape along the world's axes.", "X,Y,Z"),
+    "turn": _text("Rotate the shape; x/90 makes a plane a wall.", "AXIS/DEGREES"),
 }
 SURFACE: Options = {
     **_options_of(Object, group="Surface"),
@@ -157,7 +158,8 @@ MAPS_OPTIONS: Options = {
 FURTHER: Options = {
     "add": _texts(
         "Add an object: sphere, position=0/0.1/0, size=0.3, turn=x/30, material=sample:tiles, "
-        "color=1/0.5/0.2, technique=relief, scale=0.05; repeatable.",
+        "color=1/0.5/0.2, technique=relief, max_steps=32, layer=sample:grid, layer_tiling=10x10, "
+        "normal_tiling=2x3; repeatable.",
         "SHAPE,NAME=VALUE…",
     ),
 }

@@ -17,6 +17,7 @@ from basrelief.rendering.programs import depth_program_of, map_edge, object_valu
 from basrelief.scene import ResolvedObject, Scene
 from basrelief.scene.cameras import look_at
 from basrelief.scene.lights import light_parameters
+from basrelief.scene.resolve import undisplaced
 from basrelief.shading.camera import Camera
 from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import FAR_AWAY, Light
@@ -151,7 +152,8 @@ def _distances(
     """Distances from each light's views to an object; None if it casts no shadow."""
     if obj.casts == "none" or not views:
         return None
-    program, values = depth_program_of(obj), object_values(obj, engine)
+    caster = undisplaced(obj) if obj.casts == "polygon" else obj
+    program, values = depth_program_of(caster), object_values(caster, engine)
     maps = []
     for view in views:
         light_view = CameraSample(view.camera, Vec2(0.5, 0.5))

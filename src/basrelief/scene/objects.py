@@ -55,7 +55,8 @@ class Object:
     projection : {"full", "biased", "limited"}, optional
         Projection of the view ray. The default is the technique's.
     bias : float, default 0.42
-        Bias of the projection "biased", 0 to 100.
+        Bias of the projection "biased", −1 to 100. Below 0 the offsets are longer than the true
+        ray's.
     heights : {"sharp", "smooth", "mip"}, default "sharp"
         Levels of the heights to read: the finest (sharp), a blend set by `smoothing` (smooth), or
         the one whose texels match the pixel's footprint (mip).
@@ -80,9 +81,10 @@ class Object:
         Projection of the colours, also of a layer's, onto the relief, from one side or from three.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
-    casts : {"shape", "opaque", "none"}, default "shape"
-        Shadows cast on other objects: with the cut-outs (shape), as if there were no cut-outs
-        (opaque), or no shadows (none).
+    casts : {"shape", "polygon", "opaque", "none"}, default "shape"
+        Shadows cast on other objects: of the relief with its cut-outs (shape), of the polygon with
+        the cut-outs not displaced, as the stock shaders of game engines cast them (polygon), of the
+        relief as if there were no cut-outs (opaque), or no shadows (none).
     tilings : mapping of str to Tiling, optional
         Tilings of single maps: "base_color", "normal", "response" (occlusion, roughness, metallic)
         and "emission".
@@ -114,7 +116,11 @@ class Object:
     )
     projection: Projection | None = setting(default=None, group="Relief")
     bias: float = setting(
-        default=0.42, low=0.0, high=100.0, control={"high": 2.0, "step": 0.01}, group="Relief"
+        default=0.42,
+        low=-1.0,
+        high=100.0,
+        control={"low": -0.5, "high": 2.0, "step": 0.01},
+        group="Relief",
     )
     heights: HeightsKind = setting(default="sharp", group="Relief")
     smoothing: Any = setting(factory=dict, kind="numbers", group="Relief")

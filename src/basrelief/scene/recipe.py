@@ -24,6 +24,7 @@ from basrelief.scene.presets import Preset
 from basrelief.scene.resolve import default_transform
 from basrelief.scene.scene import Scene, default_lights
 from basrelief.scene.tilings import Layer, Tiling
+from basrelief.scene.transforms import Axis, Transform, placed, rotated
 from basrelief.scene.views import LookAt, Orbit
 from basrelief.settings import settings_of
 from basrelief.shading.lights import Light
@@ -191,9 +192,8 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
         elif name == "layer":
             yield from _layer_parts(value)
         elif name == "transform":
-            stretch = stretch_of(obj)
-            if stretch is not None:
-                yield from _option("stretch", stretch)
+            for placement, text in (placement_options(obj) or {}).items():
+                yield from _option(placement, text)
         elif name == "camera":
             yield from ("--camera", ",".join(_arguments(_camera_arguments(value))))
         elif name == "lights":
@@ -269,23 +269,50 @@ def _light_parts(lights: tuple[Light, ...]) -> Iterator[str]:
         yield from ("--light", ",".join([kind, *_arguments(arguments)]))
 
 
-def stretch_of(obj: Object) -> tuple[float, ...] | None:
-    """Factors that stretch the default transform along the world's axes; None for other transforms.
+def placement_options(obj: Object) -> dict[str, str] | None:
+    """The options --stretch and --turn that give the transform of an object.
 
-    The option --stretch takes them.
+    They scale the default transform along the world's axes, then rotate it about one of them. None
+    for other transforms.
     """
     default = default_transform(obj.shape, obj.material)
     relative = obj.resolved.transform @ np.linalg.inv(default)
-    factors = np.diag(relative)[:3]
-    is_stretch = np.allclose(relative, np.diag([*factors, 1.0]), atol=1e-12)
-    return tuple(float(f"{factor:.9g}") for factor in factors) if is_stretch else None
+    for axis, factors, degrees in _scaled_rotations(relative):
+        if np.allclose(rotated(axis, degrees) @ placed(scale=factors), relative, atol=1e-12):
+            stretch = {} if factors == (1.0, 1.0, 1.0) else {"stretch": joined(factors, ",")}
+            turn = {"turn": f"{axis}/{_number_text(degrees)}"} if degrees else {}
+            return {**stretch, **turn}
+    return None
+
+
+def _scaled_rotations(
+    matrix: Transform,
+) -> Iterator[tuple[Axis, tuple[float, float, float], float]]:
+    """Candidates for an axis, factors and degrees whose scaling and rotation make a matrix."""
+
+    def rounded(number: float) -> float:
+        # adding 0 makes −0 a 0
+        return float(f"{number:.9g}") + 0.0
+
+    x, y, z = (rounded(factor) for factor in np.diag(matrix)[:3])
+    yield "x", (x, y, z), 0.0
+    axes: tuple[tuple[Axis, int, int], ...] = (("x", 1, 2), ("y", 2, 0), ("z", 0, 1))
+    for axis, a, b in axes:
+        factors = [x, y, z]
+        factors[a] = rounded(np.hypot(matrix[a, a], matrix[b, a]))
+        if factors[a] == 0.0:
+            continue
+        area = matrix[a, a] * matrix[b, b] - matrix[a, b] * matrix[b, a]
+        factors[b] = rounded(area / factors[a])
+        degrees = rounded(np.degrees(np.arctan2(matrix[b, a], matrix[a, a])))
+        yield axis, (factors[0], factors[1], factors[2]), degrees
 
 
 def omitted_by_command(scene: Scene) -> Iterator[str]:
     """Names of the parts of a scene that a command line cannot describe."""
     obj = scene.objects[0]
     yield from omitted_of_sources(obj)
-    if obj.transform is not None and stretch_of(obj) is None:
+    if obj.transform is not None and placement_options(obj) is None:
         yield "the transform of the object"
     if len(scene.objects) > 1:
         yield "the further objects"
@@ -374,8 +401,6 @@ def _preset_values(scene: Scene) -> dict[str, Any]:
     (obj,) = scene.objects
     origin = obj.material.origin
     of_object, of_scene = _object_options(obj), _scene_options(scene)
-    if "transform" in of_object:
-        raise InputError("a preset has no transform; remove it")
     if "background" in of_scene and of_scene["background"] is None:
         raise InputError("a preset has no transparent background; choose a colour")
     if isinstance(technique := of_object.get("technique"), str) and ":" in technique:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +41,7 @@ from basrelief.shading.surfaces.surface import MapTilings
 from basrelief.techniques import SYNONYMS, TECHNIQUES, Technique, flat, relief
 from basrelief.techniques.height import Smoothing
 from basrelief.techniques.own import checked_technique, technique_from_file
+from basrelief.techniques.technique import Nothing
 
 if TYPE_CHECKING:
     from basrelief.scene.objects import Object
@@ -148,6 +149,11 @@ class ResolvedObject:
         tiling_ratio = abs(float(layer_tiling.y / layer_tiling.x))
         stretch = tiling_ratio * self._normals_proportion() / self.layer.material.proportion
         return MapTilings(**tilings, layer=layer_tiling, layer_normal_stretch=stretch)
+
+
+def undisplaced(obj: ResolvedObject) -> ResolvedObject:
+    """The object as its polygon: with its maps, which are not displaced."""
+    return replace(obj, technique=flat, settings=Nothing())
 
 
 def resolve(obj: Object) -> ResolvedObject:

@@ -13,9 +13,11 @@ from basrelief.scene.checks import FAR, NEAR
 
 Transform = NDArray[np.float64]
 """An affine transform from object to world space, (4, 4), for column vectors."""
+Axis = Literal["x", "y", "z"]
+"""An axis of the world."""
 
 
-def rotated(axis: Literal["x", "y", "z"], degrees: float) -> Transform:
+def rotated(axis: Axis, degrees: float) -> Transform:
     """Rotation about a world axis.
 
     Parameters

@@ -16,7 +16,7 @@ HeightsKind = Literal["sharp", "smooth", "mip"]
 EdgeKind = Literal["wrap", "clamp", "clip"]
 MappingKind = Literal["planar", "triplanar"]
 AlphaKind = Literal["blend", "mask", "opaque"]
-CastsKind = Literal["shape", "opaque", "none"]
+CastsKind = Literal["shape", "polygon", "opaque", "none"]
 SurfaceKind = Literal["standard", "landscape"]
 Projection = Literal["full", "biased", "limited"]
 

@@ -26,7 +26,8 @@ def full(view: Vec3, bias: float) -> Vec2:
 def biased(view: Vec3, bias: float) -> Vec2:
     """V.xy ÷ (V.z + bias): flatter than the true ray, with shorter offsets at grazing angles.
 
-    Unity's standard shader has a bias of 0.42.
+    Unity's standard shader has a bias of 0.42. A bias below 0 lengthens the offsets; where
+    V.z + bias would be 0 or less they are as long as those of a grazing ray, not reversed.
     """
     return view.xy / max(view.z + bias, MIN_COSINE)
 

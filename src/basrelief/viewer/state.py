@@ -22,9 +22,9 @@ from basrelief.scene.presets import PRESETS, Preset, preset
 from basrelief.scene.recipe import (
     SAMPLE_OPTIONS,
     omitted_of_sources,
+    placement_options,
     portable_path,
     portable_source,
-    stretch_of,
     technique_text,
 )
 from basrelief.scene.records import SCENE_RECORDS
@@ -172,12 +172,13 @@ def _shape(obj: Object, shape: ShapeKind) -> dict[str, Any]:
         "to_object": placement["to_object"],
         "tiling": list(map(float, placed_object.tiling.tiles)),
         "flat": geometry.flat,
+        "lying": geometry.flat and transform is None,
         "radius": round(float(np.linalg.norm(geometry.bounding_points, axis=1).max()), 2),
         "outline": [
             [round(float(x), 9) for x in point] for point in placed_object.bounding_points()
         ],
         "world": None if transform is None else np.asarray(transform, np.float64).tolist(),
-        "stretch": None if transform is None else stretch_of(obj),
+        "placement": None if transform is None else placement_options(obj),
     }
 
 

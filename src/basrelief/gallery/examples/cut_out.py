@@ -32,6 +32,11 @@ def panels(texels: int) -> Iterator[Panel]:
     yield Panel("cut out after the offset", scene(cut))
     yield Panel("shadow with holes", scene(cut, "hard"))
     yield Panel(
+        "shadow of the undisplaced holes",
+        scene(replace(cut, casts="polygon"), "hard"),
+        "casts polygon",
+    )
+    yield Panel(
         "shadow of the opaque grating",
         scene(replace(cut, casts="opaque"), "hard"),
         "casts opaque",
@@ -42,11 +47,14 @@ PAGE = Page(
     name="cut-out",
     title="Cut-outs",
     source="catlike",
-    rows={"C16": "opacity is read at displaced coordinates; the shadow is with or without holes"},
+    rows={
+        "C16": "opacity is read at displaced coordinates; the shadow is with displaced, "
+        "undisplaced or no holes"
+    },
     look="The stones show through holes whose walls have depth, and the shadow has the pattern of "
-    "the grating.",
+    "the grating, with thinner bars where its holes are not displaced.",
     article="The cut-out is tested after the parallax; the shadow caster may do the same, but that "
     "is rarely worth its cost.",
-    ours="The same, with both kinds of shadow. The article has no picture of it.",
+    ours="The same, with all three kinds of shadow. The article has no picture of it.",
     panels=panels,
 )

@@ -119,10 +119,11 @@ export type ShapeData = {
   to_object: number[];
   tiling: Pair;
   flat: boolean;
+  lying: boolean; // flat on the ground
   radius: number;
   outline: Vec3[];
   world: number[][] | null;
-  stretch: number[] | null; // the same, where it stretches along the axes alone
+  placement: { stretch?: string; turn?: string } | null; // the same as options, if they suffice
 };
 
 /** A preset as a state, or the reason why the page cannot draw it. */

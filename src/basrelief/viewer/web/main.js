@@ -451,10 +451,10 @@ export class ViewerPage {
   // Keep the camera in front of a flat shape and outside of any shape.
   clampCamera() {
     const { camera, shape } = this.state;
-    const { flat, radius, outline } = this.data.shapes[shape];
-    const least = flat ? 2 : -89;
+    const { flat, lying, radius, outline } = this.data.shapes[shape];
+    const least = lying ? 2 : -89;
     camera.elevation = Math.max(least, Math.min(89, camera.elevation));
-    if (flat) camera.target[1] = Math.max(0, camera.target[1]);
+    if (lying) camera.target[1] = Math.max(0, camera.target[1]);
     if (camera.distance !== null) {
       const away = Math.hypot(...camera.target);
       camera.distance = Math.max(camera.distance, flat ? 0.15 : radius + away + 0.05);

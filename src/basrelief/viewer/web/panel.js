@@ -338,7 +338,7 @@ function camera(view) {
     number(view, path("elevation"), {
       ...controls.elevation,
       label: "camera elevation",
-      ...(view.data.shapes[view.state.shape].flat && { low: 2 }),
+      ...(view.data.shapes[view.state.shape].lying && { low: 2 }),
     }),
     number(view, path("distance"), {
       ...controls.distance,

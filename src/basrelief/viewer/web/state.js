@@ -232,12 +232,12 @@ export function toCommand(state, data, shown) {
   for (const light of options.lights ?? []) {
     parts.push("--light", [light.kind, ...assignments(lightOf(light, data))].join(","));
   }
-  const { world, stretch } = data.shapes[state.shape];
-  if (stretch) joined("stretch", stretch);
+  const { world, placement } = data.shapes[state.shape];
+  for (const [name, text] of Object.entries(placement ?? {})) parts.push(`--${name}=${text}`);
   if (["reads", "missed"].includes(state.show)) option("show", state.show);
   option("size", tiles(shown.size));
   const omitted = [
-    ...(world && !stretch ? ["the transform of the object"] : []),
+    ...(world && !placement ? ["the transform of the object"] : []),
     ...(state.show === "depth" ? ["the picture of depth"] : []),
   ];
   return parts.map(quoted).join(" ") + comment(state, data, shown, omitted);
