@@ -30,7 +30,7 @@ UV_TOLERANCE = 0.002
 """Texels of the height map."""
 COLOR_TOLERANCE = 1e-4
 """Of linear colour."""
-DISTANCE_TOLERANCE = 1e-5
+DISTANCE_TOLERANCE = 1e-4
 """Of the distance along the ray."""
 DOUBT = 5e-6
 """A comparison of heights, or of n · l with 0, that is decided by less than this may be decided

@@ -63,8 +63,8 @@ def map_set(
 
 @dataclass(frozen=True)
 class Shaded:
-    """The shading after the offset, the same for both presets: sample at `uv`, and light by Phong's model, which
-    they chose."""
+    """The shading after the offset, the same for both presets: maps at `uv`, and Phong's model,
+    which they chose."""
 
     quad: view.Fragments
     samplers: MapSet
