@@ -154,6 +154,28 @@ def test_ground_is_blended_by_height_and_water_lies_below(height: float, water: 
     np.testing.assert_allclose(color(land(height, water)), wanted, atol=1e-4)
 
 
+@pytest.mark.parametrize("technique", ["fixed_length", "offset", "steep", "relief"])
+def test_the_ground_has_the_height_of_the_map_at_the_hit(technique: str) -> None:
+    """L3: also where the technique ends its ray above or below the surface."""
+    heights = noise(4, (23, 17), 1)
+    ground = Material("ground", height=map_of(heights), base_color=map_of(np.zeros((1, 1, 3))))
+    obj = Object(
+        ground,
+        technique=technique,
+        scale=0.3,
+        reference_height=1.0,
+        surface="landscape",
+        surface_parameters={"water_level": 0.0, "sky_color": (0, 0, 0)},
+        layer=Layer(uniform_material(np.ones(3))),
+    )
+    frame = drawn(obj, camera=Orbit(20.0, 40.0), size=(48, 36), **UNLIT)
+    wanted = bilinear(heights, frame.uv[frame.hit])
+    shown = frame.color[frame.hit][:, :1]
+    found = shown[:, 0] > 0.0
+    assert found.mean() > 0.5
+    np.testing.assert_allclose(shown[found], wanted[found], atol=2e-4)
+
+
 def test_a_ray_without_a_hit_shows_the_sky() -> None:
     """L6: 25 steps end above the ground, 27 reach it."""
     for steps, wanted in ((25, [1.0, 0.5, 0.0]), (27, GRASS * 0.5 + STONE * 0.5)):

@@ -52,7 +52,7 @@ from basrelief.shading.surfaces.surface import (
 )
 from basrelief.shading.tangent_frame import aspect, from_tangent
 from basrelief.shading.variant import Variant
-from basrelief.techniques.height import Smoothing
+from basrelief.techniques.height import Smoothing, surface_height
 from basrelief.techniques.technique import Settings
 
 SOLID = 0.5
@@ -119,7 +119,7 @@ def pixel(
     distance = relief_hit.distance
     if distance <= 0.0 or is_clipped(relief_hit.uv, placement, variant):
         return Pixel(Vec4(0.0), 0.0, relief_hit.uv, False, relief_hit.reads)
-    point = surface_point(field, intersection, relief_hit, footprint, variant)
+    point = surface_point(field, intersection, relief_hit, footprint, smoothing, variant)
     surface = surface_at(point, surface_parameters, tilings, maps, variant)
     if variant.depth_only:
         return Pixel(Vec4(0.0), distance, relief_hit.uv, surface.opacity >= SOLID, relief_hit.reads)
@@ -174,6 +174,7 @@ def surface_point(
     intersection: Intersection,
     relief_hit: ReliefHit,
     footprint: Footprint,
+    smoothing: Smoothing,
     variant: Variant,
 ) -> SurfacePoint:
     """The point of the relief that the surface's maps are sampled for."""
@@ -181,12 +182,29 @@ def surface_point(
     return SurfacePoint(
         uv=relief_hit.uv,
         footprint=footprint,
-        height=relief_hit.height,
+        height=ground_height(field, relief_hit, smoothing, variant),
         found=relief_hit.found,
         relief_normal=relief.normal,
         height_in_tiles=relief.height_in_tiles,
         aspect=aspect(intersection.frame),
     )
+
+
+@shader
+def ground_height(
+    field: HeightField, relief_hit: ReliefHit, smoothing: Smoothing, variant: Variant
+) -> float:
+    """The height that a landscape's colours follow: the surface's at the hit, as in habrador.
+
+    A technique may end its ray above or below the surface. On columns, a side that is hit has the
+    hit's height, which the top does not tell.
+    """
+    if variant.surface != "landscape" or not variant.displaced or variant.columns:
+        return relief_hit.height
+    # a flat relief has its height from the map already
+    if relief_hit.scale <= 0.0:
+        return relief_hit.height
+    return surface_height(field, relief_hit.uv, relief_hit.lod, smoothing.mip_fade)
 
 
 @shader

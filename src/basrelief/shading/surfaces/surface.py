@@ -26,7 +26,7 @@ class SurfacePoint:
     """A point of the relief that a surface is evaluated at.
 
     `uv` are the displaced coordinates on the height map, `footprint` the pixel footprint there,
-    `height` that of the hit, 0 to 1, and `found` whether there is a hit. `relief_normal` is the
+    `height` that of the surface, 0 to 1, and `found` whether there is a hit. `relief_normal` is the
     relief's unit normal in tangent space where a program needs it, else (0, 0, 1);
     `height_in_tiles` the height in tile widths; `aspect` the width of a tile ÷ its height.
     """
