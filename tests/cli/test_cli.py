@@ -523,7 +523,7 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
         ),
         ("smooth heights (--heights smooth, mip)", "mip_bias=1 0 to 16 mip levels"),
         ("the shading", "shininess=10 1 to 1000"),
-        ("shadows of the relief on itself (--shadows hard, soft)", "shadow_steps=16 1 to 4096"),
+        ("shadows of the relief on itself (--shadows hard, soft)", "max_shadow_steps=64 1 to 4096"),
         (
             "the fog (--fog-mode linear, exponential, exponential_squared)",
             "fog_density=0.3 0 to 1000",

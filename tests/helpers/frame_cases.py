@@ -294,6 +294,7 @@ OTHER_OPTIONS: dict[str, Option] = {
     "cast-polygon": casting("hard", shadows_on="polygon"),
     "cast-opaque": casting("hard", "opaque"),
     "cast-none": casting("soft", "none"),
+    "cast-undisplaced": casting("hard", "polygon"),
     "others": Option(more_objects=floor_and_ball),
     "far-lamp": Option(scene={"lights": (FAR_LAMP,)}),
     "overhead": Option(scene={"camera": OVERHEAD}),
@@ -412,6 +413,7 @@ MORE = (
     "contact plane cast-polygon level-0 spot",
     "parallax_occlusion plane cast-opaque mask lights",
     "exact box cast-none clip lamp",
+    "relief plane cast-undisplaced mask lights",
     "relief plane others soft lights",
 )
 CASES = (*PLAIN, *DEEP, *PAIRS, *MORE)

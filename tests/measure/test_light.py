@@ -106,9 +106,9 @@ def test_the_true_light_of_a_point_light_spreads_from_it(cpu: Engine) -> None:
     assert found.light is not None
     ground = found.there & (found.height < 1e-6)
     uv, dark = found.uv[ground], found.light[0][ground] == 0.0
-    # the light is 0.35 above the ground, so rays are as high as posts after 0.1 ÷ 0.35 of the way
-    way = np.linspace(0.0, 0.1 / 0.35, 200)
-    along = uv[:, None] + (0.5 - uv)[:, None] * way[:, None]
+    # the light is 0.35 above the ground, and rays are below the tops of posts for 0.1 of that
+    covered = np.linspace(0.0, 0.1 / 0.35, 200)
+    along = uv[:, None] + (0.5 - uv)[:, None] * covered[:, None]
     from_posts = np.abs(np.abs(along - 0.5) - 0.25 - 0.5 / 128 * np.sign(along - 0.5)).max(-1)
     nearest = from_posts.min(1) * 128
     # posts are five texels wide, with slopes of one texel around them

@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -512,13 +512,12 @@ def height_above_ray(face: Face, start: Array, direction: Array, samples: int) -
 @pytest.mark.parametrize("transform", TRANSFORMS)
 def test_the_shadow_of_a_block_equals_that_of_the_ray_to_the_light(transform, tiling) -> None:
     """Dark where the ray to the light, traced in float64, passes through the block."""
-    obj = object_of(BLOCK, GREY, transform, tiling)
+    obj = replace(object_of(BLOCK, GREY, transform, tiling), technique="exact", settings={})
     face = Face.of(obj, "front", BLOCK)
     side = -0.5 * unit(face.right) + 0.9 * unit(face.down)
     towards = light_towards(face, side, 35.0)
     camera = tilted_camera(face, "orthographic", slant=0.25)
-    shadowing = Shadowing(max_shadow_steps=STEPS, shadow_offset=SHADOW_OFFSET)
-    frame = drawn(obj, camera, towards, shadows="hard", shadowing=shadowing)
+    frame = drawn(obj, camera, towards, shadows="hard")
     wanted = reference([face], camera)
     ours = wanted.sure & ~wanted.grazing
     lit = 0.6 * float(face.normal @ towards)
@@ -528,10 +527,10 @@ def test_the_shadow_of_a_block_equals_that_of_the_ray_to_the_light(transform, ti
     end, direction = wanted.end[ours], face.coordinates(towards)
     above = height_above_ray(face, end, direction, SAMPLES)
     # a ray may cut a corner between two samples
-    doubted = dark != (above > SHADOW_OFFSET)
+    doubted = dark != (above > 0.0)
     above[doubted] = height_above_ray(face, end[doubted], direction, 48 * SAMPLES)
-    # between the two limits the offset and the steps decide
-    free, blocked = above < 0.5 * SHADOW_OFFSET, above > SHADOW_OFFSET + 2.0 / STEPS
+    # between the two limits the samples decide
+    free, blocked = above < 0.0, above > NEAR
     assert (free | blocked).mean() > 0.9
     assert not dark[free].any()
     assert dark[blocked].all()
