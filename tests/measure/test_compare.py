@@ -140,8 +140,8 @@ KEYS = {
     "time", "angles", "visible", "techniques", "results", "advice",
 }  # fmt: skip
 RESULT = {
-    "angle", "technique", "pixels", "missed", "passed", "short", "uv_error", "depth_error", "flip",
-    "reads", "seconds",
+    "angle", "technique", "pixels", "missed", "passed", "short", "wrong_light", "uv_error",
+    "depth_error", "flip", "reads", "seconds",
 }  # fmt: skip
 
 

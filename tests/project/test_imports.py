@@ -71,12 +71,13 @@ def test_top_level_modules_are_few() -> None:
 
 
 def test_folders_of_tests_are_those_of_the_source() -> None:
-    """`tests/` has a folder for each package it tests, one for the project, and one for helpers."""
+    """`tests/` has a folder for each package it tests, one for the project, one for the articles,
+    and one for helpers."""
     packages = {
         path.parent.name for path in (REPOSITORY / "src" / "basrelief").glob("*/__init__.py")
     }
     folders = {path.parent.name for path in (REPOSITORY / "tests").glob("*/test_*.py")}
-    assert folders - packages == {"project"}
+    assert folders - packages == {"articles", "project"}
     assert not list((REPOSITORY / "tests").glob("test_*.py"))
 
 

@@ -68,19 +68,19 @@ class Shadowing:
 
     max_shadow_steps: int = setting(
         default=64,
-        doc="most steps towards each light; one per texel if they suffice",
+        doc="limit of the steps to a light, one per texel",
         low=1,
         high=4096,
     )
     light_angle: float = setting(
         default=10.0,
-        doc="angle that lights span as seen from the surface, for soft shadows, in degrees",
+        doc="angle that lights span in soft shadows, in degrees",
         low=0.1,
         high=90.0,
     )
     shadow_offset: float = setting(
         default=0.001,
-        doc="height above the ray that casts no shadow yet; exact shadows need none",
+        doc="height above the ray that casts no shadow yet",
         low=0.0,
         high=1.0,
     )
