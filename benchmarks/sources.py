@@ -30,6 +30,7 @@ def gamedev(texels: int = 512) -> basrelief.Scene:
         basrelief.sample("bricks", texels),
         technique="parallax_occlusion",
         settings={"min_steps": 4, "max_steps": 20},
+        surface_parameters={"specular": 0.0},
         scale=0.1,
         tiling=(4.0, 4.0),
         transform=PLANE,
@@ -39,7 +40,7 @@ def gamedev(texels: int = 512) -> basrelief.Scene:
         camera=CAMERA,
         lights=(basrelief.directional(-50.0, 35.0),),
         shading_model="phong",
-        shading={"ambient": 0.1, "diffuse": 0.5, "specular": 0.0},
+        shading={"ambient": 0.1, "diffuse": 0.5},
     )
 
 

@@ -50,7 +50,12 @@ RECORDS = {
 VALUES = {
     "technique": "[a technique](index.md#techniques)",
     "transform": "4 × 4 numbers",
-    **dict.fromkeys(MAPS, "a file, or `sample:NAME`"),
+    **{
+        name: "a file, or `sample:NAME`"
+        if kind.channels > 1
+        else "a file, `sample:NAME`, or a number"
+        for name, kind in MAPS.items()
+    },
 }
 """Values of settings that are neither choices nor numbers."""
 

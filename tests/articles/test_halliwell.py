@@ -82,15 +82,15 @@ class Shaded:
     def pixels(
         self, preset: str, margin: np.ndarray, visible: list[np.ndarray] | None = None
     ) -> view.Pixels:
-        shading = basrelief.preset(preset).values["scene"]["shading"]
+        surface = basrelief.preset(preset).values["object"]["surface_parameters"]
         colors, closest = wikibooks.phong(
             view.to_world(self.normal),
             self.quad.view,
             self.quad.raised(self.height),
             LAMPS,
             color=self.samplers.color.grad(self.uv, self.quad.gradients),
-            spec_color=np.array(shading["specular"]),
-            shininess=shading["shininess"],
+            spec_color=np.array(surface["specular"]),
+            shininess=surface["shininess"],
             ambient=AMBIENT * self.occlusion,
             visible=visible,
         )

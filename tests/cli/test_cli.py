@@ -122,7 +122,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "shading model": (
         "--shading-model phong --set shininess=3",
-        {"shading_model": "phong", "shading": basrelief.Shading(shininess=3.0)},
+        {"shading_model": "phong", "surface_parameters": {"shininess": 3.0}},
     ),
     "shape": ("--shape cylinder", {"shape": "cylinder"}),
     "scale": ("--scale 0.21", {"scale": 0.21}),
@@ -181,6 +181,14 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
             "surface_parameters": {"layer_color": 0.5},
         },
     ),
+    "layer offset": (
+        "--layer sample:grid --layer-tiling 5x3 --layer-offset unscaled",
+        {
+            "layer": Layer(basrelief.sample("grid", NAMED), Tiling((5.0, 3.0))),
+            "layer_offset": "unscaled",
+        },
+    ),
+    "noise over stretched texels": ("--mapping noise", {"mapping": "noise"}),
     "landscape": (
         "--surface landscape --set water_level=0.6 --set sky-color=0/1/0",
         {
@@ -213,7 +221,15 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
 }  # fmt: skip
 
 
-NEED_MAPS = ("own tiling", "alpha", "mapping", "layer", "occlusion")
+NEED_MAPS = (
+    "own tiling",
+    "alpha",
+    "mapping",
+    "layer",
+    "occlusion",
+    "layer offset",
+    "noise over stretched texels",
+)
 
 
 @pytest.mark.parametrize("option", OPTIONS)
@@ -522,7 +538,8 @@ def test_techniques_lists_each_with_its_settings_and_its_source() -> None:
             "water_level=0.4 0 to 1 Height of the water",
         ),
         ("smooth heights (--heights smooth, mip)", "mip_bias=1 0 to 16 mip levels"),
-        ("the shading", "shininess=10 1 to 1000"),
+        ("the standard surface (--surface standard)", "shininess=10 1 to 1000"),
+        ("the shading", "ambient=0.1/0.1/0.1 from 0"),
         ("shadows of the relief on itself (--shadows hard, soft)", "max_shadow_steps=64 1 to 4096"),
         (
             "the fog (--fog-mode linear, exponential, exponential_squared)",

@@ -105,6 +105,8 @@ SURFACE_PARAMETERS = {
         "cutoff": 0.7,
         "layer_color": 0.6,
         "layer_normal": 1.7,
+        "specular": (0.6, 0.7, 0.5),
+        "shininess": 21.0,
     },
     "landscape": {
         "water_color": (0.2, 0.5, 0.4),
@@ -119,6 +121,8 @@ SURFACE_PARAMETERS = {
         "cutoff": 0.6,
         "layer_color": 0.7,
         "layer_normal": 1.6,
+        "specular": (0.6, 0.7, 0.5),
+        "shininess": 21.0,
     },
 }
 """Parameters of the surfaces; none is at its default."""
@@ -126,8 +130,6 @@ SCENE_NUMBERS = {
     "shading": {
         "ambient": (0.2, 0.15, 0.1),
         "diffuse": 0.8,
-        "specular": (0.6, 0.7, 0.5),
-        "shininess": 21.0,
         "directional_occlusion": 0.7,
     },
     "shadowing": {"max_shadow_steps": 9, "light_angle": 25.0, "shadow_offset": 0.06},
@@ -288,6 +290,9 @@ OTHER_OPTIONS: dict[str, Option] = {
     "leaning": Option(object={"surface_parameters": {"normal_strength": 4.0}}),
     "polished": Option(object={"surface_parameters": {"roughness": 0.02}}),
     "no-height": without("height"),
+    "noise": Option(object={"mapping": "noise"}),
+    "layer-unscaled": Option(object={"layer_offset": "unscaled"}),
+    "layer-still": Option(object={"layer_offset": "none"}),
     "single-texels": Option(exact_maps.single_texels()),
     "twice": Option(more_objects=copy),
     "cast-soft": casting("soft"),
@@ -415,6 +420,11 @@ MORE = (
     "exact box cast-none clip lamp",
     "relief plane cast-undisplaced mask lights",
     "relief plane others soft lights",
+    "relief plane noise level-half stretched lights",
+    "exact box noise clamp apart layer-color deep",
+    "parallax_occlusion sphere noise tiled landscape layer numbers",
+    "relief box tiled layer layer-unscaled",
+    "offset plane mirrored landscape layer-color layer-still",
 )
 CASES = (*PLAIN, *DEEP, *PAIRS, *MORE)
 

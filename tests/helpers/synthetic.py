@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from basrelief.lang import Vec3
 from basrelief.material import Map, Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
@@ -102,6 +104,12 @@ def on_plane(camera: LookAt, z: float = 0.0, size=SIZE) -> tuple[np.ndarray, np.
     distance = (z - origins[..., 2]) / directions[..., 2]
     points = origins + directions * distance[..., None]
     return np.stack([0.5 + points[..., 0], 0.5 - points[..., 1]], -1), distance
+
+
+def matte(obj: Object) -> Object:
+    """The object without Phong's highlight."""
+    surface = replace(obj.resolved.surface_parameters, specular=Vec3(0.0))
+    return replace(obj, surface_parameters=surface)
 
 
 def drawn(*objects: Object, camera, size=SIZE, device: str = "cpu", **scene) -> Frame:

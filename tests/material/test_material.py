@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,8 @@ from basrelief.images import write_data, write_picture
 from basrelief.material import MAPS, Map, Material, Note, describe, load, report, sample
 from basrelief.material.conventions import Part, parse_name, parse_names
 from basrelief.material.evidence import slope_correlation
+from basrelief.rendering.render import render
+from basrelief.scene import LookAt, Object, Scene
 
 HEIGHT, WIDTH = 24, 40
 
@@ -878,6 +882,55 @@ def test_rendered_pictures_are_not_loaded_as_maps(tmp_path: Path, technique: str
     write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
     write_picture_file(tmp_path, f"wall-{technique}-basrelief.png", flat(9, 9, 9))
     assert load(tmp_path).height is None
+
+
+# --- numbers in place of maps
+
+
+@pytest.mark.parametrize("number", [0.25, "0.25"])
+def test_a_number_is_a_map_with_one_value(tmp_path: Path, number) -> None:
+    write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
+    write_picture_file(tmp_path, "wall_height.png", flat(9, 9, 9))
+    material = load(tmp_path, height=number, roughness=number)
+    assert material.height is not None
+    assert material.roughness is not None
+    for each in (material.height, material.roughness):
+        assert (each.pixels.shape, float(each.pixels[0, 0, 0])) == ((1, 1, 1), 0.25)
+    assert "height 0.25: requested" in map(str, material.notes)
+    assert material.base_color is not None
+    assert load(height=1).name == "plain"
+
+
+@pytest.mark.parametrize(
+    ("maps", "message"),
+    [
+        ({"height": 2.0}, "height is 2: give a number from 0 to 1, or a file"),
+        ({"height": "-0.5"}, "height is -0.5: give a number from 0 to 1, or a file"),
+        ({"opacity": float("nan")}, "opacity is nan: give a number from 0 to 1, or a file"),
+        ({"normal": "0.5"}, "normal is 0.5: give a file; a number is for maps of one channel"),
+    ],
+)
+def test_other_numbers_are_refused(maps: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as refused:
+        load("sample:bricks", **maps)
+    assert str(refused.value) == message
+
+
+def test_a_height_of_1_shifts_a_picture_along_the_view() -> None:
+    """C6: catlike's first step, V.xy · scale everywhere, without a height map."""
+    material = load("sample:bricks", height=1.0)
+    obj = Object(
+        material, technique="offset_limited", reference_height=0.0, scale=0.2, transform=np.eye(4),
+        tiling=(1.0, 1.0),
+    )  # fmt: skip
+    camera = LookAt((0.8, -1.1, 1.6), orthographic_height=0.3)
+    view = np.array([0.8, -1.1, 1.6]) / np.linalg.norm([0.8, -1.1, 1.6])
+    shifted, still = (
+        render(Scene((each,), camera), size=(9, 7), samples=1, device="cpu")
+        for each in (obj, replace(obj, technique="flat"))
+    )
+    wanted = np.broadcast_to(view[:2] * [1.0, -1.0] * 0.2, shifted.uv.shape)
+    np.testing.assert_allclose(shifted.uv - still.uv, wanted, atol=1e-5)
 
 
 def test_unused_options_of_a_sample_are_noted() -> None:

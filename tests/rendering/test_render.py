@@ -28,6 +28,7 @@ from basrelief.techniques import (
     technique,
 )
 from helpers.plain_python import pixel_in_python
+from helpers.synthetic import matte
 
 CPU = CpuEngine()
 SIZE = (64, 36)
@@ -324,10 +325,10 @@ def test_coverage_of_a_half_casts_a_full_shadow(code: int, solid: bool) -> None:
     """Smaller coverage casts no shadow."""
     wall = Object(colored(1.0), transform=placed((0.0, 0.0, -1.0), 8.0))
     light = (directional(-60.0, 0.0),)
-    matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+    unlit = Shading(ambient=(0.0, 0.0, 0.0))
     camera = LookAt((0.0, 0.0, 4.0), orthographic_height=3.0)
-    scene = {"camera": camera, "lights": light, "shading": matte, "shading_model": "phong"}
-    objects = (wall, pane(code))
+    scene = {"camera": camera, "lights": light, "shading": unlit, "shading_model": "phong"}
+    objects = (matte(wall), matte(pane(code)))
     frames = [drawn(Scene(objects, **scene, shadows=kind), (80, 48)) for kind in ("none", "hard")]
     lit, shadowed = (frame.color[24, :, 0] for frame in frames)
     # light from the left: tan 60° to the right of the pane, which is one to either side

@@ -24,7 +24,7 @@ from basrelief.rendering.frame import Frame
 from basrelief.rendering.programs import SURFACES as SURFACE_SHADERS
 from basrelief.rendering.programs import program_of
 from basrelief.rendering.shadow_maps import light_views
-from basrelief.scene import SHAPES, SURFACES, Object, Scene, directional, motion, point, spot
+from basrelief.scene import SHAPES, SURFACES, Layer, Object, Scene, directional, motion, point, spot
 from basrelief.scene.lights import LIGHTS, light_kind, light_numbers, light_parameters
 from basrelief.scene.presets import Preset, preset
 from basrelief.settings import kinds, settings_of
@@ -42,6 +42,7 @@ OF_OBJECT = {
     "edge": kinds.EdgeKind,
     "mapping": kinds.MappingKind,
     "alpha": kinds.AlphaKind,
+    "layer_offset": kinds.LayerOffsetKind,
     "casts": kinds.CastsKind,
     "surface": kinds.SurfaceKind,
 }
@@ -81,7 +82,10 @@ def expected_refusal(name: str, value: str) -> str:
 @pytest.mark.parametrize(("name", "value"), CASES)
 def test_each_value_makes_a_program_of_its_own(name: str, value: str) -> None:
     # with other options under which every value matters
-    others = {"edge": "clip", "mapping": "triplanar", "shadows": "hard", "casts": "shape"}
+    others = {
+        "edge": "clip", "mapping": "triplanar", "shadows": "hard", "casts": "shape",
+        "layer": Layer(sample("grid", 16)),
+    }  # fmt: skip
     ball = Object(BRICKS, "sphere")
     keys = {}
     for each in get_args(OPTIONS[name]):

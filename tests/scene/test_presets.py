@@ -117,8 +117,8 @@ def test_wikibooks_follows_its_article() -> None:
         np.float32(0.01),
     )
     assert scene.shading_model == "phong"
-    assert scene.shading.shininess == 10.0
-    assert scene.shading.specular == scene.shading.diffuse * Vec3(1.0)
+    surface = obj.resolved.surface_parameters
+    assert (surface.specular, surface.shininess) == (scene.shading.diffuse * Vec3(1.0), 10.0)
     (lamp,) = scene.lights
     assert (lamp.kind, lamp.falloff) == (POINT, 1.0)
     # coordinates of the mesh are shifted: tiles of a quarter of the shape shift four times as far
@@ -140,7 +140,7 @@ def test_gamedev_follows_its_article() -> None:
     assert obj.smoothing == {"mip_bias": 0.0, "mip_fade": 0.0}
     assert scene.shading_model == "phong"
     assert scene.shading.ambient == Vec3(0.1)
-    assert (scene.shading.diffuse, scene.shading.specular) == (0.5, Vec3(0.0))
+    assert (scene.shading.diffuse, obj.resolved.surface_parameters.specular) == (0.5, Vec3(0.0))
 
 
 def test_halliwell_follows_its_article() -> None:
@@ -182,7 +182,8 @@ def test_habrador_follows_its_article() -> None:
         Vec3(1.0),
         0.0,
     )
-    assert (scene.shading_model, scene.shading.specular) == ("phong", Vec3(0.0))
+    assert obj.resolved.surface_parameters.specular == Vec3(0.0)
+    assert scene.shading_model == "phong"
     assert preset("habrador").scroll == (0.25, 0.0)
     assert preset("gamedev").scroll == (0.0, 0.0)
     for name in ("habrador-hole", "habrador-bricks"):

@@ -63,7 +63,8 @@ def scenes() -> dict[str, Scene]:
         ),
         "a landscape": scene(
             surface="landscape", surface_parameters={"water_level": 0.3},
-            layer=Layer(load(GRAVEL), Tiling((6.0, 5.0), (0.25, 0.0))), background=(0.2, 0.3, 0.5),
+            layer=Layer(load(GRAVEL), Tiling((6.0, 5.0), (0.25, 0.0))), layer_offset="unscaled",
+            background=(0.2, 0.3, 0.5),
         ),
         "a stretched shape": scene(
             shape="cylinder", transform=placed(scale=(0.5, 1.25, 0.75)), casts="opaque",
@@ -76,7 +77,8 @@ def scenes() -> dict[str, Scene]:
                 point((-0.5, 0.75, 0.5), falloff=1.0),
                 spot((0.5, 1.0, 0.75), (0.125, 0.0, 0.25), (0.5, 1.0, 0.5), 3.0, 1.5, 50.0, 0.5),
             ),
-            shading_model="phong", shading={"ambient": 0.1, "shininess": 60.0}, shadows="hard",
+            shading_model="phong", shading={"ambient": 0.1}, shadows="hard",
+            surface_parameters={"shininess": 60.0, "specular": (0.5, 0.25, 0.125)},
             shadowing={"max_shadow_steps": 24, "light_angle": 5.0},
             occlusion_kind="directional",
             shadows_on="polygon", shadow_map_size=512,

@@ -20,7 +20,16 @@ from basrelief.scene import LYING, LookAt, Object, Orbit, Scene, directional, pl
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import FAR_AWAY
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import bilinear, drawn, map_of, noise, on_plane, rays, uniform_material
+from helpers.synthetic import (
+    bilinear,
+    drawn,
+    map_of,
+    matte,
+    noise,
+    on_plane,
+    rays,
+    uniform_material,
+)
 
 SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.35)
 UNLIT = {"lights": (), "shading": Shading(ambient=(1.0, 1.0, 1.0))}
@@ -113,7 +122,7 @@ def test_opacity_equal_to_the_cutoff_is_solid(opacity: int, cutoff, solid: bool)
 
 LIGHT = directional(90.0, 45.0)
 ABOVE = LookAt((0.0, 3.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.8)
-MATTE = {"shading": Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))}
+MATTE = {"shading": Shading(ambient=(0.0, 0.0, 0.0))}
 RAISED = 0.6
 FLOOR = Object(uniform_material(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
 
@@ -124,7 +133,7 @@ def shadow_on_floor(**options) -> tuple[np.ndarray, np.ndarray]:
                       opacity=map_of(noise(11, (16, 16), 1, 0.0, 1.0)))  # fmt: skip
     roof = Object(smooth, transform=placed((0.0, RAISED, 0.0)) @ LYING, **options)
     scene = {"camera": ABOVE, "lights": (LIGHT,), "shading_model": "phong", **MATTE}
-    frame = drawn(FLOOR, roof, **scene, shadows="hard", shadow_map_size=512)
+    frame = drawn(matte(FLOOR), matte(roof), **scene, shadows="hard", shadow_map_size=512)
     origins, directions = rays(ABOVE)
     points = origins + directions * np.where(frame.hit, frame.distance, 0.0)[..., None]
     floor = frame.hit & (np.abs(points[..., 1]) < 1e-3)

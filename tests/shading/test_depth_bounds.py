@@ -10,9 +10,10 @@ from basrelief.material import Map, Material
 from basrelief.rendering.render import render
 from basrelief.scene import LYING, Object, Orbit, Scene, directional, placed, rotated
 from basrelief.shading.brdf import Shading
+from helpers.synthetic import matte
 
 RNG = np.random.default_rng(8)
-DARK = Shading(ambient=Vec3(0.0), specular=Vec3(0.0))
+DARK = Shading(ambient=Vec3(0.0))
 BUMPS = Map(RNG.random((24, 40, 1)).astype(np.float32), False, "bumps")
 
 
@@ -69,6 +70,7 @@ def test_half_opacity_mixes_with_the_object_behind(first):
         plain((1.0, 0.0, 0.0), 0.4), transform=placed((0.0, 0.3, 0.0)) @ LYING, technique="flat"
     )
     far = Object(plain((0.0, 0.0, 1.0)), transform=LYING, technique="flat")
+    near, far = matte(near), matte(far)
     objects = (near, far) if first == "near" else (far, near)
     camera = Orbit(0.0, 90.0, 2.0, orthographic_height=0.5)
     light = (directional(0.0, 90.0),)
@@ -90,7 +92,7 @@ def test_normals_from_heights_are_those_of_the_relief(shape, columns, rows):
     obj = Object(Material("ramp", height=heights), shape, "flat", scale=scale, edge="clamp")
     light, eye = directional(0.0, 45.0), Orbit(0.0, 90.0, 3.0, orthographic_height=0.2)
     shading = DARK
-    scene = Scene((obj,), eye, (light,), shading=shading, shading_model="phong")
+    scene = Scene((matte(obj),), eye, (light,), shading=shading, shading_model="phong")
     seen = render(scene, size=(9, 9), samples=1, device="cpu").color[4, 4, 0]
     # over the tile the ramp rises by rise · scale tile widths, towards the lower edge (+z)
     length = min(1.0, rows / columns) if shape == "plane" else 1.0

@@ -15,7 +15,7 @@ from basrelief.scene import LookAt, Object, Orbit, Scene, directional
 from basrelief.shading.brdf import Shading, ShadingPoint
 from basrelief.shading.pixel import directional_visibility
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import drawn, map_of, uniform_material
+from helpers.synthetic import drawn, map_of, matte, uniform_material
 
 UNITS = st.floats(0.0, 1.0, width=32)
 
@@ -23,7 +23,8 @@ UNITS = st.floats(0.0, 1.0, width=32)
 def visibility(occlusion: float, height: float, cosine: float, strength: float = 1.0) -> float:
     """Visibility of a light at an angle to the normal, by `directional_visibility`."""
     up = Vec3(0.0, 0.0, 1.0)
-    point = ShadingPoint(Vec3(0.0), up, up, Vec3(1.0), 0.5, 0.0, occlusion, Vec3(0.0))
+    black = Vec3(0.0)
+    point = ShadingPoint(black, up, up, Vec3(1.0), 0.5, 0.0, occlusion, black, black, 1.0)
     cosine = min(cosine, 1.0)
     towards = Vec3(np.sqrt(max(1.0 - cosine * cosine, 0.0)), 0.0, cosine)
     return float(
@@ -60,7 +61,7 @@ def test_visibility_grows_with_occlusion_height_and_cosine(pair, one: float, oth
 
 
 FRONT = LookAt((0.0, 0.0, 3.0), orthographic_height=0.8)
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 STEPS = {"min_steps": 8, "max_steps": 8}
 
 
@@ -69,7 +70,7 @@ def lit(occlusion: str, light, height: float = 0.5, shading=MATTE, **options) ->
     options = {"technique": "parallax_occlusion", "settings": STEPS, **options}
     obj = Object(material, transform=np.eye(4), **options)
     frame = drawn(
-        obj, camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
+        matte(obj), camera=FRONT, size=(8, 8), lights=(light,), shading_model="phong",
         shading=shading, occlusion_kind=occlusion,
     )  # fmt: skip
     assert frame.hit.all()

@@ -26,6 +26,7 @@ from helpers.synthetic import (
     bilinear,
     drawn,
     map_of,
+    matte,
     noise,
     normal_under_tripod,
     uniform_material,
@@ -195,15 +196,15 @@ def test_a_ray_that_runs_out_of_steps_below_the_water_level_shows_the_sky() -> N
 @pytest.mark.parametrize("elevation", [0.0, 40.0, 75.0])
 def test_the_ground_is_lit_by_lamberts_law(elevation: float) -> None:
     """L1."""
-    matte = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
-    scene = {"lights": (directional(0.0, elevation),), "shading": matte, "shading_model": "phong"}
+    unlit = Shading(ambient=(0.0, 0.0, 0.0))
+    scene = {"lights": (directional(0.0, elevation),), "shading": unlit, "shading_model": "phong"}
     wanted = (GRASS * 0.5 + STONE * 0.5) * math.cos(math.radians(elevation))
-    np.testing.assert_allclose(color(land(0.5), **scene), wanted, atol=1e-4)
+    np.testing.assert_allclose(color(matte(land(0.5)), **scene), wanted, atol=1e-4)
 
 
 # --- surface parameters
 
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 
 
 def ground(own_color: float, maps=None, **numbers) -> Object:
@@ -220,7 +221,9 @@ def ground(own_color: float, maps=None, **numbers) -> Object:
 
 def shading_normal(obj: Object) -> np.ndarray:
     """The unit normal of a white landscape."""
-    return normal_under_tripod(color(obj, lights=TRIPOD, shading=MATTE, shading_model="phong"))
+    return normal_under_tripod(
+        color(matte(obj), lights=TRIPOD, shading=MATTE, shading_model="phong")
+    )
 
 
 @pytest.mark.parametrize("strength", [None, 0.0, 0.25, 1.0, 1.5])

@@ -17,7 +17,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import Layer, LookAt, Object, Orbit, Scene, Tiling, directional
 from basrelief.shading.brdf import Shading
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import bilinear, drawn, map_of, on_plane, uniform_material, unit
+from helpers.synthetic import bilinear, drawn, map_of, matte, on_plane, uniform_material, unit
 
 HEIGHT, SCALE = 0.25, 0.3
 GREY = 0.214041
@@ -25,7 +25,7 @@ GREY = 0.214041
 SLANTED = LookAt((0.8, -1.1, 1.6), up=(0.1, 0.3, 1.0), orthographic_height=0.35)
 """Close enough that a pixel is smaller than a texel of any map."""
 BRIGHT = Shading(ambient=(1.0, 1.0, 1.0))
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 RNG = np.random.default_rng(16)
 COLORS = RNG.random((5, 7, 3)) * 0.3
 UNLIT = {"lights": (), "shading": BRIGHT, "background": None}
@@ -90,6 +90,25 @@ def test_a_layer_stays_fixed_to_the_surface(main: Tiling, detail: Tiling) -> Non
     assert np.abs(found - sampled(COLORS, detail, polygon)).max() > 0.1
 
 
+@pytest.mark.parametrize("layer_offset", ["unscaled", "none"])
+@pytest.mark.parametrize(("main", "detail"), TILINGS)
+def test_a_layer_with_another_offset_floats(main: Tiling, detail: Tiling, layer_offset) -> None:
+    """C10: the article's comparisons, by the offset of the heights as it is, and by none."""
+    obj = flat_relief(
+        uniform_material(0.5),
+        tiling=main.tiles,
+        shift=main.shift,
+        layer=Layer(Material("detail", base_color=map_of(COLORS)), detail),
+        layer_offset=layer_offset,
+    )
+    frame = rendered(obj)
+    polygon, _ = on_plane(SLANTED)
+    offset = frame.uv - (polygon * main.tiles + main.shift)
+    there = polygon * detail.tiles + detail.shift + offset * (layer_offset == "unscaled")
+    found = frame.color[:, :, :3] * GREY / 0.5
+    np.testing.assert_allclose(found, bilinear(COLORS, there), atol=5e-4)
+
+
 @pytest.mark.parametrize("weight", [0.0, 0.5, 1.0])
 def test_the_mask_weights_the_layer(weight: float) -> None:
     """C10: its colour is blended by the mask, the slope of its normal multiplied by it."""
@@ -133,7 +152,7 @@ TOWARDS = np.array([[-float(c) for c in lamp.direction] for lamp in LAMPS])
 
 def normal_of(obj: Object, color=0.6) -> np.ndarray:
     """The shading normal at the middle of the picture, solved from Lambert's law."""
-    lit = rendered(obj, lights=tuple(LAMPS), shading=MATTE, shading_model="phong")
+    lit = rendered(matte(obj), lights=tuple(LAMPS), shading=MATTE, shading_model="phong")
     cosines = lit.color[30, 48, :3] / color
     assert cosines.min() > 0.05
     return np.linalg.solve(TOWARDS, cosines)

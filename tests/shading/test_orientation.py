@@ -25,10 +25,10 @@ from basrelief.scene import LookAt, Object, Scene, directional, placed, rotated
 from basrelief.shading.brdf import Shading
 from basrelief.shading.lights import Light
 from basrelief.shading.self_shadow import Shadowing
-from helpers.synthetic import rays, unit
+from helpers.synthetic import matte, rays, unit
 
 SIZE = (60, 44)
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 STEPS = 256
 FINE = {
     "parallax_occlusion": {"min_steps": STEPS, "max_steps": STEPS},
@@ -374,7 +374,9 @@ def object_of(
 
 def drawn(obj: Object, camera: LookAt, towards: Array, device: str = "cpu", **more) -> Frame:
     options = {"background": None, "shading": MATTE, "shading_model": "phong"}
-    scene = Scene((obj,), camera=camera, lights=(light_from(towards),), **{**options, **more})
+    scene = Scene(
+        (matte(obj),), camera=camera, lights=(light_from(towards),), **{**options, **more}
+    )
     return render(scene, size=SIZE, samples=1, device=device)
 
 

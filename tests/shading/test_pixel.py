@@ -19,7 +19,7 @@ from basrelief.rendering.render import render
 from basrelief.scene import LookAt, Object, Scene, directional, placed, point, rotated, spot
 from basrelief.shading.brdf import Shading
 from basrelief.techniques import TECHNIQUES
-from helpers.synthetic import TRIPOD, map_of, noise, normal_under_tripod, rays, unit
+from helpers.synthetic import TRIPOD, map_of, matte, noise, normal_under_tripod, rays, unit
 
 CPU = CpuEngine()
 SIZE = (97, 61)
@@ -291,7 +291,7 @@ LIGHTS_FROM = {
     "above": directional(0.0, 60.0),
     "below": directional(0.0, -60.0),
 }
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), diffuse=1.0, specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 
 
 def bump(u, v) -> np.ndarray:
@@ -327,7 +327,12 @@ def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, t
         bump_material(kind), technique="flat", scale=0.15, tiling=tiling, transform=np.eye(4)
     )
     frame = drawn(
-        obj, FRONT, (60, 60), lights=(LIGHTS_FROM[light],), shading=MATTE, shading_model=model
+        matte(obj),
+        FRONT,
+        (60, 60),
+        lights=(LIGHTS_FROM[light],),
+        shading=MATTE,
+        shading_model=model,
     )
     shade = frame.color[:, :, 1]
     # the two halves of a band across the bump, on each axis
@@ -348,7 +353,7 @@ def test_the_side_of_a_bump_that_faces_the_light_is_bright(kind, model, light, t
 )
 def test_a_rotated_bump_is_lit_from_the_same_side(matrix) -> None:
     obj = Object(bump_material("a normal map"), transform=matrix)
-    frame = drawn(obj, FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
+    frame = drawn(matte(obj), FRONT, (60, 60), lights=(LIGHTS_FROM["right"],), shading=MATTE)
     shade = frame.color[:, :, 1]
     assert shade[24:36, 32:42].mean() - shade[24:36, 18:28].mean() > 0.1
     assert abs(shade[18:28, 24:36].mean() - shade[32:42, 24:36].mean()) < 0.02
@@ -368,7 +373,12 @@ def test_lambert_on_a_normal_map_is_its_cosine() -> None:
     camera = LookAt((0.0, 0.0, 3.0), orthographic_height=1.0)
     light = directional(50.0, 25.0, intensity=2.0)
     frame = drawn(
-        obj, camera, (columns, columns), lights=(light,), shading=MATTE, shading_model="phong"
+        matte(obj),
+        camera,
+        (columns, columns),
+        lights=(light,),
+        shading=MATTE,
+        shading_model="phong",
     )
     cosine = (encoded * 2 - 1) @ -np.array([*light.direction], np.float64)
     wanted = 0.75 * 2.0 * np.maximum(cosine, 0.0)
@@ -386,7 +396,7 @@ def test_normals_are_those_of_the_transformed_relief(name) -> None:
     obj = Object(ramp, technique="flat", scale=scale, edge="clamp", transform=matrix)
     light = directional(35.0, 50.0)
     camera = camera_for(matrix, SLANTED)
-    frame = drawn(obj, camera, lights=(light,), shading=MATTE, shading_model="phong")
+    frame = drawn(matte(obj), camera, lights=(light,), shading=MATTE, shading_model="phong")
     # two tangents of the ramp, transformed to the world; x is u and y is −v
     along = [matrix[:3, :3] @ side for side in ((1.0, 0.0, scale * a), (0.0, 1.0, -scale * b))]
     normal = unit(np.cross(*along)) * np.sign(np.linalg.det(matrix))
@@ -408,7 +418,7 @@ def shaded(material: Material, lights=(), shading=MATTE, **options) -> np.ndarra
     """The linear colour of a uniform material that faces the camera."""
     model = options.pop("shading_model", "ggx")
     obj = Object(material, transform=np.eye(4), **options)
-    frame = drawn(obj, FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
+    frame = drawn(matte(obj), FRONT, (3, 5), lights=lights, shading=shading, shading_model=model)
     assert frame.hit.all()
     assert np.ptp(frame.color, axis=(0, 1)).max() < 1e-5
     return frame.color[2, 1, :3]

@@ -23,10 +23,10 @@ from basrelief.shading.camera import primary_ray, projected
 from basrelief.shading.lights import DIRECTIONAL, FAR_AWAY, Light
 from basrelief.shading.shadow_map import ShadowMapView, shadow_map_visibility
 from helpers.agreement import assert_engines_agree
-from helpers.synthetic import drawn, map_of, rays, uniform_material
+from helpers.synthetic import drawn, map_of, matte, rays, uniform_material
 
 SIDE = 512
-MATTE = Shading(ambient=(0.0, 0.0, 0.0), specular=(0.0, 0.0, 0.0))
+MATTE = Shading(ambient=(0.0, 0.0, 0.0))
 LOOK = {"shading": MATTE, "shading_model": "phong", "background": None}
 ABOVE = LookAt((0.0, 6.0, 2.5), orthographic_height=2.4)
 FLOOR = Object(uniform_material(), transform=LYING @ placed(scale=(4.0, 4.0, 1.0)))
@@ -45,7 +45,7 @@ def light_visibility(objects, light, **scene) -> tuple[np.ndarray, np.ndarray, n
     """Visibility of a light at each pixel, the pixels' points, and where it shines unshadowed."""
     lights = (light,) if isinstance(light, Light) else light
     scene = {"camera": ABOVE, "lights": lights, "shadow_map_size": SIDE, **LOOK, **scene}
-    dark, plain_ = (drawn(*objects, **scene, shadows=kind) for kind in ("hard", "none"))
+    dark, plain_ = (drawn(*map(matte, objects), **scene, shadows=kind) for kind in ("hard", "none"))
     origins, directions = rays(scene["camera"])
     depth = np.where(plain_.hit, plain_.distance, 0.0)
     points = origins + directions * depth[..., None]

@@ -32,7 +32,7 @@ def drawn_normal(latitude: float, along_u: float, along_v: float, variant: Varia
     )
     # the normal of heights with square texels and a range of SCALE tile widths
     leaning = Vec3(-SCALE * along_u, SCALE * along_v, 1.0)
-    surface = Surface(Vec3(1.0), 1.0, leaning, 1.0, 1.0, 0.0, Vec3(0.0))
+    surface = Surface(Vec3(1.0), 1.0, leaning, 1.0, 1.0, 0.0, Vec3(0.0), Vec3(0.0), 1.0)
     none = Vec3(0.0)
     ray = CameraRay(normal * 3.0, -normal, none, none, none, none)
     placement = Placement(none, UNIT, Vec2(*TILES), Vec2(0.0), 1.0)

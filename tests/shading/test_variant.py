@@ -12,7 +12,7 @@ from basrelief.lang import static_fields
 from basrelief.lang.resources import members_of
 from basrelief.material import sample
 from basrelief.rendering.programs import program_of, variant_of
-from basrelief.scene import Object, Scene
+from basrelief.scene import Layer, Object, Scene
 from basrelief.shading.maps import AvailableMaps, SurfaceMaps
 from basrelief.shading.variant import Variant
 from basrelief.viewer.printed import program_library
@@ -27,7 +27,9 @@ def test_every_value_of_every_menu_comes_from_a_scene(name: str, value: str) -> 
     # with shadows, as some choices are about them
     options: dict[str, Any] = {"shadows": "hard", name: value}
     of_object = {k: options.pop(k) for k in list(options) if k in Object.__dataclass_fields__}
-    obj, other = Object(sample("tiles", 16), **of_object), Object(sample("tiles", 16), "sphere")
+    layer = Layer(sample("grid", 16))
+    obj = Object(sample("tiles", 16), layer=layer, **of_object)
+    other = Object(sample("tiles", 16), "sphere")
     assert getattr(variant_of(obj.resolved, Scene((obj, other), **options)), name) == value
 
 

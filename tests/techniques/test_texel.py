@@ -25,7 +25,7 @@ from basrelief.techniques import TECHNIQUES, Nothing, texel
 from basrelief.techniques.columns import INSET, side_normal
 from basrelief.techniques.ray import Ray
 from helpers.rays import Fan, flat_ray, scattered
-from helpers.synthetic import drawn, map_of, on_plane, rays, unit
+from helpers.synthetic import drawn, map_of, matte, on_plane, rays, unit
 
 RANDOM = np.random.default_rng(5)
 MAPS = {
@@ -212,7 +212,7 @@ FROM = {
     "the left, above": LookAt((-1.3, 0.8, 0.9), (0.1, 0.0, -0.1), (0, 0, 1), field_of_view=30.0),
 }
 LIGHTS = {"right": (0.8, 0.3, 0.6), "left": (-0.5, -0.6, 0.5)}
-MATTE = Shading(ambient=Vec3(0.0), specular=Vec3(0.0))
+MATTE = Shading(ambient=Vec3(0.0))
 
 
 def town(**options: Any) -> Object:
@@ -259,7 +259,7 @@ def lit(camera: LookAt, towards, shadows: bool) -> tuple[np.ndarray, np.ndarray]
 def test_sides_are_lit_as_walls_and_cast_shadows(camera: str, light: str, shadows: bool) -> None:
     """For every pixel not at an edge: the cosine on the side that is hit, 0 in shadow."""
     frame = drawn(
-        town(),
+        matte(town()),
         camera=FROM[camera],
         lights=(lamp(LIGHTS[light]),),
         shading=MATTE,

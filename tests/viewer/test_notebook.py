@@ -89,7 +89,8 @@ def viewer(made: Viewer) -> Iterator[Viewer]:
 SHARED = (
     "technique", "shape", "projection", "shadows", "shading_model", "scale", "reference_height",
     "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
-    "mapping", "alpha", "surface", "layer", "layer_tiling", "shading", "shadowing",
+    "mapping", "alpha", "surface", "layer", "layer_tiling", "layer_offset",
+    "shading", "shadowing",
     "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider",
     "show",
 )  # fmt: skip

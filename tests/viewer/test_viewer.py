@@ -366,6 +366,11 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     },
     "faded": {"fade": (1.5, 2.5), "shadows": "hard"},
     "three sides": {"mapping": "triplanar", "scale": 0.2},
+    "noise": {"mapping": "noise", "scale": 0.2, "surface_parameters": {"shininess": 40.0}},
+    "a floating layer": {
+        "layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1))),
+        "layer_offset": "none",
+    },
     "apart": {
         "tilings": {
             "base_color": Tiling((-3.0, 2.0), (0.1, 0.2)),

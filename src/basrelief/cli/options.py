@@ -37,7 +37,7 @@ Options = Mapping[str, Any]
 """Annotated types of options, by the name of their keyword."""
 Text = str | None
 Texts = list[str] | None
-_FILE = "FILE|sample:NAME"
+_SOURCES = {1: "FILE|sample:NAME|NUMBER", 3: "FILE|sample:NAME"}
 _TYPES: dict[str, Any] = {
     "choice": Text, "text": Text, "pair": Text, "triple": Text, "flag": bool | None,
     "integer": int | None, "number": float | None,
@@ -151,7 +151,10 @@ CAMERA: Options = {
 MAPS_OPTIONS: Options = {
     **_options_of(Lengths, ReadOptions, group="Maps"),
     **{
-        name: Annotated[Path | None, typer.Option(help=f"{kind.doc.capitalize()}.", metavar=_FILE)]
+        name: Annotated[
+            Path | None,
+            typer.Option(help=f"{kind.doc.capitalize()}.", metavar=_SOURCES[kind.channels]),
+        ]
         for name, kind in MAPS.items()
     },
 }

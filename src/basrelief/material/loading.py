@@ -18,19 +18,20 @@ from basrelief.material.files import Choice, FileSet, search
 from basrelief.material.material import Map, Material, Note
 from basrelief.material.options import (
     MAPS,
+    SAMPLE,
     HeightChannel,
     HeightPolarity,
     NormalConvention,
     Packing,
     ReadOptions,
+    names_file,
+    number_in_place_of_map,
 )
 from basrelief.material.samples import sample
 
 PathLike = str | os.PathLike[str]
+MapSource = PathLike | float
 _DEFAULT_OPTIONS = ReadOptions()
-
-SAMPLE = "sample:"
-"""Prefix by which `load` recognises the name of a procedural sample."""
 
 WELL_USED_RANGE = 0.9
 """Height maps that use a smaller part of their range get a note."""
@@ -48,13 +49,13 @@ def load(
     tile: float | None = None,
     base_color: PathLike | None = None,
     normal: PathLike | None = None,
-    height: PathLike | None = None,
-    occlusion: PathLike | None = None,
-    roughness: PathLike | None = None,
-    metallic: PathLike | None = None,
+    height: MapSource | None = None,
+    occlusion: MapSource | None = None,
+    roughness: MapSource | None = None,
+    metallic: MapSource | None = None,
     emission: PathLike | None = None,
-    opacity: PathLike | None = None,
-    layer_mask: PathLike | None = None,
+    opacity: MapSource | None = None,
+    layer_mask: MapSource | None = None,
 ) -> Material:
     """Load a material from files.
 
@@ -85,11 +86,11 @@ def load(
         Full height range in metres, above 0.
     tile : float, optional
         Width of the maps in metres, above 0.
-    base_color, normal, height, occlusion, roughness : path or str, optional
+    base_color, normal, emission : path or str, optional
         File of one map, to override what the file names imply, or "sample:NAME" for the map of a
         sample.
-    metallic, emission, opacity, layer_mask : path or str, optional
-        The same for the other maps.
+    height, occlusion, roughness, metallic, opacity, layer_mask : path, str or float, optional
+        The same for the maps of one channel, or a number from 0 to 1 in place of a map.
 
     Returns
     -------
@@ -113,10 +114,9 @@ def load(
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
     )  # fmt: skip
-    map_files = {kind: os.fspath(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
-    samples = {kind: f for kind, f in map_files.items() if f.startswith(SAMPLE)}
-    named_files = {kind: Path(f) for kind, f in map_files.items() if kind not in samples}
-    if path is None and not map_files:
+    sources = {kind: _text(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
+    named_files = {kind: Path(f) for kind, f in sources.items() if names_file(f)}
+    if path is None and not sources:
         raise InputError("nothing to load: name a folder, a picture or a map")
     if path is not None and os.fspath(path).startswith(SAMPLE):
         material = sample(os.fspath(path).removeprefix(SAMPLE))
@@ -128,21 +128,40 @@ def load(
         if unused and not named_files:
             builder.note(f"no use for {', '.join(unused)}", "a sample is generated, not read")
     else:
-        file_set = _file_set(path, options, map_files)
+        file_set = _file_set(path, options, sources)
         builder = _Builder(options, file_set.name, list(file_set.notes))
-        choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in samples}
-    builder.add_sample_maps(samples)
+        choices = {kind: each for kind, each in file_set.choices.items() if kind not in sources}
+    builder.add_generated({kind: f for kind, f in sources.items() if kind not in named_files})
     material = builder.build({**choices, **_named_choices(named_files)}, depth, tile)
-    return material.with_origin(
-        None if path is None else os.fspath(path), {**requested, **map_files}
-    )
+    return material.with_origin(None if path is None else os.fspath(path), {**requested, **sources})
 
 
-def _file_set(path: PathLike | None, options: ReadOptions, named_files: dict[str, str]) -> FileSet:
+def _text(source: MapSource) -> str:
+    return f"{source:g}" if isinstance(source, int | float) else os.fspath(source)
+
+
+def _file_set(path: PathLike | None, options: ReadOptions, sources: dict[str, str]) -> FileSet:
     if path is None:
-        return FileSet(Path(next(iter(named_files.values())).removeprefix(SAMPLE)).stem, {}, ())
+        names = [f for f in sources.values() if number_in_place_of_map(f) is None]
+        return FileSet(Path(next(iter(names), "plain").removeprefix(SAMPLE)).stem, {}, ())
     green = None if options.normal_convention == "auto" else options.normal_convention
-    return search(Path(path), green, frozenset(named_files))
+    return search(Path(path), green, frozenset(sources))
+
+
+def _sample_map(kind: str, name: str) -> Map:
+    sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
+    if not isinstance(sample_map, Map):
+        raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
+    return sample_map
+
+
+def _even(kind: str, value: float) -> Map:
+    """A map of one texel."""
+    if MAPS[kind].channels > 1:
+        raise InputError(f"{kind} is {value:g}: give a file; a number is for maps of one channel")
+    if not 0.0 <= value <= 1.0:
+        raise InputError(f"{kind} is {value:g}: give a number from 0 to 1, or a file")
+    return Map(np.full((1, 1, 1), value, np.float32), False, f"{value:g}")
 
 
 def _named_choices(named_files: dict[str, Path]) -> dict[str, Choice]:
@@ -192,14 +211,12 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
-    def add_sample_maps(self, samples: dict[str, str]) -> None:
-        """Add maps of procedural samples, each named `sample:NAME`."""
-        for kind, name in samples.items():
-            sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
-            if sample_map is None:
-                raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
-            self.maps[kind] = sample_map
-            self.note(f"{kind} from {name}", "requested")
+    def add_generated(self, sources: dict[str, str]) -> None:
+        """Add maps that no file holds: of procedural samples, named `sample:NAME`, and numbers."""
+        for kind, source in sources.items():
+            value = number_in_place_of_map(source)
+            self.maps[kind] = _sample_map(kind, source) if value is None else _even(kind, value)
+            self.note(f"{kind} from {source}" if value is None else f"{kind} {source}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:
         pixels = channels.extract_rgb(self.picture(choice))

@@ -35,6 +35,21 @@ MAPS = {
     "layer_mask": MapKind(1, "mask of the second layer"),
 }
 """The maps of a material."""
+SAMPLE = "sample:"
+"""Prefix of the name of a procedural sample."""
+
+
+def number_in_place_of_map(text: str) -> float | None:
+    """The number that stands for a map with one value everywhere; None for files and samples."""
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def names_file(text: str) -> bool:
+    """Whether the source of a map is a file, not a sample or a number."""
+    return not text.startswith(SAMPLE) and number_in_place_of_map(text) is None
 
 
 @dataclass(frozen=True)

@@ -92,6 +92,9 @@ def variant_of(obj: ResolvedObject, scene: Scene) -> Variant:
     # irrelevant fields get their defaults, so that equal programs have equal keys
     if not obj.has_relief:
         derived |= {"projection": "full", "fades": False, "shadows": "none"}
+    # nor does a layer on the polygon have an offset
+    if not obj.has_relief or obj.layer is None:
+        derived |= {"layer_offset": "scaled"}
     if not scene.casts:
         derived |= {"shadows_on": "relief"}
     return Variant(**shared | derived)

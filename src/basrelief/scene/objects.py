@@ -18,6 +18,7 @@ from basrelief.settings.kinds import (
     CastsKind,
     EdgeKind,
     HeightsKind,
+    LayerOffsetKind,
     MappingKind,
     Projection,
     ShapeKind,
@@ -77,8 +78,9 @@ class Object:
         Surface shader.
     surface_parameters : record or mapping, optional
         Parameters of the surface, or the fields of them to change.
-    mapping : {"planar", "triplanar"}, default "planar"
-        Projection of the colours, also of a layer's, onto the relief, from one side or from three.
+    mapping : {"planar", "noise", "triplanar"}, default "planar"
+        Projection of the colours, also of a layer's, onto the relief: from one side, the same with
+        noise where slopes stretch the texels, or from three sides.
     alpha : {"blend", "mask", "opaque"}, default "blend"
         Use of the opacity: blending, a cut-out, or none.
     casts : {"shape", "polygon", "opaque", "none"}, default "shape"
@@ -90,6 +92,10 @@ class Object:
         and "emission".
     layer : Layer, optional
         A second material over the first.
+    layer_offset : {"scaled", "unscaled", "none"}, default "scaled"
+        Parallax offset of a layer's coordinates: scaled with the layer's tiling, so that the layer
+        lies on the relief; as it is for the material, so that a layer with more tiles floats; or
+        none, as on the polygon.
     transform : array_like, shape (4, 4), optional
         Affine transform from object to world space. By default a plane lies flat, with the
         proportions of its maps; other shapes are not transformed.
@@ -147,6 +153,7 @@ class Object:
     casts: CastsKind = setting(default="shape", group="Light")
     tilings: Mapping[str, Tiling] = setting(factory=dict, group="Surface")
     layer: Layer | None = setting(default=None, group="Surface")
+    layer_offset: LayerOffsetKind = setting(default="scaled", group="Surface")
     transform: Transform | None = setting(default=None, group="Relief")
     resolved: ResolvedObject = field(init=False, repr=False)
     """The object with every option decided, which drawing and measuring read."""

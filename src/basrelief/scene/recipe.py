@@ -18,6 +18,7 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang.types import VECTORS, coerce, fields_of
 from basrelief.material import MAPS, Material
+from basrelief.material.options import names_file
 from basrelief.scene.lights import light_arguments
 from basrelief.scene.objects import Object
 from basrelief.scene.presets import Preset
@@ -164,8 +165,8 @@ def portable_source(material: Material | None, otherwise: str) -> str:
 
 
 def portable_path(path: str) -> str:
-    """A path without the names of folders above the current one; samples are unchanged."""
-    if path.startswith("sample:") or not Path(path).is_absolute():
+    """A path without the names of folders above the current one; others are unchanged."""
+    if not Path(path).is_absolute():
         return _argument(path)
     file, here = Path(path), Path.cwd()
     return _argument(str(file.relative_to(here) if file.is_relative_to(here) else file.name))
@@ -436,7 +437,7 @@ def _table(tiling: Tiling) -> dict[str, Any]:
 
 
 def _absolute(path: str) -> str:
-    return path if path.startswith("sample:") else str(Path(path).resolve())
+    return str(Path(path).resolve()) if names_file(path) else path
 
 
 def _toml(value: Any) -> Any:

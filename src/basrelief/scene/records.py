@@ -15,10 +15,12 @@ from basrelief.settings import Setting, settings_of
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.self_shadow import Shadowing
+from basrelief.shading.surfaces.standard import SurfaceParameters
+from basrelief.techniques.height import Smoothing
 
 SCENE_RECORDS: dict[str, tuple[Any, str]] = {
     "shading": (Shading, "the shading"),
-    "shadowing": (Shadowing, "the shadows"),
+    "shadowing": (Shadowing, "the self-shadow"),
     "fog": (Fog, "the fog"),
 }
 """The records of numbers of a scene, and their names in messages."""
@@ -43,14 +45,24 @@ def checked_record(record: Any, values: Mapping[str, Any], owner: str) -> Any:
     known = {f.name: f for f in fields(record)}
     for name in values:
         if name not in known:
-            raise InputError(
-                f"{owner} has no setting {name!r}; {suggestion(name, known, 'it has')}"
-            )
+            hint = _other_record(name) or suggestion(name, known, "it has")
+            raise InputError(f"{owner} has no setting {name!r}; {hint}")
     for name, field in known.items():
         if field.default is MISSING and name not in values:
             raise InputError(f"{owner} needs a value for {name}")
     types, declared = fields_of(record), settings_of(record)
     return record(**{n: _checked(n, v, types[n], declared.get(n)) for n, v in values.items()})
+
+
+def _other_record(name: str) -> str:
+    """The hint to the record of a scene or an object that has a setting; "" for none."""
+    records = {
+        **{key: record for key, (record, _) in SCENE_RECORDS.items()},
+        "smoothing": Smoothing,
+        "surface_parameters": SurfaceParameters,
+    }
+    keys = [key for key, record in records.items() if name in settings_of(record)]
+    return f"it belongs in {keys[0]}" if keys else ""
 
 
 def _checked(name: str, value: Any, type_: Any, declared: Setting | None) -> Any:

@@ -28,6 +28,7 @@ from basrelief.settings.kinds import (
     CastsKind,
     EdgeKind,
     HeightsKind,
+    LayerOffsetKind,
     MappingKind,
     Projection,
     ShapeKind,
@@ -91,6 +92,7 @@ class ResolvedObject:
     surface: SurfaceKind
     surface_parameters: Any
     layer: Layer | None
+    layer_offset: LayerOffsetKind
     transform: Transform
 
     @property
@@ -182,6 +184,7 @@ def resolve(obj: Object) -> ResolvedObject:
             SURFACES[obj.surface], obj.surface_parameters, f"the {obj.surface} surface"
         ),
         layer=_layer(obj),
+        layer_offset=obj.layer_offset,
         transform=_transform(obj),
     )
 

@@ -40,7 +40,8 @@ class ShadingPoint:
 
     `normal` is the shading normal and `view` points to the viewer, both unit. `base_color`,
     `roughness` (perceptual), `metallic` and `occlusion` (1 is unoccluded) are 0 to 1, as in
-    glTF 2.0; `emission` is the emitted radiance.
+    glTF 2.0; `emission` is the emitted radiance. `specular` and `shininess` are the linear colour
+    and the exponent of Phong's highlight.
     """
 
     position: Vec3
@@ -51,6 +52,8 @@ class ShadingPoint:
     metallic: float
     occlusion: float
     emission: Vec3
+    specular: Vec3
+    shininess: float
 
 
 @struct
@@ -63,18 +66,12 @@ class Shading:
         Linear colour of the ambient light.
     diffuse : float
         Factor of the base colour in Phong's diffuse term.
-    specular : Vec3
-        Linear colour of Phong's highlight.
-    shininess : float
-        Exponent of Phong's highlight, 1 to 1000.
     directional_occlusion : float
         Strength of the directional occlusion of lights, 0 to 1.
     """
 
     ambient: Vec3 = setting(default=Vec3(0.1), low=0.0)
     diffuse: float = setting(default=1.0, low=0.0)
-    specular: Vec3 = setting(default=Vec3(1.0), low=0.0)
-    shininess: float = setting(default=10.0, low=1.0, high=1000.0)
     directional_occlusion: float = setting(default=1.0, low=0.0, high=1.0)
 
 
@@ -97,7 +94,7 @@ def reflectance(
     """The radiance reflected to the viewer from one light, n·l included."""
     if variant.shading_model == "phong":
         return phong(point, shading, incident)
-    return ggx(point, shading, incident)
+    return ggx(point, incident)
 
 
 @shader
@@ -112,20 +109,20 @@ def phong(point: ShadingPoint, shading: Shading, incident: IncidentLight) -> Vec
     if n_dot_l <= 0.0:
         return Vec3(0.0)
     mirrored = reflect(-incident.direction, point.normal)
-    highlight = pow(max(dot(mirrored, point.view), 0.0), shading.shininess)
+    highlight = pow(max(dot(mirrored, point.view), 0.0), point.shininess)
     diffuse = point.base_color * (shading.diffuse * n_dot_l)
-    return incident.radiance * (diffuse + shading.specular * highlight)
+    return incident.radiance * (diffuse + point.specular * highlight)
 
 
 @shader
-def ggx(point: ShadingPoint, shading: Shading, incident: IncidentLight) -> Vec3:
+def ggx(point: ShadingPoint, incident: IncidentLight) -> Vec3:
     """Metallic-roughness BRDF of glTF 2.0, appendix B, times π.
 
         π · f · n·l = (c_diff (1 − F) + π F · D · V) · n·l
 
     Masking and shadowing are height-correlated, where the appendix has them independent. The factor
     π makes a white diffuse surface that faces a directional light of colour 1 come out as 1, less
-    the Fresnel term's share for the highlight. `shading` is not used: the material's maps hold all.
+    the Fresnel term's share for the highlight. The material's maps hold all.
     """
     n_dot_l = dot(point.normal, incident.direction)
     if n_dot_l <= 0.0:

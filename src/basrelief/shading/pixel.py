@@ -181,6 +181,7 @@ def surface_point(
     relief = relief_normal(field, relief_hit, intersection, variant)
     return SurfacePoint(
         uv=relief_hit.uv,
+        offset=relief_hit.uv - intersection.uv,
         footprint=footprint,
         height=ground_height(field, relief_hit, smoothing, variant),
         found=relief_hit.found,
@@ -236,6 +237,8 @@ def shading_point(
         metallic=surface.metallic,
         occlusion=surface.occlusion,
         emission=surface.emission,
+        specular=surface.specular,
+        shininess=surface.shininess,
     )
 
 

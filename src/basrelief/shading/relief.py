@@ -305,13 +305,13 @@ class ReliefNormal:
 def relief_normal(
     field: HeightField, relief_hit: ReliefHit, intersection: Intersection, variant: Variant
 ) -> ReliefNormal:
-    """The relief's normal at the hit, for the sides of columns and for triplanar mapping; (0, 0, 1)
-    where neither needs it."""
+    """The relief's normal at the hit, for the sides of columns and for colours that depend on the
+    slope; (0, 0, 1) where neither needs it."""
     if variant.columns:
         return column_normal(field, relief_hit, intersection)
     if (
         variant.displaced
-        and variant.mapping == "triplanar"
+        and variant.mapping != "planar"
         and (variant.base_color_map or variant.layer_color_map)
     ):
         return height_field_normal(field, relief_hit, intersection)

@@ -7,6 +7,7 @@ from basrelief.settings.kinds import (
     AlphaKind,
     EdgeKind,
     FogKind,
+    LayerOffsetKind,
     MappingKind,
     OcclusionKind,
     Projection,
@@ -48,6 +49,7 @@ class Variant(AvailableMaps):
     mapping: MappingKind = "planar"
     own_tilings: bool = False
     layer: bool = False
+    layer_offset: LayerOffsetKind = "scaled"
     # --- of the scene
     shadows: ShadowsKind = "none"
     shadow_maps: bool = False

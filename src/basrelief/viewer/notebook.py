@@ -277,7 +277,7 @@ class Viewer(_Declared):
 
     Attributes
     ----------
-    technique, shape, projection, heights, edge, mapping, alpha, surface : str
+    technique, shape, projection, heights, edge, mapping, alpha, surface, layer_offset : str
         Choices of the object.
     shadows, shading_model, occlusion_kind, fog_mode : str
         Choices of the scene.

@@ -13,6 +13,7 @@ import numpy as np
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
 from basrelief.material import MAPS, Material
+from basrelief.material.options import names_file
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
@@ -68,7 +69,7 @@ def sources_of(scene: Scene) -> dict[str, Any]:
         "source": source,
         "reading": reading,
         "layerSource": layer_source,
-        "relative": [path for path in named if not path.startswith("sample:")],
+        "relative": [*filter(names_file, named)],
         "omitted": [*omitted_of_sources(obj)],
     }
 

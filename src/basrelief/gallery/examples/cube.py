@@ -17,7 +17,12 @@ def panels(texels: int) -> Iterator[Panel]:
         ("parallax occlusion", "parallax_occlusion", {"min_steps": 4, "max_steps": 20}),
     ):
         obj = Object(
-            sample("bricks", texels), shape="box", technique=technique, settings=settings, scale=0.1
+            sample("bricks", texels),
+            shape="box",
+            technique=technique,
+            settings=settings,
+            scale=0.1,
+            surface_parameters={"specular": 0.0},
         )
         yield Panel(
             caption,
@@ -27,7 +32,7 @@ def panels(texels: int) -> Iterator[Panel]:
                 # the article's light is white and has no falloff
                 lights=(point((0.8, 1.5, 2.0), intensity=2.2, falloff=0.0),),
                 shading_model="phong",
-                shading={"ambient": 0.1, "diffuse": 0.5, "specular": 0.0},
+                shading={"ambient": 0.1, "diffuse": 0.5},
             ),
         )
 

@@ -34,7 +34,7 @@ def land(texels: int, height: float = 1.0, **options: Any) -> Object:
         tiling=heights.tiles,
         tilings={"base_color": colors},
         surface="landscape",
-        surface_parameters={"layer_normal": 0.0},
+        surface_parameters={"layer_normal": 0.0, "specular": 0.0},
         layer=Layer(sample("stone", texels), colors),
         transform=LYING,
         **options,
@@ -46,7 +46,7 @@ def panels(texels: int) -> Iterator[Panel]:
 
     def scene(obj: Object, camera: LookAt = WINDOW) -> Scene:
         sun = (directional(-55.0, 32.0, intensity=1.7),)
-        lambert = {"ambient": 0.2, "specular": 0.0}
+        lambert = {"ambient": 0.2}
         return Scene((obj,), camera=camera, lights=sun, shading_model="phong", shading=lambert)
 
     for seconds in (0, 4):

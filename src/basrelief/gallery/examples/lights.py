@@ -16,7 +16,12 @@ RED_LAMP = point((-0.25, 0.12, -0.2), color=(1.0, 0.25, 0.1), intensity=0.2, fal
 
 def panels(texels: int) -> Iterator[Panel]:
     """The sun, a lamp with each falloff, a light from behind, and sums of lights."""
-    obj = Object(sample("cobbles", texels), technique="relief", scale=0.08)
+    obj = Object(
+        sample("cobbles", texels),
+        technique="relief",
+        scale=0.08,
+        surface_parameters={"specular": 0.2, "shininess": 10.0},
+    )
 
     def lit(*lights: Light) -> Scene:
         return Scene(
@@ -24,7 +29,7 @@ def panels(texels: int) -> Iterator[Panel]:
             camera=CAMERA,
             lights=lights,
             shading_model="phong",
-            shading={"ambient": 0.03, "specular": 0.2, "shininess": 10.0},
+            shading={"ambient": 0.03},
         )
 
     yield Panel("a directional light", lit(SUN))

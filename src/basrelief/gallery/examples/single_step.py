@@ -22,6 +22,7 @@ def panels(texels: int) -> Iterator[Panel]:
             technique=technique,
             scale=scale,
             settings={} if technique == "flat" else {"max_offset": max_offset},
+            surface_parameters={"specular": 0.15},
         )
         yield Panel(
             caption,
@@ -30,7 +31,6 @@ def panels(texels: int) -> Iterator[Panel]:
                 camera=CAMERA,
                 lights=(point((-0.5, 0.6, 0.3), intensity=1.5, falloff=1.0),),
                 shading_model="phong",
-                shading={"specular": 0.15},
             ),
         )
 

@@ -17,7 +17,7 @@ from basrelief.shading.surfaces.standard import (
     packed_response,
     tilted_by_layer,
 )
-from basrelief.shading.surfaces.surface import MapTilings, Surface, SurfacePoint, retiled
+from basrelief.shading.surfaces.surface import MapTilings, Surface, SurfacePoint, point_on_layer
 from basrelief.shading.variant import Variant
 
 PLAIN_ROUGHNESS = 0.8
@@ -46,6 +46,10 @@ class Landscape:
         Strength of the ambient occlusion map, 0 to 1.
     emission : Vec3
         Factor of the emission map, linear.
+    specular : Vec3
+        Colour of Phong's highlight, linear.
+    shininess : float
+        Exponent of Phong's highlight, 1 to 1000.
     cutoff : float
         Least opacity that is drawn where `alpha` is "mask", 0 to 1.
     layer_color : float
@@ -63,6 +67,8 @@ class Landscape:
     metallic: float = setting(default=1.0, low=0.0, high=1.0)
     occlusion: float = setting(default=1.0, low=0.0, high=1.0)
     emission: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    specular: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    shininess: float = setting(default=10.0, low=1.0, high=1000.0)
     cutoff: float = setting(default=0.5, low=0.0, high=1.0)
     layer_color: float = setting(default=1.0, low=0.0, high=1.0)
     layer_normal: float = setting(default=1.0, low=0.0, high=4.0)
@@ -78,6 +84,8 @@ def ground_parameters(landscape: Landscape) -> SurfaceParameters:
         metallic=landscape.metallic,
         occlusion=landscape.occlusion,
         emission=landscape.emission,
+        specular=landscape.specular,
+        shininess=landscape.shininess,
         cutoff=landscape.cutoff,
         layer_color=landscape.layer_color,
         layer_normal=landscape.layer_normal,
@@ -99,12 +107,13 @@ def landscape_surface(
     """
     # also below the water level: a ray that ran out of steps there hit nothing
     if not point.found:
-        return plain(surface_parameters.sky_color, 1.0)
+        return plain(surface_parameters.sky_color, 1.0, surface_parameters)
     packed = packed_response(point, tilings, maps, variant)
     parameters = ground_parameters(surface_parameters)
     ground = material_surface(packed, point, parameters, tilings, maps, variant)
     if point.height < surface_parameters.water_level:
-        return plain(surface_parameters.water_color * point.height, ground.opacity)
+        water = surface_parameters.water_color * point.height
+        return plain(water, ground.opacity, surface_parameters)
     # without a layer the ground is the same everywhere
     if variant.layer:
         return with_mountains(
@@ -114,7 +123,7 @@ def landscape_surface(
 
 
 @shader
-def plain(color: Vec3, opacity: float) -> Surface:
+def plain(color: Vec3, opacity: float, landscape: Landscape) -> Surface:
     """A level surface of one colour: water, or the sky."""
     return Surface(
         base_color=color,
@@ -124,6 +133,8 @@ def plain(color: Vec3, opacity: float) -> Surface:
         roughness=PLAIN_ROUGHNESS,
         metallic=0.0,
         emission=Vec3(0.0),
+        specular=landscape.specular,
+        shininess=landscape.shininess,
     )
 
 
@@ -138,7 +149,7 @@ def with_mountains(
     variant: Variant,
 ) -> Surface:
     """The ground with a share of the second layer: its colour is mixed in, its normal tilts."""
-    layer_point = retiled(point, tilings.layer)
+    layer_point = point_on_layer(point, tilings.layer, variant)
     mountain_color = layer_color_of(maps.layer_color, layer_point, variant)
     slope = share * surface_parameters.layer_normal
     return Surface(
@@ -149,4 +160,6 @@ def with_mountains(
         roughness=ground.roughness,
         metallic=ground.metallic,
         emission=ground.emission,
+        specular=ground.specular,
+        shininess=ground.shininess,
     )

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from basrelief.lang import Texture, Vec2, Vec3, Vec4, mix, normalize, setting, shader, struct
 from basrelief.shading.maps import SurfaceMaps
+from basrelief.shading.stretch_noise import stretch_noise
 from basrelief.shading.surfaces.surface import (
     MapTilings,
     Surface,
     SurfacePoint,
     mirrored_normal,
     oriented_normal,
+    point_on_layer,
     point_on_map,
-    retiled,
 )
 from basrelief.shading.texture import pixelated, trilinear
 from basrelief.shading.variant import Variant
@@ -41,6 +42,10 @@ class SurfaceParameters:
         Strength of the ambient occlusion map, 0 to 1.
     emission : Vec3
         Factor of the emission map, linear.
+    specular : Vec3
+        Colour of Phong's highlight, linear.
+    shininess : float
+        Exponent of Phong's highlight, 1 to 1000.
     cutoff : float
         Least opacity that is drawn where `alpha` is "mask", 0 to 1.
     layer_color : float
@@ -55,6 +60,8 @@ class SurfaceParameters:
     metallic: float = setting(default=1.0, low=0.0, high=1.0)
     occlusion: float = setting(default=1.0, low=0.0, high=1.0)
     emission: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    specular: Vec3 = setting(default=Vec3(1.0), low=0.0)
+    shininess: float = setting(default=10.0, low=1.0, high=1000.0)
     cutoff: float = setting(default=0.5, low=0.0, high=1.0)
     layer_color: float = setting(default=1.0, low=0.0, high=1.0)
     layer_normal: float = setting(default=1.0, low=0.0, high=4.0)
@@ -73,7 +80,10 @@ def base_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec4:
         return triplanar(map, point)
     if variant.columns:
         return pixelated(map, point.uv, point.footprint)
-    return trilinear(map, point.uv, point.footprint)
+    color = trilinear(map, point.uv, point.footprint)
+    if variant.displaced and variant.mapping == "noise":
+        return Vec4(color.xyz * noise_at(map, point), color.w)
+    return color
 
 
 @shader
@@ -95,6 +105,12 @@ def triplanar(map: Texture, point: SurfacePoint) -> Vec4:
     total = total + trilinear(map, along_x, point.footprint) * weight.x
     total = total + trilinear(map, along_y, point.footprint) * weight.y
     return total / (weight.x + weight.y + weight.z)
+
+
+@shader
+def noise_at(map: Texture, point: SurfacePoint) -> float:
+    """The factor of a colour that breaks up its streaks on steep slopes."""
+    return stretch_noise(map, point.uv, point.height_in_tiles, point.relief_normal, point.footprint)
 
 
 @shader
@@ -149,7 +165,10 @@ def layer_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
         return Vec3(MIDDLE_GREY)
     if variant.displaced and variant.mapping == "triplanar":
         return triplanar(map, point).xyz
-    return trilinear(map, point.uv, point.footprint).xyz
+    color = trilinear(map, point.uv, point.footprint).xyz
+    if variant.displaced and variant.mapping == "noise":
+        return color * noise_at(map, point)
+    return color
 
 
 @shader
@@ -175,7 +194,7 @@ def add_detail_layer(
 
     Middle grey leaves the colour as it is; brighter greys brighten it.
     """
-    layer_point = retiled(point, tilings.layer)
+    layer_point = point_on_layer(point, tilings.layer, variant)
     tint = layer_color_of(maps.layer_color, layer_point, variant) / MIDDLE_GREY
     tint = mix(Vec3(1.0), tint, mask * surface_parameters.layer_color)
     slope = mask * surface_parameters.layer_normal
@@ -187,6 +206,8 @@ def add_detail_layer(
         roughness=surface.roughness,
         metallic=surface.metallic,
         emission=surface.emission,
+        specular=surface.specular,
+        shininess=surface.shininess,
     )
 
 
@@ -247,6 +268,8 @@ def material_surface(
         roughness=packed.y * surface_parameters.roughness,
         metallic=packed.z * surface_parameters.metallic,
         emission=emission * surface_parameters.emission,
+        specular=surface_parameters.specular,
+        shininess=surface_parameters.shininess,
     )
 
 

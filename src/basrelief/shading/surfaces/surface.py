@@ -25,13 +25,15 @@ from basrelief.shading.variant import Variant
 class SurfacePoint:
     """A point of the relief that a surface is evaluated at.
 
-    `uv` are the displaced coordinates on the height map, `footprint` the pixel footprint there,
-    `height` that of the surface, 0 to 1, and `found` whether there is a hit. `relief_normal` is the
-    relief's unit normal in tangent space where a program needs it, else (0, 0, 1);
-    `height_in_tiles` the height in tile widths; `aspect` the width of a tile ÷ its height.
+    `uv` are the displaced coordinates on the height map and `offset` their offset from those of the
+    polygon, `footprint` the pixel footprint there, `height` that of the surface, 0 to 1, and
+    `found` whether there is a hit. `relief_normal` is the relief's unit normal in tangent space
+    where a program needs it, else (0, 0, 1); `height_in_tiles` the height in tile widths; `aspect`
+    the width of a tile ÷ its height.
     """
 
     uv: Vec2
+    offset: Vec2
     footprint: Footprint
     height: float
     found: bool
@@ -67,6 +69,8 @@ class Surface:
     roughness: float
     metallic: float
     emission: Vec3
+    specular: Vec3
+    shininess: float
 
 
 class SurfaceSettings(TypeSlot):
@@ -104,12 +108,43 @@ def retiled(point: SurfacePoint, tiling: Vec4) -> SurfacePoint:
     footprint = Footprint(point.footprint.dx * ratio, point.footprint.dy * ratio)
     return SurfacePoint(
         uv=point.uv * ratio + tiling.zw,
+        offset=point.offset * ratio,
         footprint=footprint,
         height=point.height,
         found=point.found,
         relief_normal=point.relief_normal,
         height_in_tiles=point.height_in_tiles * ratio.x,
         aspect=point.aspect * ratio.y / ratio.x,
+    )
+
+
+@shader
+def point_on_layer(point: SurfacePoint, tiling: Vec4, variant: Variant) -> SurfacePoint:
+    """The point in the coordinates of the second layer.
+
+    Its offset is scaled with the tiling, or for comparison it is that of the material, which
+    catlike shows as a mistake, or none.
+    """
+    scaled = retiled(point, tiling)
+    if variant.layer_offset == "unscaled":
+        return with_offset(scaled, point.offset)
+    if variant.layer_offset == "none":
+        return with_offset(scaled, Vec2(0.0))
+    return scaled
+
+
+@shader
+def with_offset(point: SurfacePoint, offset: Vec2) -> SurfacePoint:
+    """The point with another parallax offset."""
+    return SurfacePoint(
+        uv=point.uv - point.offset + offset,
+        offset=offset,
+        footprint=point.footprint,
+        height=point.height,
+        found=point.found,
+        relief_normal=point.relief_normal,
+        height_in_tiles=point.height_in_tiles,
+        aspect=point.aspect,
     )
 
 

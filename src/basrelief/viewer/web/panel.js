@@ -30,8 +30,8 @@ const ACTS = {
   "surface_parameters.layer_normal": ({ state }) => state.layer,
   "surface_parameters.emission": ({ pictures }) => Boolean(pictures.emission),
   "shading.diffuse": ({ state }) => state.shading_model === "phong",
-  "shading.specular": ({ state }) => state.shading_model === "phong",
-  "shading.shininess": ({ state }) => state.shading_model === "phong",
+  "surface_parameters.specular": ({ state }) => state.shading_model === "phong",
+  "surface_parameters.shininess": ({ state }) => state.shading_model === "phong",
   "shading.directional_occlusion": ({ state }) => state.occlusion_kind === "directional",
   "fog.fog_density": ({ state }) => state.fog_mode !== "linear",
   "fog.fog_start": ({ state }) => state.fog_mode === "linear",
@@ -197,6 +197,7 @@ const ROWS = {
     ...(view.state.fog_mode === "none" ? [] : rows(view, ["fog"], view.data.settings.fog)),
   ],
   background: (view, { doc }) => color(view, ["background"], "background", doc),
+  layer_offset: (view, { doc }) => (view.state.layer ? choice(view, "layer_offset", doc) : []),
   surface: (view, { doc }) => [
     choice(view, "surface", doc),
     ...rows(
