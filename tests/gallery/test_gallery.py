@@ -23,7 +23,7 @@ from basrelief.rendering.render import render
 from helpers import goldens
 from helpers.command_line import done, refused
 from helpers.features import COUNTS
-from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, strip
+from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, panels_of, strip
 from helpers.repository import commands
 
 MAX_SHARE_APART = 0.005
@@ -75,7 +75,8 @@ def test_panels_of_a_page_differ() -> None:
     """No panel is blank, and no two are equal but those listed here."""
     same = {("scaled", 0, 1)}
     for page in PAGES.values():
-        panels = np.split(golden(page.name), golden(page.name).shape[1] // SIZE[0], axis=1)
+        panels = panels_of(golden(page.name))
+        assert len(panels) == len([*page.panels(8)])
         for n, one in enumerate(panels):
             assert one.std() > 10.0, f"{page.name}: panel {n + 1} shows nothing"
             for m, other in enumerate(panels[n + 1 :], n + 1):
