@@ -204,7 +204,7 @@ def test_pages_are_well_formed_and_self_contained(folder: Path) -> None:
 def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     text = (folder / "cube.html").read_text(encoding="utf-8")
     panels = [*PAGES["cube"].panels(8)]
-    assert text.count("<figure>") == len(panels) == 2
+    assert text.count("<figure>") == len(panels) == 4
     assert all(panel.caption in text for panel in panels)
     assert "max steps 20" in text
     assert "0 reads · " in text
