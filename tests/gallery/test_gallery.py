@@ -16,6 +16,7 @@ import pytest
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES, Page
+from basrelief.gallery.drawing import seconds_of
 from basrelief.gallery.folder import chosen, write
 from basrelief.images import read_picture, srgb_encode
 from basrelief.measure.colors import PASSED
@@ -212,6 +213,21 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     assert "over 60 frames a second" in text
     assert "cpu: " in text
     assert read_picture(folder / "cube-1.png").pixels.shape[:2] == (27, 48)
+
+
+def test_panels_are_timed_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first frame of each panel warms up; the median of the others counts."""
+    now, order = [0.0], []
+    takes = {"slow": iter([9.0, 5.0, 5.0, 40.0, 5.0, 5.0]), "fast": iter([7.0] + [2.0] * 5)}
+
+    def draw(scene: str, **options: object) -> None:
+        order.append(scene)
+        now[0] += next(takes[scene])
+
+    monkeypatch.setattr("basrelief.gallery.drawing.render", draw)
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    assert seconds_of(["slow", "fast"], SIZE, choose_device("cpu")) == [5.0, 2.0]  # type: ignore[list-item]
+    assert order == ["slow", "fast"] * 6
 
 
 def test_pages_explain_the_colours_of_debug_pictures(tmp_path: Path) -> None:
