@@ -16,6 +16,7 @@ import pytest
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.gallery import PAGES, SOURCES, Page
+from basrelief.gallery.drawing import seconds_of
 from basrelief.gallery.folder import chosen, write
 from basrelief.images import read_picture, srgb_encode
 from basrelief.measure.colors import PASSED
@@ -23,7 +24,7 @@ from basrelief.rendering.render import render
 from helpers import goldens
 from helpers.command_line import done, refused
 from helpers.features import COUNTS
-from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, strip
+from helpers.goldens import GOLDEN, SIZE, fraction_different, golden, panels_of, strip
 from helpers.repository import commands
 
 MAX_SHARE_APART = 0.005
@@ -75,7 +76,8 @@ def test_panels_of_a_page_differ() -> None:
     """No panel is blank, and no two are equal but those listed here."""
     same = {("scaled", 0, 1)}
     for page in PAGES.values():
-        panels = np.split(golden(page.name), golden(page.name).shape[1] // SIZE[0], axis=1)
+        panels = panels_of(golden(page.name))
+        assert len(panels) == len([*page.panels(8)])
         for n, one in enumerate(panels):
             assert one.std() > 10.0, f"{page.name}: panel {n + 1} shows nothing"
             for m, other in enumerate(panels[n + 1 :], n + 1):
@@ -203,7 +205,7 @@ def test_pages_are_well_formed_and_self_contained(folder: Path) -> None:
 def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     text = (folder / "cube.html").read_text(encoding="utf-8")
     panels = [*PAGES["cube"].panels(8)]
-    assert text.count("<figure>") == len(panels) == 2
+    assert text.count("<figure>") == len(panels) == 4
     assert all(panel.caption in text for panel in panels)
     assert "max steps 20" in text
     assert "0 reads · " in text
@@ -211,6 +213,21 @@ def test_a_page_has_its_panels_with_settings_and_costs(folder: Path) -> None:
     assert "over 60 frames a second" in text
     assert "cpu: " in text
     assert read_picture(folder / "cube-1.png").pixels.shape[:2] == (27, 48)
+
+
+def test_panels_are_timed_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first frame of each panel warms up; the median of the others counts."""
+    now, order = [0.0], []
+    takes = {"slow": iter([9.0, 5.0, 5.0, 40.0, 5.0, 5.0]), "fast": iter([7.0] + [2.0] * 5)}
+
+    def draw(scene: str, **options: object) -> None:
+        order.append(scene)
+        now[0] += next(takes[scene])
+
+    monkeypatch.setattr("basrelief.gallery.drawing.render", draw)
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    assert seconds_of(["slow", "fast"], SIZE, choose_device("cpu")) == [5.0, 2.0]  # type: ignore[list-item]
+    assert order == ["slow", "fast"] * 6
 
 
 def test_pages_explain_the_colours_of_debug_pictures(tmp_path: Path) -> None:

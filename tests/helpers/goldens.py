@@ -1,4 +1,4 @@
-"""Golden pictures of the gallery: one strip per page, with all panels side by side at a small size.
+"""Golden pictures of the gallery: one strip per page, its panels at a small size, six in a row.
 
 Run as a program, it redraws them on the CPU and writes docs/gallery.md: `scripts/goldens`.
 """
@@ -22,6 +22,8 @@ GOLDEN = REPOSITORY / "tests" / "golden"
 DOCUMENT = REPOSITORY / "docs" / "gallery.md"
 SIZE = (192, 108)
 TEXELS = 256
+IN_A_ROW = 6
+"""Panels in a row of a strip; of more panels, a page has a multiple of these."""
 Strip = NDArray[np.uint8]
 
 
@@ -33,13 +35,21 @@ def engine(name: str) -> Any:
 
 
 def strip(page: Page, device: str) -> Strip:
-    """All panels of a page side by side, as 8-bit codes (height, panels · width, 3)."""
+    """All panels of a page, row by row, as 8-bit codes (rows · height, columns · width, 3)."""
     pictures = []
     for panel in page.panels(TEXELS):
         frame = render(panel.scene, size=SIZE, samples=1, device=engine(device))
         pictures.append(picture_of(panel, frame, engine(device)).image.pixels[:, :, :3])
-    colors = np.concatenate(pictures, axis=1)
+    rows = [pictures[n : n + IN_A_ROW] for n in range(0, len(pictures), IN_A_ROW)]
+    colors = np.concatenate([np.concatenate(row, axis=1) for row in rows])
     return np.rint(srgb_encode(np.clip(colors, 0.0, 1.0)) * 255.0).astype(np.uint8)
+
+
+def panels_of(strip: Strip) -> list[Strip]:
+    """The panels of a strip, in their order."""
+    width, height = SIZE
+    rows = np.split(strip, strip.shape[0] // height)
+    return [panel for row in rows for panel in np.split(row, row.shape[1] // width, axis=1)]
 
 
 def golden(name: str) -> Strip:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from basrelief.engine import Engine
@@ -49,16 +49,29 @@ def draw_panels(
     engine: Engine,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Iterator[DrawnPanel]:
-    """Draw the panels of a page one by one; `progress` is called with the finished share."""
+    """Draw the panels of a page; `progress` is called with the finished share.
+
+    They are timed before the first one is yielded.
+    """
     panels = [*page.panels(TEXELS)]
+    scenes = [panel.scene for panel in panels]
+    seconds = seconds_of(scenes, size, engine)
+    headlines: list[float | None] = [None] * len(panels)
+    if page.headline is not None:
+        headlines = [*seconds_of(scenes, page.headline.size, engine)]
+    progress(0.5)
     for number, panel in enumerate(panels):
         frame = render(panel.scene, size=size, samples=samples, device=engine)
-        picture = picture_of(panel, frame, engine)
-        headline = _headline_seconds(page, panel.scene, engine)
-        seconds = seconds_of(panel.scene, size, engine)
-        command = command_of(panel, size, samples)
-        yield DrawnPanel(panel, frame, picture, frame.mean_reads, seconds, headline, command)
-        progress((number + 1) / len(panels))
+        yield DrawnPanel(
+            panel,
+            frame,
+            picture_of(panel, frame, engine),
+            frame.mean_reads,
+            seconds[number],
+            headlines[number],
+            command_of(panel, size, samples),
+        )
+        progress(0.5 + 0.5 * (number + 1) / len(panels))
 
 
 def command_of(panel: Panel, size: tuple[int, int], samples: int) -> str:
@@ -82,15 +95,16 @@ def picture_of(panel: Panel, frame: Frame, engine: Engine) -> DebugPicture:
     return debug_picture(panel.shown, frame, reference, light)
 
 
-def _headline_seconds(page: Page, scene: Scene, engine: Engine) -> float | None:
-    return None if page.headline is None else seconds_of(scene, page.headline.size, engine)
+def seconds_of(scenes: Sequence[Scene], size: tuple[int, int], engine: Engine) -> list[float]:
+    """Median seconds of `render` for a frame of one sample, for each scene.
 
-
-def seconds_of(scene: Scene, size: tuple[int, int], engine: Engine) -> float:
-    """Median seconds of `render` for a frame of one sample, after one frame to warm up."""
-    times = []
+    They are drawn in turn, after one frame each to warm up, so that a busy machine slows all of
+    them alike.
+    """
+    times: list[list[float]] = [[] for _ in scenes]
     for _ in range(FRAMES + 1):
-        before = time.perf_counter()
-        render(scene, size=size, samples=1, device=engine)
-        times.append(time.perf_counter() - before)
-    return statistics.median(times[1:])
+        for scene, taken in zip(scenes, times, strict=True):
+            before = time.perf_counter()
+            render(scene, size=size, samples=1, device=engine)
+            taken.append(time.perf_counter() - before)
+    return [statistics.median(taken[1:]) for taken in times]

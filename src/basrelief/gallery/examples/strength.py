@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from basrelief import Object, Orbit, Scene
+from basrelief import Orbit, directional, preset
 from basrelief.gallery.page import Page, Panel, sample
 
-CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.8, field_of_view=38.0)
+CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.5, field_of_view=34.0)
+LIGHTS = (directional(-120.0, 40.0, intensity=2.6),)
 
 
 def panels(texels: int) -> Iterator[Panel]:
@@ -18,8 +19,10 @@ def panels(texels: int) -> Iterator[Panel]:
         ("the maximum of the article's slider", 0.1),
         ("far beyond it", 0.3),
     ):
-        obj = Object(sample("cobbles", texels), technique="offset_limited", scale=strength)
-        yield Panel(caption, Scene((obj,), camera=CAMERA))
+        scene = preset("catlike-limited").scene(
+            sample("bricks", texels), scale=strength, camera=CAMERA, lights=LIGHTS
+        )
+        yield Panel(caption, scene)
 
 
 PAGE = Page(
@@ -33,9 +36,10 @@ PAGE = Page(
         "C5": "colour, normals, occlusion and roughness move together",
         "C6": "the offset is V.xy, not divided by V.z",
     },
-    look="At 0.03 the stones gain depth; at 0.1 their edges smear, at 0.3 they tear.",
+    look="At 0.03 the bricks get thick sides; at 0.1 their edges are doubled, at 0.3 they are "
+    "torn.",
     article="The effect works at low strength only; larger displacements tear the surface apart.",
-    ours="The same. The cobbles are rounder than the article's rock, so they smear before they "
-    "tear.",
+    ours="The same, with the settings of the preset `catlike-limited`, on bricks. The light comes "
+    "from behind them, so the sides that you see are dark.",
     panels=panels,
 )
