@@ -43,7 +43,7 @@ def panels(texels: int) -> Iterator[Panel]:
     yield Panel("opaque", scene(replace(cut, alpha="opaque")))
     flat = replace(cut, technique="flat", settings={})
     yield Panel("cut out without relief", scene(flat))
-    yield Panel("cut out after the offset", scene(cut))
+    yield Panel("cut out after the parallax", scene(cut))
     yield Panel("shadow of displaced holes", scene(cut, WIDE, "hard"), "casts shape")
     polygon, opaque = replace(cut, casts="polygon"), replace(cut, casts="opaque")
     yield Panel("shadow of undisplaced holes", scene(polygon, WIDE, "hard"), "casts polygon")
