@@ -146,6 +146,20 @@ def test_exact_shadows_are_right(cpu: Engine, monkeypatch, texels, lamp: str) ->
     assert 0.02 < (shown == 0.0).mean() < 0.95
 
 
+@pytest.mark.parametrize("lamp", LAMPS)
+def test_exact_shadows_leave_the_highest_ground_lit(cpu: Engine, lamp: str) -> None:
+    """Nothing is above a plateau of height 1, which ends at the top of the relief."""
+    heights = np.full((37, 61), 1.0)
+    heights[8:20, 10:30] = 0.2
+    scene = view(material_of(heights), lights=(LAMPS[lamp],))
+    found = truth(scene, SIZE, device=cpu)
+    top = found.there & (found.height > 1.0 - 1e-6)
+    shown = shown_light(scene, SIZE, cpu)
+    assert 0.2 < top.mean() < 0.95
+    assert (shown[0][top] == 1.0).all()
+    assert (shown == 0.0).any()
+
+
 @pytest.mark.parametrize("edge", ["wrap", "clamp"])
 def test_exact_shadows_on_tiles(cpu: Engine, edge: str) -> None:
     """Far from the origin of the texture, where rounding is largest."""

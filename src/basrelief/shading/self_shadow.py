@@ -203,11 +203,14 @@ def exact_visibility(
 @shader
 def reversed_ray(ray: Ray, lift: float) -> Ray:
     """The ray from the light down to the start of a rising ray, or `lift` above it."""
+    end = ray.height + lift
+    # from a start at height 1 it stays above: at height 1 it would touch the ground that it leaves
+    top = max(end, 1.0)
     return Ray(
         uv=at(ray, 1.0),
         travel=-ray.travel,
-        height=1.0,
-        drop=max(1.0 - ray.height - lift, 0.0),
+        height=top,
+        drop=top - end,
         cosine=ray.cosine,
         scale=ray.scale,
         lod=ray.lod,

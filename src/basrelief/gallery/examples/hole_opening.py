@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from basrelief import Object, Orbit, Scene
+from basrelief import Orbit, preset
 from basrelief.gallery.page import Page, Panel, sample
 from basrelief.material.opening import hole
 
-CAMERA = Orbit(azimuth=20.0, elevation=42.0, distance=1.15, field_of_view=40.0)
+CAMERA = Orbit(azimuth=20.0, elevation=48.0, distance=0.75, field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
     """Cracks and dust combined, the dust stronger in each picture."""
     cracks, dust = sample("cracks", texels), sample("dust", texels)
-    for opening in (0.0, 0.3, 0.6, 1.0):
-        obj = Object(hole(cracks, dust, opening), technique="relief", settings={"max_steps": 64})
-        yield Panel(f"opened by {opening:g}", Scene((obj,), camera=CAMERA, shadows="soft"))
+    for opening in (0.0, 0.2, 0.5, 1.0):
+        ground = hole(cracks, dust, opening)
+        scene = preset("habrador-hole").scene(ground, camera=CAMERA)
+        yield Panel(f"opened by {opening:g}", scene)
 
 
 PAGE = Page(
@@ -24,10 +25,10 @@ PAGE = Page(
     title="A hole that opens",
     source="habrador",
     rows={"L7": "a map of cracks combined with one of dust, and a number that opens the hole"},
-    look="The cracks open first, then the ground between them.",
-    article="Two textures, of cracks and of specks of dust, are combined, and a slider sets the "
+    look="The cracks open first, then the ground between them, until one hole is left.",
+    article="Two textures, of cracks and of a speck of dust, are combined, and a slider sets the "
     "strength of the dust: the hole opens and closes.",
-    ours="The same. The article does not say how the two are combined; here the ground opens where "
-    "their sum exceeds a threshold.",
+    ours="The same, at four strengths. The article does not say how the two are combined; here the "
+    "ground opens where their sum exceeds a threshold.",
     panels=panels,
 )

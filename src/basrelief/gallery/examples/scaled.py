@@ -3,31 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
-from basrelief import LookAt, Object, Scene, placed, rotated
+from basrelief import Orbit, Scene, placed, preset
 from basrelief.gallery.page import Page, Panel, sample
+from basrelief.lang import Vec2
+from basrelief.scene import LYING
+from basrelief.techniques import HeightField, Hit, Ray, relief, technique
+from basrelief.techniques.march import Relief
 
-EYE = (0.8, 0.9, 1.85)
+MARCH = preset("catlike-march")
 
 
-def box(texels: int, scale: tuple[float, float, float], eye: tuple[float, float, float]) -> Scene:
-    """A box of bricks, scaled and seen from `eye`."""
-    obj = Object(
-        sample("bricks", texels),
-        shape="box",
-        scale=0.08,
-        transform=placed(scale=scale) @ rotated("y", 10.0),
+@technique(most_reads=37)
+def not_normalised(field: HeightField, ray: Ray, settings: Relief) -> Hit:
+    """The article's error: a normal and tangent of length 10, and so a bitangent of length 100."""
+    travel = Vec2(ray.travel.x, 10.0 * ray.travel.y)
+    warped = Ray(uv=ray.uv, travel=travel, height=ray.height, drop=ray.drop, cosine=ray.cosine)
+    return relief(field, warped, settings)
+
+
+def quad(texels: int, *size: float, distance: float = 1.0, **options: Any) -> Scene:
+    """A quad, `size` times as wide, high (the relief) and deep."""
+    return MARCH.scene(
+        sample("circuit", texels),
+        scale=0.07,
+        transform=placed(scale=size) @ LYING,
+        camera=Orbit(azimuth=35.0, elevation=36.0, distance=distance, field_of_view=36.0),
+        **options,
     )
-    return Scene((obj,), camera=LookAt(position=eye, field_of_view=40.0))
 
 
 def panels(texels: int) -> Iterator[Panel]:
-    """A box of size 1, of size 10 at ten times the distance, and stretched along one axis."""
-    far = (10.0 * EYE[0], 10.0 * EYE[1], 10.0 * EYE[2])
-    yield Panel("size 1", box(texels, (1.0, 1.0, 1.0), EYE))
-    yield Panel("size 10, at ten times the distance", box(texels, (10.0, 10.0, 10.0), far), "× 10")
-    yield Panel("twice as wide", box(texels, (2.0, 1.0, 1.0), (1.0, 1.2, 2.5)), "× 2, 1, 1")
-    yield Panel("half as high", box(texels, (1.0, 0.5, 1.0), EYE), "× 1, 0.5, 1")
+    """A quad, ten times as large at ten times the distance, and stretched along one axis."""
+    error = {"technique": not_normalised, "settings": MARCH.values["object"]["settings"]}
+    yield Panel("size 1", quad(texels, 1.0, 1.0, 1.0))
+    yield Panel("size 10, at ten times the distance", quad(texels, 10.0, 10.0, 10.0, distance=10.0))
+    yield Panel("not normalised", quad(texels, 10.0, 10.0, 10.0, distance=10.0, **error))
+    yield Panel("twice as wide", quad(texels, 2.0, 1.0, 1.0, distance=1.3), "× 2, 1, 1")
+    yield Panel("twice as high", quad(texels, 1.0, 2.0, 1.0), "× 1, 2, 1")
 
 
 PAGE = Page(
@@ -38,10 +52,11 @@ PAGE = Page(
         "C15": "uniform and non-uniform scale, with the relief in object space",
         "C4": "tangents and normals are normalised before the view is transformed",
     },
-    look="The first two pictures are equal; in the others the relief is stretched with the box.",
-    article="Batched objects of scale 10 have tangents and normals of that length, which distort "
-    "the relief unless they are normalised.",
-    ours="Always right, as the equal first two pictures show. The library has no option for the "
-    "error.",
+    look="The first two pictures are equal, and the third is torn; in the others the parts are "
+    "twice as wide, or stand twice as high.",
+    article="Batched objects of scale 10 have tangents and normals of that length, which warps the "
+    "relief unless they are normalised: a weird picture, then a correct one.",
+    ours="The same quad. The library is always right; the error is a technique in this file, whose "
+    "ray runs ten times as far along v, as the article's does. The article scales uniformly only.",
     panels=panels,
 )
