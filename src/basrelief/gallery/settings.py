@@ -26,7 +26,7 @@ def _of_object(obj: Object) -> Iterator[str]:
     if obj.tiling is not None:
         yield "{:g} × {:g} tiles".format(*obj.tiling)
     if resolved.mapping != "planar" and resolved.has_relief:
-        yield f"{resolved.mapping} colour"
+        yield f"{resolved.mapping} mapping"
     if resolved.alpha != "blend":
         yield f"alpha {resolved.alpha}"
     yield from _changed(resolved.surface_parameters, type(resolved.surface_parameters)())

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from basrelief.lang import IVec2, Texture, Vec2, Vec3, floor, mix, saturate, shader, size
+from basrelief.lang import IVec2, Texture, Vec2, Vec3, exp, floor, mix, saturate, shader, size
 from basrelief.shading.ray_differentials import Footprint, level_of_detail
 from basrelief.techniques.edge import cell_in_map, in_tile
 
-COARSEST = 8.0
+COARSEST = 32.0
 """Width of the largest grains, in texels."""
-OCTAVES = 4
+OCTAVES = 6
 """Number of sizes of grains, each half as wide as the one before; the smallest are texels."""
-STRENGTH = 0.5
-"""The greatest change of brightness by one size of grains, on a vertical slope."""
+STRENGTH = 0.6
+"""The greatest change of the brightness's logarithm by one size of grains, on a vertical slope."""
 
 
 @shader
@@ -22,10 +22,10 @@ def stretch_noise(
     ground.
 
     A slope shows a texel 1 ÷ n.z times as long as it is. The noise varies along the slope, where
-    the colours do not, with a strength of 1 − n.z. Grains smaller than a pixel are left out.
+    the colours do not, with a strength of 1 − n.z². Grains smaller than a pixel are left out.
     S. Halliwell, Parallax Offset, 2014 (suggests noise, without a formula).
     """
-    steepness = 1.0 - saturate(normal.z)
+    steepness = 1.0 - saturate(normal.z * normal.z)
     total = 0.0
     if steepness > 0.0:
         texels = size(map, 0)
@@ -44,7 +44,7 @@ def stretch_noise(
                 z = height_in_tiles * float(grains.x)
                 total = total + share * value_noise(map, x, y, z, grains)
             width = width * 0.5
-    return max(1.0 + STRENGTH * steepness * total, 0.0)
+    return exp(STRENGTH * steepness * total)
 
 
 @shader
