@@ -50,7 +50,7 @@ RECORDS = {
 VALUES = {
     "technique": "[a technique](index.md#techniques)",
     "transform": "4 × 4 numbers",
-    **dict.fromkeys(MAPS, "a file, or `sample:NAME`"),
+    **dict.fromkeys(MAPS, "a file, a folder, or `sample:NAME`"),
 }
 """Values of settings that are neither choices nor numbers."""
 

@@ -184,7 +184,7 @@ def test_a_map_is_a_file_in_all_commands() -> None:
     maps = [(command, option) for command, option in options() if option.name in MAPS]
     assert {command for command, _ in maps} >= {"render", "view", "compare", "tune", "bake", "info"}
     for command, option in maps:
-        assert option.metavar == "FILE|sample:NAME", (command, option.name)
+        assert option.metavar == "FILE|FOLDER|sample:NAME", (command, option.name)
 
 
 def test_settings_that_have_options_are_named_after_them() -> None:

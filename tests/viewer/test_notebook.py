@@ -88,10 +88,10 @@ def viewer(made: Viewer) -> Iterator[Viewer]:
 
 SHARED = (
     "technique", "shape", "projection", "shadows", "shading_model", "scale", "reference_height",
-    "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
-    "mapping", "alpha", "surface", "layer", "layer_tiling", "shading", "shadowing",
-    "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider",
-    "show",
+    "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "opening",
+    "apart", "tilings", "mapping", "alpha", "surface", "layer", "layer_tiling", "shading",
+    "shadowing", "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera",
+    "compare", "divider", "show",
 )  # fmt: skip
 
 
@@ -314,6 +314,8 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("divider", 2, r"divider is 2: give a number from 0 to 1"),
         ("heights", "soft", r"heights is one of sharp, smooth, mip, not 'soft'"),
         ("fade", 3, r"fade is 3: give two numbers"),
+        ("opening", 2, r"opening is 2: give a number from 0 to 1"),
+        ("opening", "wide", r"opening is 'wide': give a number"),
         ("fade", (3.0, 1.0), r"fade 3 to 1: give two distances"),
         ("fades", "yes", r"fades is one of True, False, not 'yes'"),
         ("tilings", {"height": Tiling()}, r"map is one of base_color, normal"),

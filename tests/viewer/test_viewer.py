@@ -373,6 +373,8 @@ VARIATIONS: dict[str, dict[str, Any]] = {
         }
     },
     "a layer": {"layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1)))},
+    "a hole": {"opening": 0.8, "scale": 0.3, "shadows": "hard", "technique": "secant"},
+    "a closed hole": {"opening": 0.0, "scale": 0.3},
     "fog": {"fog_mode": "linear", "fog": {"fog_start": 1.0, "fog_end": 3.0}},
     "thick fog": {"fog_mode": "exponential_squared", "fog": {"fog_density": 0.5}},
     "occluded": {"occlusion_kind": "directional", "shadows": "soft"},
@@ -423,6 +425,7 @@ def _rich_material() -> Material:
         roughness=map_of(0.3 + 0.5 * u),
         emission=map_of(glow),
         layer_mask=map_of(u * v),
+        dust=sample("dust", TEXELS // 2, seed=3).height,
     )
 
 
@@ -817,7 +820,7 @@ def _scene_of_command(material: Material, command: str) -> Scene:
         if name in several:
             options.setdefault(several[name], []).append(value)
         else:
-            number = name in ("scale", "reference_height", "bias")
+            number = name in ("scale", "reference_height", "bias", "opening")
             options[name] = float(value) if number else value
     assert re.fullmatch(r"\d+x\d+", options.pop("size"))
     return arguments.scene(material, **options)
@@ -1116,6 +1119,67 @@ def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: 
     assert_agree(expected(swapped), seen.frame(), TEXELS)
     assert seen.page.locator("#panel option[disabled]", has_text="needs").count() == 0
     seen.page.close()
+
+
+def test_a_hole_opens_as_its_slider_moves(fresh: OpenPage, material: Material) -> None:
+    """The page opens it by itself, without compiling, and by the same maps as the library."""
+
+    def expected(opening: float | None) -> Frame:
+        obj = Object(material, scale=0.08, opening=opening)
+        return render(Scene((obj,), camera=CAMERA), size=SIZE, samples=1, device="cpu")
+
+    whole = fresh.frame()
+    assert fresh.page.locator("input[name=opening]").count() == 0
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.opening") == 0.6
+    assert_agree(expected(0.6), fresh.frame(), TEXELS)
+    compiled = fresh.page.evaluate("viewer.gpu.compiled")
+    fresh.page.locator("#opening-slider").focus()
+    for _ in range(3):
+        fresh.page.keyboard.press("ArrowRight")
+    assert fresh.page.evaluate("viewer.state.opening") == 0.63
+    assert_agree(expected(0.63), fresh.frame(), TEXELS)
+    assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+    # the copies have it, and the maps of the panel are those of the material
+    assert "--opening 0.63" in fresh.page.evaluate("viewer.text('command')")
+    assert "opening=0.63" in fresh.page.evaluate("viewer.text('python')")
+    assert fresh.page.evaluate("viewer.pictures === viewer.original")
+    # a table that the hole needs is baked of its heights
+    fresh.state(technique="exact")
+    fresh.page.evaluate("viewer.changed(true)")
+    exact = Object(material, scale=0.08, opening=0.63, technique="exact")
+    drawn = render(Scene((exact,), camera=CAMERA), size=SIZE, samples=1, device="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    fresh.state(technique="relief")
+    fresh.page.evaluate("viewer.changed(true)")
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.opening") is None
+    assert (fresh.frame().color == whole.color).all()
+
+
+def test_dropped_dust_opens_a_hole(fresh: OpenPage, material: Material) -> None:
+    codes = (sample("noise", 32).height.linear() * 255).astype(np.uint8)  # type: ignore[union-attr]
+    _drop(fresh, write_data(_place("thick.png"), codes), on="dust")
+    fresh.page.wait_for_function("viewer.mapMessage.startsWith('thick.png')")
+    assert fresh.page.evaluate("viewer.state.opening") == 0.6
+    swapped = replace(material, dust=Map(codes, False, "dropped"))
+    hole = Scene((Object(swapped, scale=0.08, opening=0.6),), camera=CAMERA)
+    drawn = render(hole, size=SIZE, samples=1, device="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    fresh.open("maps")
+    fresh.page.locator("#remove-dust").click()
+    fresh.page.wait_for_function("viewer.mapMessage.startsWith('Drawn without')")
+    assert fresh.page.evaluate("viewer.state.opening") is None
+    assert fresh.page.locator("#hole").count() == 0
+    # an opening without dust has no effect, and no copy has it
+    fresh.state(opening=0.5)
+    fresh.page.evaluate("viewer.changed(true)")
+    assert "--opening" not in fresh.page.evaluate("viewer.text('command')")
+    assert_agree(
+        render(Scene((Object(material, scale=0.08),), camera=CAMERA), size=SIZE, samples=1,
+               device="cpu"),
+        fresh.frame(), TEXELS,
+    )  # fmt: skip
 
 
 def test_a_dropped_file_that_is_not_a_picture_is_reported(fresh: OpenPage) -> None:

@@ -37,7 +37,7 @@ Options = Mapping[str, Any]
 """Annotated types of options, by the name of their keyword."""
 Text = str | None
 Texts = list[str] | None
-_FILE = "FILE|sample:NAME"
+_FILE = "FILE|FOLDER|sample:NAME"
 _TYPES: dict[str, Any] = {
     "choice": Text, "text": Text, "pair": Text, "triple": Text, "flag": bool | None,
     "integer": int | None, "number": float | None,
@@ -164,7 +164,7 @@ FURTHER: Options = {
     ),
 }
 BAKE: Options = {
-    **{name: RELIEF[name] for name in ("preset", "scale", "edge")},
+    **{name: RELIEF[name] for name in ("preset", "scale", "edge", "opening")},
     **_options_of(FileOptions, group="Bake"),
 }
 _PANELS = (

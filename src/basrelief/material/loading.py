@@ -55,6 +55,7 @@ def load(
     emission: PathLike | None = None,
     opacity: PathLike | None = None,
     layer_mask: PathLike | None = None,
+    dust: PathLike | None = None,
 ) -> Material:
     """Load a material from files.
 
@@ -86,10 +87,10 @@ def load(
     tile : float, optional
         Width of the maps in metres, above 0.
     base_color, normal, height, occlusion, roughness : path or str, optional
-        File of one map, to override what the file names imply, or "sample:NAME" for the map of a
-        sample.
-    metallic, emission, opacity, layer_mask : path or str, optional
-        The same for the other maps.
+        File of one map, to override what the file names imply; or a folder or "sample:NAME" for
+        the map of that material.
+    metallic, emission, opacity, layer_mask, dust : path or str, optional
+        The same for the other maps. A material without a dust map gives its heights as dust.
 
     Returns
     -------
@@ -112,10 +113,11 @@ def load(
     }
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
+        dust,
     )  # fmt: skip
     map_files = {kind: os.fspath(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
-    samples = {kind: f for kind, f in map_files.items() if f.startswith(SAMPLE)}
-    named_files = {kind: Path(f) for kind, f in map_files.items() if kind not in samples}
+    others = {k: f for k, f in map_files.items() if f.startswith(SAMPLE) or os.path.isdir(f)}
+    named_files = {kind: Path(f) for kind, f in map_files.items() if kind not in others}
     if path is None and not map_files:
         raise InputError("nothing to load: name a folder, a picture or a map")
     if path is not None and os.fspath(path).startswith(SAMPLE):
@@ -130,8 +132,9 @@ def load(
     else:
         file_set = _file_set(path, options, map_files)
         builder = _Builder(options, file_set.name, list(file_set.notes))
-        choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in samples}
-    builder.add_sample_maps(samples)
+        choices = {kind: choice for kind, choice in file_set.choices.items() if kind not in others}
+    for kind, other in others.items():
+        builder.add_map_of(kind, other, load(other, **vars(options)))
     material = builder.build({**choices, **_named_choices(named_files)}, depth, tile)
     return material.with_origin(
         None if path is None else os.fspath(path), {**requested, **map_files}
@@ -172,7 +175,7 @@ class _Builder:
         for kind in ("base_color", "emission"):
             if kind in choices:
                 self.add_color(kind, choices[kind])
-        for kind in ("occlusion", "roughness", "metallic", "opacity", "layer_mask"):
+        for kind in ("occlusion", "roughness", "metallic", "opacity", "layer_mask", "dust"):
             if kind in choices:
                 self.add_scalar(kind, choices[kind])
         if "normal" in choices:
@@ -192,14 +195,15 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
-    def add_sample_maps(self, samples: dict[str, str]) -> None:
-        """Add maps of procedural samples, each named `sample:NAME`."""
-        for kind, name in samples.items():
-            sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
-            if sample_map is None:
-                raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
-            self.maps[kind] = sample_map
-            self.note(f"{kind} from {name}", "requested")
+    def add_map_of(self, kind: str, path: str, material: Material) -> None:
+        """Add a map of another material, which `path` names; heights serve as dust."""
+        map = getattr(material, kind)
+        if map is None and kind == "dust":
+            map = material.height
+        if map is None:
+            raise InputError(f"{path} has no {kind} map; choose another sample, folder or file")
+        self.maps[kind] = map
+        self.note(f"{kind} from {path}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:
         pixels = channels.extract_rgb(self.picture(choice))

@@ -33,6 +33,7 @@ MAPS = {
     "emission": MapKind(3, "emission map"),
     "opacity": MapKind(1, "opacity map"),
     "layer_mask": MapKind(1, "mask of the second layer"),
+    "dust": MapKind(1, "dust map, by which a hole opens"),
 }
 """The maps of a material."""
 

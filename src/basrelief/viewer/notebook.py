@@ -109,6 +109,10 @@ def _number(viewer: Viewer, name: str, value: Any) -> float:
     return float(value)
 
 
+def _opening(viewer: Viewer, name: str, value: Any) -> float | None:
+    return Object(viewer._material, opening=value).opening
+
+
 def _share(viewer: Viewer, name: str, value: Any) -> float:
     check_range(name, value, 0.0, 1.0)
     return float(value)
@@ -285,6 +289,8 @@ class Viewer(_Declared):
         Numbers of the relief, and the position of the divider, 0 to 1.
     tiling, shift, fade : (float, float)
         Tiles, shift in tiles, and distances of the fade, which applies where `fades` is True.
+    opening : float or None
+        Opening of a hole, 0 to 1; None for none.
     settings, surface_parameters, smoothing, shading, shadowing, fog : mapping
         Records; set by a mapping of values that differ from the defaults, read as a whole.
     settings_of, all_surface_parameters : mapping
@@ -316,6 +322,7 @@ class Viewer(_Declared):
     settings_of = _shared(_settings_of)
     surface_parameters = _Setting(_surface_parameters)
     all_surface_parameters = _shared(_all_surface_parameters)
+    opening = _shared(_opening)
     fog = _shared(_fog)
     fades = _shared(_flag)
     apart = _shared(_flag)

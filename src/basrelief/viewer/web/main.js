@@ -11,6 +11,7 @@ import { listen } from "view/input.js";
 import { PACKED, slotName } from "view/mappanel.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
+import { OPENING } from "view/opened.js";
 import { build } from "view/panel.js";
 import { difference, fromHash, toCommand, toHash, toPython, withChanges } from "view/state.js";
 import { firstLine, words } from "view/text.js";
@@ -143,6 +144,7 @@ export class ViewerPage {
     do {
       await this.reopening;
       drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.report(news));
+      drawing.opening = this.state.opening;
       try {
         await drawing.setMaps(this.pictures);
         await drawing.frames.pace.measureLatency(this.gpu.device.queue);
@@ -229,6 +231,7 @@ export class ViewerPage {
    */
   changed(choice = false) {
     validated(this.state, this.start, this.data);
+    if (!this.hasHeights || !this.pictures.dust) this.state.opening = null;
     this.clampCamera();
     this.clearPreset();
     if (choice === true) this.rebuild();
@@ -314,9 +317,9 @@ export class ViewerPage {
   preset(name) {
     const found = this.presetState(name);
     if (!found) return;
-    const { camera, shape } = this.state;
+    const { camera, shape, opening } = this.state;
     const { compare, divider, show } = this.state;
-    const unchanged = { camera, shape, compare, divider, show };
+    const unchanged = { camera, shape, opening, compare, divider, show };
     this.state = { ...merged(this.start, found, this.data), preset: name, ...unchanged };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
@@ -332,7 +335,7 @@ export class ViewerPage {
 
   // Clear the preset's name once its settings have changed.
   clearPreset() {
-    const { preset, camera, shape, tiling, compare, divider, show, ...rest } = this.state;
+    const { preset, camera, shape, tiling, opening, compare, divider, show, ...rest } = this.state;
     const found = this.presetState(preset);
     if (found && difference(rest, found)) this.state.preset = "";
   }
@@ -501,6 +504,8 @@ export class ViewerPage {
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // a base colour with opacity replaces that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
+    // it has no other use
+    if (slot === "dust" && this.hasHeights) this.state.opening ??= OPENING;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useTechnique("relief");

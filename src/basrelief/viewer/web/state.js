@@ -97,6 +97,8 @@ function changedOptions(state, data) {
   const now = state;
   const simpleDefaults = {
     ...defaults.options,
+    opening: null,
+    ...(state.opening !== null && { scale: defaults.hole_scale }),
     reference_height: technique.reference_height,
     projection: technique.projection,
   };
@@ -203,7 +205,10 @@ export function toCommand(state, data, shown) {
   // a value that starts with a minus would be parsed as an option
   /** @type {(name: string, numbers: number[]) => void} */
   const joined = (name, numbers) => parts.push(`--${name}=${numbers.map(short).join(",")}`);
+  // a scale, and the depth of a hole, replace that of the material, and are refused beside it
+  const replaced = "scale" in options.simple || state.opening !== null ? data.lengths : [];
   for (const [name, x] of Object.entries(data.reading)) {
+    if (replaced.includes(name)) continue;
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
     else option(name, x);
   }
