@@ -91,7 +91,7 @@ SHARED = (
     "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "opening",
     "apart", "tilings", "mapping", "alpha", "surface", "layer", "layer_tiling", "shading",
     "shadowing", "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera",
-    "compare", "divider", "show",
+    "compare", "divider", "show", "scroll",
 )  # fmt: skip
 
 
@@ -101,6 +101,7 @@ def test_the_page_and_python_share_all_settings(viewer: Viewer) -> None:
         "compare",
         "divider",
         "show",
+        "scroll",
     }
 
 
@@ -311,6 +312,8 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("lights", [{"colour": 1}], r"a light's number is one of kind, .*, not 'colour'"),
         ("lights", [{"azimuth": "left"}], r"give it finite numbers"),
         ("compare", "warp", r"compare is one of flat"),
+        ("scroll", 0.5, r"scroll is 0.5: give two numbers"),
+        ("scroll", (2000.0, 0.0), r"u is 2000: give a number from -1000 to 1000"),
         ("divider", 2, r"divider is 2: give a number from 0 to 1"),
         ("heights", "soft", r"heights is one of sharp, smooth, mip, not 'soft'"),
         ("fade", 3, r"fade is 3: give two numbers"),
@@ -527,6 +530,17 @@ def test_settings_go_both_ways(shown: NotebookPage, viewer: Viewer) -> None:
     shown.python(camera=Orbit(44.0, -20.0))
     shown.saved("model.saved.length")
     assert viewer.camera == Orbit(44.0, 2.0)
+
+
+def test_the_page_scrolls_as_python_says(shown: NotebookPage, viewer: Viewer) -> None:
+    shown.python(scroll=(0.5, 0.0))
+    shown.wait("viewer.state.shift[0] > 0.05")
+    shown.python(scroll=(0.0, 0.0))
+    shown.wait("viewer.state.scroll[0] === 0")
+    shown.saved("model.saved.length")
+    # where it stopped is in Python
+    assert viewer.shift == pytest.approx(tuple(shown.frame().evaluate("viewer.state.shift")))
+    assert viewer.shift[0] > 0.0
 
 
 def test_two_views_show_the_same(shown: NotebookPage, viewer: Viewer) -> None:

@@ -28,6 +28,8 @@ __all__ = [
 
 _LIMIT = 1e3
 """Limit of turns per film and of tiles per second, far beyond what the eye can follow."""
+_SPEED_CONTROL = {"low": -1.0, "high": 1.0, "step": 0.01}
+"""Range and step of the viewer's sliders."""
 
 
 @dataclass(frozen=True)
@@ -155,8 +157,8 @@ class Scrolling:
     `_Time[0] * 5`.
     """
 
-    u: float = setting(default=0.25, low=-_LIMIT, high=_LIMIT)
-    v: float = setting(default=0.0, low=-_LIMIT, high=_LIMIT)
+    u: float = setting(default=0.25, low=-_LIMIT, high=_LIMIT, control=_SPEED_CONTROL)
+    v: float = setting(default=0.0, low=-_LIMIT, high=_LIMIT, control=_SPEED_CONTROL)
 
     def __post_init__(self) -> None:
         check_settings(self)

@@ -26,6 +26,7 @@ from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
 from basrelief.scene.checks import check_range, check_setting
+from basrelief.scene.motion import Scrolling
 from basrelief.scene.recipe import Recipe
 from basrelief.scene.records import settings_record
 from basrelief.scene.resolve import default_tiles
@@ -95,6 +96,11 @@ def _technique(viewer: Viewer, name: str, value: Any) -> Any:
 
 def _other_technique(viewer: Viewer, name: str, value: Any) -> Any:
     return "" if value in (None, "") else _technique(viewer, name, value)
+
+
+def _scroll(viewer: Viewer, name: str, value: Any) -> Any:
+    speed = Scrolling(*_two_numbers(name, value))
+    return speed.u, speed.v
 
 
 def _show(viewer: Viewer, name: str, value: Any) -> Any:
@@ -306,6 +312,8 @@ class Viewer(_Declared):
         Lights; set by lights, read as mappings.
     compare, show : str
         As above.
+    scroll : (float, float)
+        Speed at which the page scrolls all maps, as for `Scrolling`; (0, 0) for a still picture.
 
     Raises
     ------
@@ -335,6 +343,7 @@ class Viewer(_Declared):
     compare = _shared(_other_technique)
     divider = _shared(_share)
     show = _shared(_show)
+    scroll = _shared(_scroll)
 
     def __init__(
         self,
@@ -368,6 +377,7 @@ class Viewer(_Declared):
             compare=compare,
             show=show,
             divider=0.5,
+            scroll=(0.0, 0.0),
             settings_of=self._all_settings,
             all_surface_parameters=self._all_surface_parameters_sent,
             **state,

@@ -49,7 +49,7 @@ cones too, but that takes minutes without a GPU."""
 _MODULES = (
     "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "resize",
     "dropped", "opened", "text", "colors", "missed", "gpu", "pace", "frames", "bakes",
-    "drawing", "controls", "thumbs", "mappanel", "panel", "host", "input", "main",
+    "drawing", "controls", "thumbs", "mappanel", "scroll", "panel", "host", "input", "main",
 )  # fmt: skip
 
 

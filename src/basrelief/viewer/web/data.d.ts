@@ -259,7 +259,13 @@ export type Data = {
     smoothing: Setting[];
     fog: Setting[];
   };
-  controls: { scene: Controls; tiling: Controls; camera: Controls; lights: Controls };
+  controls: {
+    scene: Controls;
+    tiling: Controls;
+    camera: Controls;
+    lights: Controls;
+    scroll: Controls;
+  };
   constants: {
     proportion: number;
     layer: boolean;

@@ -13,6 +13,7 @@ import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
 import { OPENING } from "view/opened.js";
 import { build } from "view/panel.js";
+import { Scroll } from "view/scroll.js";
 import { difference, fromHash, toCommand, toHash, toPython, withChanges } from "view/state.js";
 import { firstLine, words } from "view/text.js";
 
@@ -92,13 +93,21 @@ export class ViewerPage {
     /** @type {number | undefined} */
     this.linking = undefined;
     this.host = Host.around(this);
+    this.scroll = new Scroll(this);
   }
 
   async open() {
     try {
       const text = new TextDecoder().decode(await inflated(bytesOf(textOf("data"))));
       this.data = JSON.parse(text);
-      this.start = { ...this.data.state, compare: "", divider: 0.5, show: "color", preset: "" };
+      this.start = {
+        ...this.data.state,
+        compare: "",
+        divider: 0.5,
+        show: "color",
+        preset: "",
+        scroll: [0, 0],
+      };
       this.state = copyOf(this.start);
       this.hasHeights = this.data.hasHeights;
       this.sources = { ...this.data.mapSources };
@@ -134,6 +143,7 @@ export class ViewerPage {
     this.fit();
     this.host?.open();
     await this.drawing.show(copyOf(this.state));
+    this.scroll.wake();
   }
 
   // Make a drawing of the current maps on the current device.
@@ -218,6 +228,8 @@ export class ViewerPage {
   readHash() {
     try {
       this.state = fromHash(location.hash, this.start, this.data);
+      // nothing moves by itself for those who ask for that
+      if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.state.scroll = [0, 0];
       this.clampCamera();
     } catch {
       this.showMessage("The link's settings cannot be read; the page uses its own.");
@@ -246,6 +258,7 @@ export class ViewerPage {
     this.updateDivider();
     this.host?.notify();
     this.drawing.show(copyOf(this.state));
+    this.scroll.wake();
   }
 
   // Store the settings in the address, unless the page is embedded.
@@ -318,8 +331,8 @@ export class ViewerPage {
     const found = this.presetState(name);
     if (!found) return;
     const { camera, shape, opening } = this.state;
-    const { compare, divider, show } = this.state;
-    const unchanged = { camera, shape, opening, compare, divider, show };
+    const { compare, divider, show, scroll } = this.state;
+    const unchanged = { camera, shape, opening, compare, divider, show, scroll };
     this.state = { ...merged(this.start, found, this.data), preset: name, ...unchanged };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
@@ -335,7 +348,8 @@ export class ViewerPage {
 
   // Clear the preset's name once its settings have changed.
   clearPreset() {
-    const { preset, camera, shape, tiling, opening, compare, divider, show, ...rest } = this.state;
+    const { preset, camera, shape, tiling, opening, ...others } = this.state;
+    const { compare, divider, show, scroll, ...rest } = others;
     const found = this.presetState(preset);
     if (found && difference(rest, found)) this.state.preset = "";
   }

@@ -410,6 +410,7 @@ function picture(view) {
     true,
     menu(view, ["show"], "Show", shows),
     element("p", { class: "doc" }, meaning[view.state.show]),
+    pair(view, ["scroll"], "scroll", view.data.controls.scroll.u),
   );
 }
 

@@ -8,7 +8,8 @@ import { copyOf, isObject, merged, validated } from "view/checks.js";
 
 /**
  * The state of a scene and of the page.
- * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string }} State
+ * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string,
+ *   scroll: Pair }} State
  */
 
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -171,6 +172,7 @@ function comment(state, data, { mapsChanged }, omitted) {
   const without = [...data.omitted, ...omitted];
   if (state.compare && state.compare !== state.technique)
     without.push(`${state.compare} right of the divider`);
+  if (state.scroll.some(Boolean)) without.push("the scrolling");
   if (mapsChanged) without.push("the maps that were changed on the page");
   const remarks = [
     ...(without.length ? [`without ${without.join(", ")}`] : []),
