@@ -51,9 +51,7 @@ VALUES = {
     "technique": "[a technique](index.md#techniques)",
     "transform": "4 × 4 numbers",
     **{
-        name: "a file, or `sample:NAME`"
-        if kind.channels > 1
-        else "a file, `sample:NAME`, or a number"
+        name: "a file, a folder, `sample:NAME`" + (", or a number" if kind.channels == 1 else "")
         for name, kind in MAPS.items()
     },
 }

@@ -310,6 +310,8 @@ def test_positions_and_sizes() -> None:
         ({"map_tiling": ["normal=0"]}, "tiling of normal (0.0, 0.0): give finite numbers other"),
         ({"map_shift": ["glow=1"]}, "--map-shift glow: the maps are base_color"),
         ({"layer": "sample:x"}, "there is no sample 'x'"),
+        ({"opening": 1.5}, "opening is 1.5: give a number from 0 to 1"),
+        ({"opening": 0.5, "measured": True}, "--depth and --tile are those of the material, not"),
         ({"layer_tiling": "2"}, "--layer-tiling, --layer-shift: there is no layer; add --layer F"),
         ({"layer": "sample:grid", "layer_shift": "far"}, "--layer-shift far: write a number"),
         ({"add": ["torus"]}, "shape is one of plane, box, sphere, cylinder, not 'torus'"),

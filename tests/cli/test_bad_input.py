@@ -157,7 +157,9 @@ def test_proportions_that_disagree(tmp_path: Path, out: Path) -> None:
 
 def test_a_map_that_is_missing(bumps: Path, out: Path) -> None:
     assert refused_to_draw(bumps, "--normal", "no.png").startswith("no.png: there is no such file")
-    assert refused_to_draw(bumps, "--normal", bumps).startswith(f"{bumps}: is a folder, not a pic")
+    assert refused_to_draw(bumps, "--normal", bumps).startswith(
+        f"{bumps} has no normal map; choose"
+    )
 
 
 # --- settings -------------------------------------------------------------------------------------

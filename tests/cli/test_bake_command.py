@@ -61,6 +61,17 @@ def test_contents_of_the_files(bumps: Path) -> None:
     assert np.abs(stored - (normals * 0.5 + 0.5) * 65535.0).max() <= 0.51
 
 
+def test_maps_are_baked_of_a_hole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done("bake", "sample:cracks", "normal", "--opening", "0.7", "--device", "cpu")
+    cracks = basrelief.load("sample:cracks")
+    material = basrelief.Object(cracks, opening=0.7).resolved.material
+    assert material.height is not None
+    normals = baking.normal_map(material.height.linear()[:, :, 0], "wrap", 0.3)
+    stored = codes(tmp_path / "baked" / "cracks_normal_gl.png")
+    assert np.abs(stored / 65535.0 * 2.0 - 1.0 - normals).max() < 1e-4
+
+
 def test_green_and_bits(bumps: Path) -> None:
     for green in ("gl", "dx"):
         done("bake", bumps, "normal", "--green", green, "--bits", "8")

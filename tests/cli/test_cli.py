@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import pty
@@ -207,6 +208,7 @@ OPTIONS: dict[str, tuple[str, dict[str, Any]]] = {
         "--shadows soft --set light_angle=20 --scale 0.3",
         {"shadows": "soft", "shadowing": {"light_angle": 20.0}, "scale": 0.3},
     ),
+    "a hole": ("--opening 0.8 --shadows hard", {"opening": 0.8, "shadows": "hard"}),
     "preset": ("--preset gamedev", {"preset": "gamedev"}),
     "over a preset": (
         "--preset gamedev --scale 0.2 --set max_steps=9", {
@@ -242,6 +244,27 @@ def test_options_of_drawing(option: str, bumps: Path, wall: Path, here: Path) ->
     assert same(picture, expected)
     default = drawn(path)
     assert picture.shape[:2] != default.shape[:2] or not same(picture, default)
+
+
+def test_a_hole_by_maps_of_ones_own(bumps: Path, wall: Path, here: Path) -> None:
+    """Cracks and dust are those of files, folders or samples."""
+    files = here / "files"
+    files.mkdir()
+    ramp = np.linspace(0, 255, 16 * 16).reshape(16, 16, 1).astype(np.uint8)
+    for name in ("thick", "split"):
+        write_data(files / f"{name}.png", ramp if name == "thick" else ramp[::-1])
+    pictures = []
+    for cracks, dust in (
+        ("sample:cracks", "sample:dust"), (files / "split.png", files / "thick.png"),
+        (bumps, bumps), (bumps, "sample:noise"),
+    ):  # fmt: skip
+        maps = {"height": str(cracks), "dust": str(dust)}
+        options = ("--height", maps["height"], "--dust", maps["dust"], "--opening", "0.7")
+        picture = drawn_by_command(bumps, *DRAW, *options)
+        assert same(picture, drawn(bumps, loading=maps, opening=0.7))
+        pictures.append(picture)
+    assert not any((a == b).all() for a, b in itertools.combinations(pictures, 2))
+    assert "dust from sample:noise: requested" in done("info", bumps, "--dust", "sample:noise")
 
 
 def test_stretch(bumps: Path, here: Path) -> None:

@@ -202,7 +202,7 @@ def test_sizes_and_formats_do_not_matter(
 def test_every_map_of_a_folder_is_loaded(tmp_path: Path) -> None:
     write_picture_file(tmp_path, "a_color.png", flat(200, 100, 50))
     write_picture_file(tmp_path, "a_normal.png", eight(normals_of(hills())))
-    for name in ("height", "ao", "roughness", "metallic", "opacity", "detail_mask"):
+    for name in ("height", "ao", "roughness", "metallic", "opacity", "detail_mask", "dust_mask"):
         write_picture_file(tmp_path, f"a_{name}.png")
     write_picture_file(tmp_path, "a_emission.png", flat(9, 8, 7))
     material = load(tmp_path, depth=0.1, tile=2.0)
@@ -619,6 +619,39 @@ def test_explicit_files_override_names(tmp_path: Path) -> None:
     material = load(tmp_path, height=mine)
     assert material.height is not None
     assert material.height.pixels[0, 0, 0] == 60
+
+
+def test_a_folder_names_the_map_of_its_material(tmp_path: Path) -> None:
+    wall, other = tmp_path / "wall", tmp_path / "other"
+    for folder, value in ((wall, 50), (other, 60)):
+        folder.mkdir()
+        write_picture_file(folder, "a_color.png", flat(value, 2, 3))
+        write_picture_file(folder, "a_depth.png", flat(value))
+    material = load(wall, height=other, dust=other)
+    assert material.base_color is not None
+    assert material.height is not None
+    assert material.dust is not None
+    assert material.base_color.pixels[0, 0, 0] == 50
+    # a depth by its name
+    assert material.height.pixels[0, 0, 0] == 255 - 60
+    assert material.dust is not material.height
+    assert (material.dust.pixels == material.height.pixels).all()
+    assert has_note(material, f"dust from {other}")
+    with pytest.raises(InputError, match="other has no roughness map; choose another sample"):
+        load(wall, roughness=other)
+
+
+def test_dust_is_that_of_a_file_or_a_sample(tmp_path: Path) -> None:
+    write_picture_file(tmp_path, "moon_dust.png", flat(1, 2, 3))
+    # the word is a part of many names of materials
+    assert [kind for kind, _ in load(tmp_path).maps()] == ["base_color"]
+    thick = write_picture_file(tmp_path / "..", "thick.png", flat(77))
+    material = load(tmp_path, dust=thick)
+    assert material.dust is not None
+    assert material.dust.pixels[0, 0, 0] == 77
+    material = load(tmp_path, dust="sample:dust")
+    assert material.dust is not None
+    assert (material.dust.pixels == load("sample:dust").height.pixels).all()  # type: ignore[union-attr]
 
 
 def test_maps_load_without_a_folder(tmp_path: Path) -> None:

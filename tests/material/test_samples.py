@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.errors import InputError
-from basrelief.material import SAMPLES, Map, Material, hole, sample
+from basrelief.images import srgb_decode
+from basrelief.images.resize import resized
+from basrelief.material import SAMPLES, Map, Material, hole, opened, sample
 from basrelief.material.evidence import slope_correlation
 from basrelief.material.patterns import cells as cells_module
 from basrelief.material.patterns.bricks import _Wall as Wall
@@ -284,25 +286,53 @@ def test_invalid_holes_are_refused(ground: tuple[Material, Material]) -> None:
     for opening in (-0.1, 1.1, float("nan")):
         with pytest.raises(InputError, match=r"opening is 0 \(whole\) to 1 \(open\), not"):
             hole(cracks, dust, opening)
-    with pytest.raises(InputError, match="one size, not 64 × 48 and 8 × 8 texels"):
-        hole(cracks, sample("dust", 8), 0.5)
+    with pytest.raises(InputError, match="cracks has no dust map, which a hole is made from"):
+        opened(cracks, 0.5)
     with pytest.raises(InputError, match="grid has no height map"):
         hole(sample("grid", 8), dust, 0.5)
 
 
 def test_a_hole_in_a_surface_of_floats_without_colour_or_size() -> None:
-    opened = hole(heights_only([[1.0]], "ground"), heights_only([[1.0]], "dust"), 1)
-    assert opened.base_color is None
-    assert opened.scale is None
-    bright = Map(np.full((1, 1, 3), 4, np.float32), False, "bright")
-    shaded = hole(
-        replace(heights_only([[1.0]], "ground"), base_color=bright),
-        heights_only([[1.0]], "dust"),
-        0.5,
-    )
-    depth = np.exp(-0.4 / 0.45)
+    made = hole(heights_only([[1.0]], "ground"), heights_only([[1.0]], "dust"), 1)
+    assert made.base_color is None
+    assert made.scale is None
+    depth = np.exp(-0.4 / 0.45) ** np.array([1.5, 2, 2.5])
+    # light is darkened in sRGB, so that the file's type makes no difference
+    light = srgb_decode(np.full((1, 1, 3), 0.8)).astype(np.float32)
+    for color, wanted in (
+        (Map(light, False, "light"), srgb_decode(0.8 * depth)),
+        (Map(np.full((1, 1, 3), 0.8, np.float32), True, "codes"), 0.8 * depth),
+        (Map(np.full((1, 1, 3), 204, np.uint8), True, "bytes"), np.rint(204 * depth)),
+    ):
+        ground = replace(heights_only([[1.0]], "ground"), base_color=color)
+        shaded = hole(ground, heights_only([[1.0]], "dust"), 0.5).base_color
+        assert shaded is not None
+        assert shaded.pixels.dtype == color.pixels.dtype
+        assert shaded.pixels[0, 0] == pytest.approx(wanted, rel=1e-4)
+
+
+def test_a_hole_of_maps_of_several_sizes() -> None:
+    """Dust is stretched over the cracks, and the hole over the colour."""
+    ground, dust = sample("cracks", 64), sample("dust", (32, 48))
+    ground = replace(ground, base_color=sample("cracks", 128).base_color)
+    made = hole(ground, dust, 0.7)
+    assert dust.height is not None
+    stretched = resized(dust.height.pixels[:, :, 0], (64, 64))[:, :, None]
+    whole = hole(ground, Material("dust", height=Map(stretched, False, "stretched")), 0.7)
+    assert (heights(made) == heights(whole)).all()
+    assert made.base_color is not None
+    assert ground.base_color is not None
+    assert made.base_color.pixels.shape == (128, 128, 3)
+    # a texel of the colour between two of one height, which is darkened by just that
+    deep = np.full((2, 1), 0.25)
+    flat_hole = heights_only([[0.0]], "ground")
+    color = Map(np.full((4, 2, 3), 1.0, np.float32), True, "white")
+    opening = float(np.log(4) * 0.45 / 2.8)
+    shaded = hole(replace(flat_hole, base_color=color), heights_only([[1.0]], "dust"), opening)
+    assert heights(shaded) == pytest.approx(deep[:1], abs=1e-4)
     assert shaded.base_color is not None
-    assert shaded.base_color.pixels[0, 0] == pytest.approx(4 * depth ** np.array([1.5, 2, 2.5]))
+    for channel, power in enumerate((1.5, 2.0, 2.5)):
+        assert shaded.base_color.pixels[:, :, channel] == pytest.approx(0.25**power, rel=1e-3)
 
 
 def test_the_sample_hole() -> None:

@@ -11,6 +11,8 @@ import pytest
 import basrelief
 from basrelief.cli import arguments
 from basrelief.measure.compare import candidates
+from basrelief.measure.errors import errors
+from basrelief.measure.truth import truth
 from basrelief.measure.views import at_angle
 from basrelief.scene.presets import preset
 from helpers.command_line import done, refused, write_heights
@@ -165,6 +167,34 @@ def test_what_measurements_print_draws_the_same_relief() -> None:
     assert (obj.scale, *obj.tiling.tiles) == pytest.approx((0.2, 4.0, 2.0))
     numbers = obj.settings.max_offset, obj.settings.max_offset_ratio
     assert numbers == pytest.approx((0.08, 0.5))
+
+
+def test_measurements_are_of_the_hole() -> None:
+    opened = ("--opening", "0.8", "--dust", "sample:noise")
+    options = ("--technique", "relief", "--device", "cpu")
+    out = done(
+        "compare", "wall", *options, *opened, "--angles", "60", "--size", "32x24", "--samples", "1",
+        "-o", "out",
+    )  # fmt: skip
+    assert set(opened) <= set(printed(out))
+    hole = basrelief.Object(basrelief.load("wall", dust="sample:noise"), opening=0.8)
+    assert printed(out)[printed(out).index("--opening") + 1] == "0.8"
+    results = json.loads(Path("out/compare.json").read_text())["results"]
+    (measured,) = (each for each in results if each["technique"] == "relief")
+    scene = at_angle(hole.material, 60.0, (32, 24), {"technique": "relief", "opening": 0.8})
+    found = errors(
+        basrelief.render(scene, size=(32, 24), samples=1, device="cpu"),
+        truth(scene, (32, 24), device="cpu"),
+    )
+    assert (measured["reads"], measured["missed"]) == (found.reads, found.missed)
+    done("tune", "wall", *options, *opened, "--missed", "100%", "--angles", "60", "--size", "32x24",
+         "-o", "tuned.toml")  # fmt: skip
+    again = preset("tuned.toml")
+    (obj,) = again.scene(basrelief.load("wall", **again.maps)).resolved
+    expected = hole.resolved.material.height
+    assert obj.material.height is not None
+    assert expected is not None
+    assert (obj.material.height.pixels == expected.pixels).all()
 
 
 def test_bakes_take_the_scale_of_a_preset_in_its_unit() -> None:

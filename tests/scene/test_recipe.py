@@ -70,6 +70,9 @@ def scenes() -> dict[str, Scene]:
             shape="cylinder", transform=placed(scale=(0.5, 1.25, 0.75)), casts="opaque",
             camera=Orbit(orthographic_height=2.0),
         ),
+        "a hole": scene(
+            load(STONE, height="sample:cracks", dust="sample:noise"), opening=0.75, shadows="hard",
+        ),
         "a wall": scene(transform=rotated("x", 90.0) @ placed(scale=(1.0, 1.0, 1.5)) @ LYING),
         "lights": scene(
             lights=(
@@ -99,6 +102,7 @@ NAMES = (
     "a surface",
     "a landscape",
     "a stretched shape",
+    "a hole",
     "a wall",
     "lights",
     "fog without a light",
@@ -158,6 +162,16 @@ def test_the_preset_draws_the_same_picture(name: str) -> None:
     file = Recipe(scenes()[name]).preset("again").save("again.toml")
     again = preset(file).scene(load(STONE, **preset(file).maps))
     assert np.abs(color(again) - color(scenes()[name])).max() < 1e-5
+
+
+@pytest.mark.parametrize("options", [{"scale": 0.1}, {"opening": 0.5}])
+def test_lengths_of_the_material_are_not_written_beside_what_replaces_them(
+    options: dict[str, Any],
+) -> None:
+    drawn = scene(load(STONE, depth=0.2, tile=1.0), **options)
+    command = Recipe(drawn, DRAWING).command
+    assert "--depth" not in command
+    np.testing.assert_array_equal(drawn_by_command(command), saved_pixels(drawn))
 
 
 def test_every_setting_is_written_in_a_scene() -> None:

@@ -185,7 +185,7 @@ def test_a_map_is_a_file_in_all_commands() -> None:
     assert {command for command, _ in maps} >= {"render", "view", "compare", "tune", "bake", "info"}
     for command, option in maps:
         number = "|NUMBER" if MAPS[option.name].channels == 1 else ""
-        assert option.metavar == f"FILE|sample:NAME{number}", (command, option.name)
+        assert option.metavar == f"FILE|FOLDER|sample:NAME{number}", (command, option.name)
 
 
 def test_settings_that_have_options_are_named_after_them() -> None:

@@ -88,11 +88,10 @@ def viewer(made: Viewer) -> Iterator[Viewer]:
 
 SHARED = (
     "technique", "shape", "projection", "shadows", "shading_model", "scale", "reference_height",
-    "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "apart", "tilings",
-    "mapping", "alpha", "surface", "layer", "layer_tiling", "layer_offset",
-    "shading", "shadowing",
-    "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera", "compare", "divider",
-    "show",
+    "bias", "heights", "smoothing", "edge", "fades", "fade", "tiling", "shift", "opening",
+    "apart", "tilings", "mapping", "alpha", "surface", "layer", "layer_tiling", "layer_offset",
+    "shading", "shadowing", "occlusion_kind", "fog_mode", "fog", "background", "lights", "camera",
+    "compare", "divider", "show", "scroll",
 )  # fmt: skip
 
 
@@ -102,6 +101,7 @@ def test_the_page_and_python_share_all_settings(viewer: Viewer) -> None:
         "compare",
         "divider",
         "show",
+        "scroll",
     }
 
 
@@ -312,9 +312,13 @@ def test_changes_are_observed(viewer: Viewer) -> None:
         ("lights", [{"colour": 1}], r"a light's number is one of kind, .*, not 'colour'"),
         ("lights", [{"azimuth": "left"}], r"give it finite numbers"),
         ("compare", "warp", r"compare is one of flat"),
+        ("scroll", 0.5, r"scroll is 0.5: give two numbers"),
+        ("scroll", (2000.0, 0.0), r"u is 2000: give a number from -1000 to 1000"),
         ("divider", 2, r"divider is 2: give a number from 0 to 1"),
         ("heights", "soft", r"heights is one of sharp, smooth, mip, not 'soft'"),
         ("fade", 3, r"fade is 3: give two numbers"),
+        ("opening", 2, r"opening is 2: give a number from 0 to 1"),
+        ("opening", "wide", r"opening is 'wide': give a number"),
         ("fade", (3.0, 1.0), r"fade 3 to 1: give two distances"),
         ("fades", "yes", r"fades is one of True, False, not 'yes'"),
         ("tilings", {"height": Tiling()}, r"map is one of base_color, normal"),
@@ -526,6 +530,17 @@ def test_settings_go_both_ways(shown: NotebookPage, viewer: Viewer) -> None:
     shown.python(camera=Orbit(44.0, -20.0))
     shown.saved("model.saved.length")
     assert viewer.camera == Orbit(44.0, 2.0)
+
+
+def test_the_page_scrolls_as_python_says(shown: NotebookPage, viewer: Viewer) -> None:
+    shown.python(scroll=(0.5, 0.0))
+    shown.wait("viewer.state.shift[0] > 0.05")
+    shown.python(scroll=(0.0, 0.0))
+    shown.wait("viewer.state.scroll[0] === 0")
+    shown.saved("model.saved.length")
+    # where it stopped is in Python
+    assert viewer.shift == pytest.approx(tuple(shown.frame().evaluate("viewer.state.shift")))
+    assert viewer.shift[0] > 0.0
 
 
 def test_two_views_show_the_same(shown: NotebookPage, viewer: Viewer) -> None:

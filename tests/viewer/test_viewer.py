@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -41,6 +42,7 @@ from basrelief.scene import (
     rotated,
     spot,
 )
+from basrelief.scene.motion import Moment, Scrolling
 from basrelief.scene.presets import preset
 from basrelief.scene.views import FRAME_FILL
 from basrelief.shading.lights import DIRECTIONAL, SPOT
@@ -378,6 +380,8 @@ VARIATIONS: dict[str, dict[str, Any]] = {
         }
     },
     "a layer": {"layer": Layer(sample("gravel", TEXELS), Tiling((5.0, 4.0), (0.25, 0.1)))},
+    "a hole": {"opening": 0.8, "scale": 0.3, "shadows": "hard", "technique": "secant"},
+    "a closed hole": {"opening": 0.0, "scale": 0.3},
     "fog": {"fog_mode": "linear", "fog": {"fog_start": 1.0, "fog_end": 3.0}},
     "thick fog": {"fog_mode": "exponential_squared", "fog": {"fog_density": 0.5}},
     "occluded": {"occlusion_kind": "directional", "shadows": "soft"},
@@ -428,6 +432,7 @@ def _rich_material() -> Material:
         roughness=map_of(0.3 + 0.5 * u),
         emission=map_of(glow),
         layer_mask=map_of(u * v),
+        dust=sample("dust", TEXELS // 2, seed=3).height,
     )
 
 
@@ -518,6 +523,89 @@ def test_a_slider_redraws_without_compiling(fresh: OpenPage) -> None:
     assert fresh.page.evaluate("viewer.state.settings.relief.max_steps") > 32
     assert (fresh.frame().color != before).any()
     assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+
+
+# --- scrolling --------------------------------------------------------------------------------
+
+
+def test_maps_scroll_while_you_look_and_rest_at_speed_0(
+    fresh: OpenPage, material: Material
+) -> None:
+    """A moving picture is drawn at one sample; at rest it is refined, and equals the library's."""
+    fresh.draw()
+    fresh.page.evaluate("viewer.drawing.frames.limit = 3")
+    before = fresh.page.evaluate("viewer.drawing.frames.count")
+    fresh.page.locator("input[name='scroll.0']").fill("0.5")
+    fresh.page.locator("input[name='scroll.1']").fill("-0.25")
+    # beyond 1 the shift starts anew, as maps repeat
+    for condition in ("viewer.state.shift[0] > 0.3", f"viewer.drawing.frames.count > {before + 2}"):
+        fresh.page.wait_for_function(condition)
+    u, v = fresh.page.evaluate("viewer.state.shift")
+    assert 0.0 < u < 1.0
+    assert -1.0 < v < 0.0
+    done = fresh.page.evaluate("viewer.drawing.frames.done")
+    assert done <= 1
+    command = fresh.page.evaluate("viewer.text('command')")
+    assert "--shift=" in command.partition("  # ")[0]
+    assert "the scrolling" in command.partition("  # ")[2]
+    compiled = fresh.page.evaluate("viewer.gpu.compiled")
+    for axis in (0, 1):
+        fresh.page.locator(f"input[name='scroll.{axis}']").fill("0")
+    fresh.page.wait_for_function("!viewer.drawing.frames.busy")
+    assert fresh.page.evaluate("viewer.drawing.frames.done") == 3
+    assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+    shift = tuple(fresh.page.evaluate("viewer.state.shift"))
+    fresh.page.wait_for_timeout(100)
+    assert tuple(fresh.page.evaluate("viewer.state.shift")) == shift
+    # the controls have followed
+    shown = float(fresh.page.locator("input[name='shift.0']").input_value())
+    assert shown == pytest.approx(shift[0], abs=1e-3)
+    fresh.page.evaluate("viewer.drawing.frames.limit = 1")
+    assert_agree(expected(material, shift=shift), fresh.frame(), TEXELS)
+    assert "the scrolling" not in fresh.page.evaluate("viewer.text('command')")
+
+
+SCROLLED = """async ([state, seconds]) => {
+  const { scrolled } = await import("view/scroll.js");
+  scrolled(state, seconds);
+  return state;
+}"""
+
+
+@pytest.mark.parametrize("edge", ["wrap", "clamp"])
+def test_scrolling_is_that_of_a_film(seen: OpenPage, material: Material, edge: str) -> None:
+    obj = Object(
+        material, edge=edge, tiling=(2.0, -3.0), shift=(0.1, 0.2),
+        tilings={"normal": Tiling((4.0, 1.0), (0.5, 0.0))},
+        layer=Layer(material, Tiling((5.0, 4.0), (0.25, 0.1))),
+    )  # fmt: skip
+    start = Scene((obj,), camera=CAMERA)
+    state = {**state_of(start, obj), "scroll": [0.25, -0.5]}
+    again = seen.page.evaluate(SCROLLED, [state, 0.75])
+    drawn = scene_from_state(again, start).objects[0]
+    film = Scrolling(0.25, -0.5)(start, Moment(0.5, 0.75, SIZE)).objects[0]
+    assert film.layer is not None
+    assert drawn.layer is not None
+    assert drawn.shift == pytest.approx(film.shift)
+    for found, wanted in (
+        (drawn.tilings["normal"], film.tilings["normal"]),
+        (drawn.layer.tiling, film.layer.tiling),
+    ):
+        whole = [a - b for a, b in zip(found.shift, wanted.shift, strict=True)]
+        # where maps repeat, whole tiles are dropped
+        assert whole == pytest.approx([round(n) for n in whole] if edge == "wrap" else [0, 0])
+
+
+def test_a_link_scrolls_unless_motion_is_reduced(browser: Any, page_file: Path) -> None:
+    for motion in ("no-preference", "reduce"):
+        hash = "#" + quote('{"scroll":[0.5,0]}')
+        moving = OpenPage(browser, page_file, hash, reduced_motion=motion)
+        if motion == "reduce":
+            assert moving.page.evaluate("viewer.state.scroll") == [0, 0]
+            # what you start yourself moves
+            moving.page.locator("input[name='scroll.0']").fill("0.5")
+        moving.page.wait_for_function("viewer.state.shift[0] > 0")
+        moving.page.close()
 
 
 def test_a_typed_number_is_clamped_to_its_range(fresh: OpenPage) -> None:
@@ -822,7 +910,7 @@ def _scene_of_command(material: Material, command: str) -> Scene:
         if name in several:
             options.setdefault(several[name], []).append(value)
         else:
-            number = name in ("scale", "reference_height", "bias")
+            number = name in ("scale", "reference_height", "bias", "opening")
             options[name] = float(value) if number else value
     assert re.fullmatch(r"\d+x\d+", options.pop("size"))
     return arguments.scene(material, **options)
@@ -1121,6 +1209,67 @@ def test_a_dropped_height_map_is_drawn(browser: Any, page_file: Path, material: 
     assert_agree(expected(swapped), seen.frame(), TEXELS)
     assert seen.page.locator("#panel option[disabled]", has_text="needs").count() == 0
     seen.page.close()
+
+
+def test_a_hole_opens_as_its_slider_moves(fresh: OpenPage, material: Material) -> None:
+    """The page opens it by itself, without compiling, and by the same maps as the library."""
+
+    def expected(opening: float | None) -> Frame:
+        obj = Object(material, scale=0.08, opening=opening)
+        return render(Scene((obj,), camera=CAMERA), size=SIZE, samples=1, device="cpu")
+
+    whole = fresh.frame()
+    assert fresh.page.locator("input[name=opening]").count() == 0
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.opening") == 0.6
+    assert_agree(expected(0.6), fresh.frame(), TEXELS)
+    compiled = fresh.page.evaluate("viewer.gpu.compiled")
+    fresh.page.locator("#opening-slider").focus()
+    for _ in range(3):
+        fresh.page.keyboard.press("ArrowRight")
+    assert fresh.page.evaluate("viewer.state.opening") == 0.63
+    assert_agree(expected(0.63), fresh.frame(), TEXELS)
+    assert fresh.page.evaluate("viewer.gpu.compiled") == compiled
+    # the copies have it, and the maps of the panel are those of the material
+    assert "--opening 0.63" in fresh.page.evaluate("viewer.text('command')")
+    assert "opening=0.63" in fresh.page.evaluate("viewer.text('python')")
+    assert fresh.page.evaluate("viewer.pictures === viewer.original")
+    # a table that the hole needs is baked of its heights
+    fresh.state(technique="exact")
+    fresh.page.evaluate("viewer.changed(true)")
+    exact = Object(material, scale=0.08, opening=0.63, technique="exact")
+    drawn = render(Scene((exact,), camera=CAMERA), size=SIZE, samples=1, device="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    fresh.state(technique="relief")
+    fresh.page.evaluate("viewer.changed(true)")
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.opening") is None
+    assert (fresh.frame().color == whole.color).all()
+
+
+def test_dropped_dust_opens_a_hole(fresh: OpenPage, material: Material) -> None:
+    codes = (sample("noise", 32).height.linear() * 255).astype(np.uint8)  # type: ignore[union-attr]
+    _drop(fresh, write_data(_place("thick.png"), codes), on="dust")
+    fresh.page.wait_for_function("viewer.mapMessage.startsWith('thick.png')")
+    assert fresh.page.evaluate("viewer.state.opening") == 0.6
+    swapped = replace(material, dust=Map(codes, False, "dropped"))
+    hole = Scene((Object(swapped, scale=0.08, opening=0.6),), camera=CAMERA)
+    drawn = render(hole, size=SIZE, samples=1, device="cpu")
+    assert_agree(drawn, fresh.frame(), TEXELS)
+    fresh.open("maps")
+    fresh.page.locator("#remove-dust").click()
+    fresh.page.wait_for_function("viewer.mapMessage.startsWith('Drawn without')")
+    assert fresh.page.evaluate("viewer.state.opening") is None
+    assert fresh.page.locator("#hole").count() == 0
+    # an opening without dust has no effect, and no copy has it
+    fresh.state(opening=0.5)
+    fresh.page.evaluate("viewer.changed(true)")
+    assert "--opening" not in fresh.page.evaluate("viewer.text('command')")
+    assert_agree(
+        render(Scene((Object(material, scale=0.08),), camera=CAMERA), size=SIZE, samples=1,
+               device="cpu"),
+        fresh.frame(), TEXELS,
+    )  # fmt: skip
 
 
 def test_a_dropped_file_that_is_not_a_picture_is_reported(fresh: OpenPage) -> None:

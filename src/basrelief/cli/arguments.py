@@ -300,6 +300,11 @@ def scene_options(
     if layer is not None:
         parsed["layer"] = Layer(load(layer))
     merged = preset.merged(material, parsed)
+    if measured and merged.get("opening") is not None:
+        raise InputError(
+            "--depth and --tile are those of the material, not of a hole; "
+            "give --scale, or omit --opening"
+        )
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
     # loaded here once: loading runs a user's file
     technique = technique_named(merged.get("technique") or default_technique(material))

@@ -37,7 +37,7 @@ Options = Mapping[str, Any]
 """Annotated types of options, by the name of their keyword."""
 Text = str | None
 Texts = list[str] | None
-_SOURCES = {1: "FILE|sample:NAME|NUMBER", 3: "FILE|sample:NAME"}
+_SOURCES = {1: "FILE|FOLDER|sample:NAME|NUMBER", 3: "FILE|FOLDER|sample:NAME"}
 _TYPES: dict[str, Any] = {
     "choice": Text, "text": Text, "pair": Text, "triple": Text, "flag": bool | None,
     "integer": int | None, "number": float | None,
@@ -167,7 +167,7 @@ FURTHER: Options = {
     ),
 }
 BAKE: Options = {
-    **{name: RELIEF[name] for name in ("preset", "scale", "edge")},
+    **{name: RELIEF[name] for name in ("preset", "scale", "edge", "opening")},
     **_options_of(FileOptions, group="Bake"),
 }
 _PANELS = (

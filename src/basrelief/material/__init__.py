@@ -12,7 +12,7 @@ from basrelief.lazy import lazy_names
 if TYPE_CHECKING:
     from basrelief.material.loading import load
     from basrelief.material.material import Map, Material, Note
-    from basrelief.material.opening import hole
+    from basrelief.material.opening import hole, opened
     from basrelief.material.options import MAPS
     from basrelief.material.reporting import describe, report
     from basrelief.material.samples import SAMPLES, sample
@@ -25,7 +25,7 @@ __getattr__ = lazy_names(
         "options": ("MAPS",),
         "reporting": ("describe", "report"),
         "samples": ("SAMPLES", "sample"),
-        "opening": ("hole",),
+        "opening": ("hole", "opened"),
     },
 )
 
@@ -38,6 +38,7 @@ __all__ = [
     "describe",
     "hole",
     "load",
+    "opened",
     "report",
     "sample",
 ]

@@ -91,6 +91,7 @@ _SPELLINGS: Mapping[str, Meaning] = {
     "emission emissive emit emissivecolor emissioncolor glow": _single("emission"),
     "opacity alpha transparency cutout": _single("opacity"),
     "detailmask layermask": _single("layer_mask"),
+    "dustmask dustmap": _single("dust"),
     "normalheight normalh nh nrmh normaldisplacement normaldisp": _NORMAL_HEIGHT,
     "albedotransparency albedoalpha albedoopacity coloropacity coloralpha": _COLOR_OPACITY,
     "basecoloralpha basecoloropacity diffusealpha": _COLOR_OPACITY,
@@ -114,10 +115,11 @@ _NOT_USED = (
 def _table() -> dict[str, Meaning]:
     """Meanings by spelling, each also with the suffixes "map", "tex" and "texture".
 
-    Every map is found under its own name, and under those of `_SPELLINGS`.
+    Every map is found under its own name, and under those of `_SPELLINGS`; but "dust" alone is
+    part of the names of materials.
     """
     table = {"maskmap": _MASK_MAP}
-    own = [(name.replace("_", ""), _single(name)) for name in MAPS]
+    own = [(name.replace("_", ""), _single(name)) for name in MAPS if name != "dust"]
     # a map's own name counts for more than a list of maps that are not used
     for spellings, meaning in ((_NOT_USED, _UNUSED), *own, *_SPELLINGS.items()):
         for spelling in spellings.split():

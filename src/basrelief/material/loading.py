@@ -24,7 +24,7 @@ from basrelief.material.options import (
     NormalConvention,
     Packing,
     ReadOptions,
-    names_file,
+    is_path,
     number_in_place_of_map,
 )
 from basrelief.material.samples import sample
@@ -56,6 +56,7 @@ def load(
     emission: PathLike | None = None,
     opacity: MapSource | None = None,
     layer_mask: MapSource | None = None,
+    dust: MapSource | None = None,
 ) -> Material:
     """Load a material from files.
 
@@ -87,10 +88,11 @@ def load(
     tile : float, optional
         Width of the maps in metres, above 0.
     base_color, normal, emission : path or str, optional
-        File of one map, to override what the file names imply, or "sample:NAME" for the map of a
-        sample.
-    height, occlusion, roughness, metallic, opacity, layer_mask : path, str or float, optional
-        The same for the maps of one channel, or a number from 0 to 1 in place of a map.
+        File of one map, to override what the file names imply; or a folder or "sample:NAME" for
+        the map of that material.
+    height, occlusion, roughness, metallic, opacity, layer_mask, dust : path, str or float, optional
+        The same for the maps of one channel, or a number from 0 to 1 in place of a map. A material
+        without a dust map gives its heights as dust.
 
     Returns
     -------
@@ -113,9 +115,10 @@ def load(
     }
     files = (
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
+        dust,
     )  # fmt: skip
     sources = {kind: _text(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
-    named_files = {kind: Path(f) for kind, f in sources.items() if names_file(f)}
+    named_files = {k: Path(f) for k, f in sources.items() if is_path(f) and not os.path.isdir(f)}
     if path is None and not sources:
         raise InputError("nothing to load: name a folder, a picture or a map")
     if path is not None and os.fspath(path).startswith(SAMPLE):
@@ -131,7 +134,9 @@ def load(
         file_set = _file_set(path, options, sources)
         builder = _Builder(options, file_set.name, list(file_set.notes))
         choices = {kind: each for kind, each in file_set.choices.items() if kind not in sources}
-    builder.add_generated({kind: f for kind, f in sources.items() if kind not in named_files})
+    for kind, source in sources.items():
+        if kind not in named_files:
+            builder.add_source(kind, source)
     material = builder.build({**choices, **_named_choices(named_files)}, depth, tile)
     return material.with_origin(None if path is None else os.fspath(path), {**requested, **sources})
 
@@ -148,11 +153,14 @@ def _file_set(path: PathLike | None, options: ReadOptions, sources: dict[str, st
     return search(Path(path), green, frozenset(sources))
 
 
-def _sample_map(kind: str, name: str) -> Map:
-    sample_map = getattr(sample(name.removeprefix(SAMPLE)), kind)
-    if not isinstance(sample_map, Map):
-        raise InputError(f"{name} has no {kind} map; choose another sample, or a file")
-    return sample_map
+def _map_of(kind: str, path: str, material: Material) -> Map:
+    """A map of another material, which `path` names; heights serve as dust."""
+    found: Map | None = getattr(material, kind)
+    if found is None and kind == "dust":
+        found = material.height
+    if found is None:
+        raise InputError(f"{path} has no {kind} map; choose another sample, folder or file")
+    return found
 
 
 def _even(kind: str, value: float) -> Map:
@@ -191,7 +199,7 @@ class _Builder:
         for kind in ("base_color", "emission"):
             if kind in choices:
                 self.add_color(kind, choices[kind])
-        for kind in ("occlusion", "roughness", "metallic", "opacity", "layer_mask"):
+        for kind in ("occlusion", "roughness", "metallic", "opacity", "layer_mask", "dust"):
             if kind in choices:
                 self.add_scalar(kind, choices[kind])
         if "normal" in choices:
@@ -211,12 +219,14 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
-    def add_generated(self, sources: dict[str, str]) -> None:
-        """Add maps that no file holds: of procedural samples, named `sample:NAME`, and numbers."""
-        for kind, source in sources.items():
-            value = number_in_place_of_map(source)
-            self.maps[kind] = _sample_map(kind, source) if value is None else _even(kind, value)
-            self.note(f"{kind} from {source}" if value is None else f"{kind} {source}", "requested")
+    def add_source(self, kind: str, source: str) -> None:
+        """Add a map that no file of its own holds: of another material, or a number."""
+        value = number_in_place_of_map(source)
+        if value is None:
+            self.maps[kind] = _map_of(kind, source, load(source, **vars(self.options)))
+        else:
+            self.maps[kind] = _even(kind, value)
+        self.note(f"{kind} {source}" if value is not None else f"{kind} from {source}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:
         pixels = channels.extract_rgb(self.picture(choice))

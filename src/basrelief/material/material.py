@@ -127,10 +127,10 @@ class Origin:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Material:
-    """A surface described by up to nine maps, each stretched over the whole tile.
+    """A surface described by up to ten maps, each stretched over the whole tile.
 
-    Maps may differ in size but not in proportions; single texels fit any map. A missing map is
-    None.
+    Maps may differ in size but not in proportions; single texels fit any map, and dust is
+    stretched. A missing map is None.
 
     Parameters
     ----------
@@ -146,6 +146,8 @@ class Material:
         1 channel each, 0 to 1.
     layer_mask : Map, optional
         Weight of a second layer, 1 channel, 0 to 1.
+    dust : Map, optional
+        Dust on the surface, 1 channel, 0 to 1, by which a hole opens in the heights.
     depth : float, optional
         Full height range in metres, above 0.
     tile : float, optional
@@ -170,6 +172,7 @@ class Material:
     emission: Map | None = None
     opacity: Map | None = None
     layer_mask: Map | None = None
+    dust: Map | None = None
     depth: float | None = None
     tile: float | None = None
     notes: tuple[Note, ...] = ()
@@ -215,7 +218,7 @@ class Material:
     @property
     def proportion(self) -> float:
         """Width ÷ height of the maps in texels; 1 if all are single texels."""
-        shaped = [map for _, map in self.maps() if not map.flat]
+        shaped = [map for _, map in self._shaped_maps()]
         largest = max(shaped, key=lambda map: map.width * map.height, default=None)
         return 1.0 if largest is None else largest.width / largest.height
 
@@ -234,8 +237,12 @@ class Material:
                 " stretch them"
             )
 
+    def _shaped_maps(self) -> Iterator[tuple[str, Map]]:
+        """The maps that have the material's proportions; dust is stretched over the heights."""
+        return ((kind, map) for kind, map in self.maps() if not map.flat and kind != "dust")
+
     def _check_proportions(self) -> None:
-        shaped = [(kind, map) for kind, map in self.maps() if not map.flat]
+        shaped = [*self._shaped_maps()]
         for kind, map in shaped[1:]:
             first_kind, first = shaped[0]
             if not _same_proportions(first, map):

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
+from basrelief.images import srgb_decode, srgb_encode
+from basrelief.images.resize import resized
 from basrelief.material.material import Map, Material, Note
 
 DEPTH = 0.3
@@ -25,61 +27,80 @@ STRENGTH = 2.8
 SOFTNESS = 0.45
 """Excess over the limit at which heights have fallen to 1/e; less makes steeper walls."""
 
+_UNIT = 65535
+"""The 16-bit code of 1."""
+
 
 def hole(cracks: Material, dust: Material, opening: float) -> Material:
-    """The surface of `cracks` with a hole where `dust` lies; `opening` is 0 (whole) to 1 (open).
+    """The surface of `cracks` with a hole where the heights of `dust` lie.
 
-    With the crack heights h and the dust heights d, the heights are
-    exp(−max(STRENGTH · opening · d − h, 0) ÷ SOFTNESS). At 0 they are all 1, and the cracks show in
-    the colour alone. Heights never rise as the opening grows.
+    As `opened`, for two materials. Raises InputError for height maps that are missing, too.
+    """
+    for material in (cracks, dust):
+        if material.height is None:
+            raise InputError(f"{material.name} has no height map, which a hole is made from")
+    return opened(replace(cracks, dust=dust.height), opening)
+
+
+def opened(material: Material, opening: float) -> Material:
+    """A material with a hole where its dust lies; `opening` is 0 (whole) to 1 (open).
+
+    With the material's own heights h, those of cracks, and the dust d, brought to their size, the
+    heights are exp(−max(STRENGTH · opening · d − h, 0) ÷ SOFTNESS). At 0 they are all 1, and the
+    cracks show in the colour alone. Heights never rise as the opening grows.
 
     The base colour is darkened inside. Normals and occlusion are omitted, since those of the cracks
     would be wrong; the renderer derives normals from the heights. Raises InputError for an opening
-    outside 0 to 1, and for height maps that are missing or differ in size.
+    outside 0 to 1, and without heights or dust.
     """
     if not 0 <= opening <= 1:
         raise InputError(f"a hole's opening is 0 (whole) to 1 (open), not {opening}")
-    crack_heights, dust_heights = _heights(cracks), _heights(dust)
-    if crack_heights.shape != dust_heights.shape:
-        first, second = (
-            " × ".join(map(str, m.shape[1::-1])) for m in (crack_heights, dust_heights)
-        )
-        raise InputError(
-            f"a hole needs cracks and dust of one size, not {first} and {second} texels"
-        )
-    excess = dust_heights * np.float32(STRENGTH * opening) - crack_heights
+    if material.height is None or material.dust is None:
+        missing = "height" if material.height is None else "dust"
+        raise InputError(f"{material.name} has no {missing} map, which a hole is made from")
+    cracks = material.height.linear()[:, :, 0]
+    dust = _resized(material.dust.linear()[:, :, 0], cracks.shape)
+    excess = dust * np.float32(STRENGTH * opening) - cracks
     np.maximum(excess, 0, out=excess)
     excess *= np.float32(-1 / SOFTNESS)
     height = np.exp(excess, out=excess)
-    codes = np.rint(height * np.float32(65535)).astype(np.uint16)
+    codes = np.rint(height * np.float32(_UNIT)).astype(np.uint16)
+    color, name = material.base_color, f"hole in {material.name}"
     return replace(
-        cracks,
-        name=f"hole in {cracks.name}",
-        base_color=None if cracks.base_color is None else _darkened(cracks.base_color, height),
+        material,
+        name=name,
+        base_color=None if color is None else _darkened(color, height),
         normal=None,
-        height=Map(codes[:, :, None], False, f"hole in {cracks.name}, height"),
+        height=Map(codes[:, :, None], False, f"{name}, height"),
         occlusion=None,
-        depth=None if cracks.tile is None else DEPTH * cracks.tile,
-        notes=(*cracks.notes, Note(f"opened by {opening:g}", f"dust from {dust.name}")),
+        dust=None,
+        depth=None if material.tile is None else DEPTH * material.tile,
+        notes=(*material.notes, Note(f"opened by {opening:g}", f"by {material.dust.source}")),
     )
 
 
-def _heights(material: Material) -> NDArray[np.float32]:
-    if material.height is None:
-        raise InputError(f"{material.name} has no height map, which a hole is made from")
-    return material.height.linear()[:, :, 0]
+def _resized(values: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.float32]:
+    """Numbers (h, w) from 0 to 1 at another size, as 16-bit fractions where they are resized."""
+    if values.shape == shape:
+        return values
+    codes = np.rint(np.clip(values, 0, 1) * np.float32(_UNIT)).astype(np.uint16)
+    return resized(codes, shape).astype(np.float32) / np.float32(_UNIT)
 
 
 def _darkened(color: Map, height: NDArray[np.float32]) -> Map:
-    """A colour map times powers of the height: 1½ for red, 2 for green, 2½ for blue.
+    """A colour map times powers of the height in sRGB: 1½ for red, 2 for green, 2½ for blue.
 
     The rim turns brown, and the bottom black.
     """
+    height = _resized(height, color.pixels.shape[:2])
     root = np.sqrt(height)
     square = height * height
+    encoded = color.pixels if color.srgb else srgb_encode(color.linear())
     pixels = np.empty(color.pixels.shape, np.float32)
     for channel, factor in enumerate((height * root, square, square * root)):
-        np.multiply(color.pixels[:, :, channel], factor, out=pixels[:, :, channel])
-    if color.pixels.dtype != np.float32:
+        np.multiply(encoded[:, :, channel], factor, out=pixels[:, :, channel])
+    if not color.srgb:
+        pixels = srgb_decode(pixels).astype(np.float32)
+    elif color.pixels.dtype != np.float32:
         pixels = np.rint(pixels, out=pixels).astype(color.pixels.dtype)
     return Map(pixels, color.srgb, f"{color.source}, darkened")

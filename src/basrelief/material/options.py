@@ -33,6 +33,7 @@ MAPS = {
     "emission": MapKind(3, "emission map"),
     "opacity": MapKind(1, "opacity map"),
     "layer_mask": MapKind(1, "mask of the second layer"),
+    "dust": MapKind(1, "dust map, by which a hole opens"),
 }
 """The maps of a material."""
 SAMPLE = "sample:"
@@ -47,8 +48,8 @@ def number_in_place_of_map(text: str) -> float | None:
         return None
 
 
-def names_file(text: str) -> bool:
-    """Whether the source of a map is a file, not a sample or a number."""
+def is_path(text: str) -> bool:
+    """Whether the source of a map is a file or folder, not a sample or a number."""
     return not text.startswith(SAMPLE) and number_in_place_of_map(text) is None
 
 

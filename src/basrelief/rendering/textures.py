@@ -20,6 +20,7 @@ from basrelief.baking.levels import halved, levels_of
 from basrelief.baking.tables import table
 from basrelief.engine import Engine
 from basrelief.images import srgb_decode
+from basrelief.images.resize import resized
 from basrelief.lang.resources import Edge, Filter, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.techniques import Bake
@@ -74,8 +75,8 @@ def base_color(material: Material, edge: Edge) -> Texture | None:
             channels = [np.full(shape, round(_DEFAULT_COLOR * _UNIT), np.uint16)] * 3
         else:
             pixels = _fractions(color)
-            channels = [_resized(pixels[:, :, k : k + 1], shape) for k in range(3)]
-        alpha = None if opacity is None else _resized(_fractions(opacity), shape)
+            channels = [resized(pixels[:, :, k], shape) for k in range(3)]
+        alpha = None if opacity is None else resized(_fractions(opacity)[:, :, 0], shape)
         return _texture([*channels, alpha], edge, cut_out=alpha is not None)
 
     return _cached(material, ("base color", edge), make)
@@ -116,7 +117,7 @@ def response(material: Material, edge: Edge) -> Texture | None:
             if map is None:
                 channels.append(np.full(shape, round(default * _UNIT), np.uint16))
             else:
-                channels.append(_resized(_fractions(map), shape))
+                channels.append(resized(_fractions(map)[:, :, 0], shape))
         return _texture(channels, edge)
 
     return _cached(material, ("response", edge), make)
@@ -224,21 +225,6 @@ def _largest(*maps: Map | None) -> tuple[int, int]:
 def _channels(map: Map) -> NDArray[np.uint16]:
     """Linear 16-bit fractions of a map, channels first."""
     return _fractions(map).transpose(2, 0, 1)
-
-
-def _resized(pixels: NDArray[np.uint16], shape: tuple[int, int]) -> NDArray[np.uint16]:
-    """One channel, resized bilinearly; it wraps, so that it tiles without a seam."""
-    values = pixels[:, :, 0]
-    for axis, target in enumerate(shape):
-        count = values.shape[axis]
-        if count == target:
-            continue
-        position = (np.arange(target) + 0.5) * count / target - 0.5
-        first = np.floor(position).astype(int)
-        weight = (position - first).reshape((-1, 1) if axis == 0 else (1, -1))
-        a, b = (np.take(values, (first + k) % count, axis) for k in (0, 1))
-        values = np.rint(a * (1.0 - weight) + b * weight).astype(np.uint16)
-    return values
 
 
 def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Texture:

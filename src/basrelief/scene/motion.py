@@ -8,7 +8,6 @@ initial scene, never from the previous moment, so that any frame can be drawn by
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +15,6 @@ from typing import Protocol
 
 from basrelief.errors import InputError
 from basrelief.lang import Vec3
-from basrelief.material import Material, hole, sample
 from basrelief.scene import LookAt, Object, Orbit, Scene, rotated
 from basrelief.scene.checks import check_settings
 from basrelief.scene.lights import light_parameters
@@ -30,6 +28,8 @@ __all__ = [
 
 _LIMIT = 1e3
 """Limit of turns per film and of tiles per second, far beyond what the eye can follow."""
+_SPEED_CONTROL = {"low": -1.0, "high": 1.0, "step": 0.01}
+"""Range and step of the viewer's sliders."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,8 @@ class Scrolling:
     `_Time[0] * 5`.
     """
 
-    u: float = setting(default=0.25, low=-_LIMIT, high=_LIMIT)
-    v: float = setting(default=0.0, low=-_LIMIT, high=_LIMIT)
+    u: float = setting(default=0.25, low=-_LIMIT, high=_LIMIT, control=_SPEED_CONTROL)
+    v: float = setting(default=0.0, low=-_LIMIT, high=_LIMIT, control=_SPEED_CONTROL)
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -171,9 +171,7 @@ class Scrolling:
 
 @dataclass(frozen=True)
 class Opening:
-    """A hole that opens and closes in the first object, whose height map holds the cracks.
-
-    The dust map is the sample `dust`; see `basrelief.material.opening`.
+    """A hole that opens and closes in the first object: its `opening`, from 0 to 1 and back.
 
     Parameters
     ----------
@@ -201,15 +199,14 @@ class Opening:
             raise InputError("a hole cannot open: the first object needs a height map; give it one")
         first, *others = scene.objects
         opening = 0.5 - 0.5 * math.cos(2.0 * math.pi * self.times * now.fraction)
-        opened = hole(first.material, _dust_for(first.material), opening)
-        return replace(scene, objects=(replace(first, material=opened), *others))
+        return replace(scene, objects=(replace(first, opening=opening), *others))
 
 
 MOTIONS = {"orbit": Orbiting, "light": Lighting, "scroll": Scrolling, "opening": Opening}
 """Motions by their names on the command line, where their fields are parameters."""
 
 
-# --- rotations, dust, shifts ---------------------------------------------------------------------
+# --- rotations, shifts ---------------------------------------------------------------------------
 
 _Point = tuple[float, float, float]
 
@@ -240,17 +237,6 @@ def _rotated_light(light: Light, camera: Orbit | LookAt, degrees: float) -> Ligh
         return replace(light, direction=direction)
     position = Vec3(*_rotate_around([*light.position], camera.target, degrees))
     return replace(light, position=position, direction=direction)
-
-
-def _dust_for(cracks: Material) -> Material:
-    """The dust material at the size of the crack heights."""
-    assert cracks.height is not None
-    return _dust(cracks.height.height, cracks.height.width)
-
-
-@functools.lru_cache(maxsize=2)
-def _dust(height: int, width: int) -> Material:
-    return sample("dust", (height, width))
 
 
 def _shifted(obj: Object, offset: tuple[float, float]) -> Object:

@@ -74,6 +74,11 @@ class Object:
         on the shape.
     shift : (float, float), default (0, 0)
         Shift of all maps in tiles along u and v.
+    opening : float, optional
+        Opening of a hole where the dust map lies, 0 (whole) to 1 (open). The material's heights are
+        those of cracks, which open first; without a dust map the hole is that of the sample `dust`,
+        and without a scale it is 0.3 deep, whatever the depth of the cracks. By default there is
+        none.
     surface : {"standard", "landscape"}, default "standard"
         Surface shader.
     surface_parameters : record or mapping, optional
@@ -103,8 +108,8 @@ class Object:
     Raises
     ------
     InputError
-        For values out of range, unknown names and settings, and a technique other than `flat` for
-        a material without heights.
+        For values out of range, unknown names and settings, and a technique other than `flat`, or
+        an opening, for a material without heights.
     """
 
     material: Material
@@ -145,6 +150,9 @@ class Object:
         control=SHIFT_CONTROL,
         spelling="U,V",
         group="Relief",
+    )
+    opening: float | None = setting(
+        default=None, low=0.0, high=1.0, control={"step": 0.01}, group="Relief"
     )
     surface: SurfaceKind = setting(default="standard", group="Surface")
     surface_parameters: Any = setting(factory=dict, kind="numbers", group="Surface")

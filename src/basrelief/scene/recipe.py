@@ -18,7 +18,7 @@ import numpy as np
 from basrelief.errors import InputError
 from basrelief.lang.types import VECTORS, coerce, fields_of
 from basrelief.material import MAPS, Material
-from basrelief.material.options import names_file
+from basrelief.material.options import is_path
 from basrelief.scene.lights import light_arguments
 from basrelief.scene.objects import Object
 from basrelief.scene.presets import Preset
@@ -36,6 +36,8 @@ FOLDER = "FOLDER"
 """Placeholder for the path of a material that was not loaded from files."""
 SAMPLE_OPTIONS = ("size", "seed")
 """Options of `basrelief.sample` that `load` and the command line do not have."""
+LENGTHS = ("depth", "tile")
+"""Options of `load` from which the scale of a relief follows."""
 
 
 @dataclass(frozen=True)
@@ -179,10 +181,12 @@ def _command_parts(scene: Scene, drawing: Mapping[str, Any]) -> Iterator[str]:
     obj = scene.objects[0]
     origin = obj.material.origin
     yield _argument(origin.path) if origin is not None and origin.path else FOLDER
-    for name, value in (origin.options if origin is not None else {}).items():
-        if name not in SAMPLE_OPTIONS:
-            yield from _option(name, value)
     options = {**_object_options(obj), **_scene_options(scene)}
+    # a scale, and the depth of a hole, replace that of the material, and are refused beside it
+    replaced = LENGTHS if {"scale", "opening"} & options.keys() else ()
+    for name, value in (origin.options if origin is not None else {}).items():
+        if name not in (*SAMPLE_OPTIONS, *replaced):
+            yield from _option(name, value)
     declared = {**settings_of(Object), **settings_of(Scene)}
     for name, value in options.items():
         if declared[name].kind == "numbers":
@@ -424,9 +428,9 @@ def _preset_values(scene: Scene) -> dict[str, Any]:
     reading = {
         name: _absolute(value) if name in MAPS else value
         for name, value in (origin.options if origin is not None else {}).items()
-        if name not in (*SAMPLE_OPTIONS, "depth", "tile")
+        if name not in (*SAMPLE_OPTIONS, *LENGTHS)
     }
-    if origin is not None and origin.options.keys() & {"depth", "tile"}:
+    if origin is not None and origin.options.keys() & {*LENGTHS}:
         of_object.setdefault("scale", obj.resolved.scale)
     tables = {"maps": reading, "object": of_object, "scene": of_scene}
     return {name: _toml(values) for name, values in tables.items() if values}
@@ -437,7 +441,7 @@ def _table(tiling: Tiling) -> dict[str, Any]:
 
 
 def _absolute(path: str) -> str:
-    return str(Path(path).resolve()) if names_file(path) else path
+    return str(Path(path).resolve()) if is_path(path) else path
 
 
 def _toml(value: Any) -> Any:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -16,7 +17,8 @@ from numpy.typing import NDArray
 from basrelief.baking.tables import check_bake
 from basrelief.errors import InputError
 from basrelief.lang import Mat3, Vec2, Vec3, Vec4
-from basrelief.material import Material
+from basrelief.material import Map, Material, opened, sample
+from basrelief.material.opening import DEPTH
 from basrelief.scene.checks import FAR
 from basrelief.scene.records import SCENE_RECORDS, settings_record
 from basrelief.scene.shapes import SHAPES
@@ -49,6 +51,8 @@ if TYPE_CHECKING:
 
 DEFAULT_SCALE = 0.05
 """Scale of a relief whose material has none: 5 % of a tile's width."""
+DUST_SIDE = 256
+"""Side of the default dust map of a material without heights, in texels."""
 SURFACES: dict[str, Any] = {"standard": SurfaceParameters, "landscape": Landscape}
 """Surfaces with their parameter records."""
 
@@ -67,7 +71,8 @@ def number_records(technique: Technique[..., Any], surface: str) -> dict[str, An
 class ResolvedObject:
     """An object with every option decided.
 
-    `settings`, `smoothing` and `surface_parameters` are records. `fade` and `layer` are None where
+    `material` has the hole of the object's opening. `settings`, `smoothing` and
+    `surface_parameters` are records. `fade` and `layer` are None where
     there is none; `transform` is from object to world space, (4, 4). Other fields are those of
     `Object`.
     """
@@ -162,11 +167,11 @@ def resolve(obj: Object) -> ResolvedObject:
     """The object with every option decided. Raises InputError for options that do not fit."""
     technique = _technique(obj)
     return ResolvedObject(
-        material=obj.material,
+        material=_material(obj),
         shape=obj.shape,
         technique=technique,
         settings=settings_record(technique.settings, obj.settings, technique.name),
-        scale=_first_set(obj.scale, default_scale(obj.material)),
+        scale=_first_set(obj.scale, default_scale(obj.material, obj.opening)),
         reference_height=_first_set(obj.reference_height, technique.reference_height),
         projection=obj.projection or technique.projection,
         bias=obj.bias,
@@ -197,9 +202,15 @@ def default_technique(material: Material) -> Technique[..., Any]:
     return flat if material.height is None else relief
 
 
-def default_scale(material: Material) -> float:
-    """The scale of a material, or `DEFAULT_SCALE` where it has none."""
-    return _first_set(material.scale, DEFAULT_SCALE)
+def default_scale(material: Material, opening: float | None = None) -> float:
+    """The scale of a material, or `DEFAULT_SCALE` where it has none; of a hole its own."""
+    return _first_set(None if opening is None else DEPTH, material.scale, DEFAULT_SCALE)
+
+
+def dust_of(material: Material) -> Map:
+    """The dust map of a material, or that of the sample `dust` at the size of the heights."""
+    height = material.height
+    return material.dust or _dust(*((height.height, height.width) if height else ()))
 
 
 def default_tiles(shape: ShapeKind, material: Material) -> tuple[float, float]:
@@ -238,6 +249,32 @@ def _technique(obj: Object) -> Technique[..., Any]:
         )
     check_bake(technique.bake, technique.name)
     return technique
+
+
+def _material(obj: Object) -> Material:
+    if obj.opening is None:
+        return obj.material
+    if obj.material.height is None:
+        raise InputError(
+            f"{obj.material.name} has no height map, in which a hole opens; "
+            "add one, or omit the opening"
+        )
+    return _opened(obj.material, obj.opening)
+
+
+# of a film's frames, and of objects that differ in other options
+@functools.lru_cache(maxsize=2)
+def _opened(material: Material, opening: float) -> Material:
+    hole = opened(replace(material, dust=dust_of(material)), opening)
+    # files and messages are named after the user's material
+    return replace(hole, name=material.name)
+
+
+@functools.lru_cache(maxsize=2)
+def _dust(height: int = DUST_SIDE, width: int = DUST_SIDE) -> Map:
+    dust = sample("dust", (height, width)).height
+    assert dust is not None
+    return dust
 
 
 def _heights(obj: Object, technique: Technique[..., Any]) -> HeightsKind:

@@ -9,6 +9,7 @@ from basrelief.lang.types import fields_of
 from basrelief.scene import Object, Orbit, Scene, Tiling
 from basrelief.scene.checks import FAR, NEAR
 from basrelief.scene.lights import parameters_of_all_lights
+from basrelief.scene.motion import Scrolling
 from basrelief.settings import Setting, settings_of
 from basrelief.viewer.layouts import json_value
 
@@ -19,14 +20,15 @@ _NUMBERS = ("number", "pair", "triple")
 def controls() -> dict[str, Any]:
     """Controls of the settings that are not in records of numbers, by name.
 
-    `scene` are those of `Object` and `Scene`, `tiling` those of a map's tiling; `camera` and
-    `lights` those of an orbit and of all kinds of lights.
+    `scene` are those of `Object` and `Scene`, `tiling` those of a map's tiling; `camera`, `lights`
+    and `scroll` those of an orbit, of all kinds of lights, and of scrolling.
     """
     return {
         "scene": _controls({**settings_of(Object), **settings_of(Scene)}),
         "tiling": _controls(settings_of(Tiling)),
         "camera": _controls(settings_of(Orbit)),
         "lights": _controls(parameters_of_all_lights()),
+        "scroll": _controls(settings_of(Scrolling)),
     }
 
 
@@ -39,6 +41,7 @@ def limits() -> dict[str, Any]:
         "numbers": {
             **_ranges({**settings_of(Object), **settings_of(Scene)}),
             "divider": (0.0, 1.0),
+            "scroll": _ranges(settings_of(Scrolling))["u"],
         },
         "lights": _ranges(parameters_of_all_lights()),
         "camera": _ranges(settings_of(Orbit)),

@@ -26,6 +26,7 @@ from basrelief.material import Material
 from basrelief.rendering.render import scene_of
 from basrelief.scene import SURFACES, Object, Orbit, Scene
 from basrelief.scene.checks import check_range, check_setting
+from basrelief.scene.motion import Scrolling
 from basrelief.scene.recipe import Recipe
 from basrelief.scene.records import settings_record
 from basrelief.scene.resolve import default_tiles
@@ -97,6 +98,11 @@ def _other_technique(viewer: Viewer, name: str, value: Any) -> Any:
     return "" if value in (None, "") else _technique(viewer, name, value)
 
 
+def _scroll(viewer: Viewer, name: str, value: Any) -> Any:
+    speed = Scrolling(*_two_numbers(name, value))
+    return speed.u, speed.v
+
+
 def _show(viewer: Viewer, name: str, value: Any) -> Any:
     check_choice(name, value, SHOWS)
     if value == "missed":
@@ -107,6 +113,10 @@ def _show(viewer: Viewer, name: str, value: Any) -> Any:
 def _number(viewer: Viewer, name: str, value: Any) -> float:
     check_setting(replace(declarations(Object)[name], optional=False), value)
     return float(value)
+
+
+def _opening(viewer: Viewer, name: str, value: Any) -> float | None:
+    return Object(viewer._material, opening=value).opening
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:
@@ -285,6 +295,8 @@ class Viewer(_Declared):
         Numbers of the relief, and the position of the divider, 0 to 1.
     tiling, shift, fade : (float, float)
         Tiles, shift in tiles, and distances of the fade, which applies where `fades` is True.
+    opening : float or None
+        Opening of a hole, 0 to 1; None for none.
     settings, surface_parameters, smoothing, shading, shadowing, fog : mapping
         Records; set by a mapping of values that differ from the defaults, read as a whole.
     settings_of, all_surface_parameters : mapping
@@ -300,6 +312,8 @@ class Viewer(_Declared):
         Lights; set by lights, read as mappings.
     compare, show : str
         As above.
+    scroll : (float, float)
+        Speed at which the page scrolls all maps, as for `Scrolling`; (0, 0) for a still picture.
 
     Raises
     ------
@@ -316,6 +330,7 @@ class Viewer(_Declared):
     settings_of = _shared(_settings_of)
     surface_parameters = _Setting(_surface_parameters)
     all_surface_parameters = _shared(_all_surface_parameters)
+    opening = _shared(_opening)
     fog = _shared(_fog)
     fades = _shared(_flag)
     apart = _shared(_flag)
@@ -328,6 +343,7 @@ class Viewer(_Declared):
     compare = _shared(_other_technique)
     divider = _shared(_share)
     show = _shared(_show)
+    scroll = _shared(_scroll)
 
     def __init__(
         self,
@@ -361,6 +377,7 @@ class Viewer(_Declared):
             compare=compare,
             show=show,
             divider=0.5,
+            scroll=(0.0, 0.0),
             settings_of=self._all_settings,
             all_surface_parameters=self._all_surface_parameters_sent,
             **state,

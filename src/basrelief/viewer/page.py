@@ -23,7 +23,8 @@ from basrelief.pages import check_overwritable, fill, write_page
 from basrelief.rendering import textures
 from basrelief.rendering.programs import surface_maps
 from basrelief.rendering.render import render
-from basrelief.scene import Object, ResolvedObject, Scene
+from basrelief.scene import Object, Scene
+from basrelief.scene.resolve import DUST_SIDE, dust_of
 from basrelief.techniques import BAKES, BOUNDS, CONE_MAP, Nothing
 from basrelief.viewer.layouts import layouts
 from basrelief.viewer.maps import as_fractions, packed
@@ -46,9 +47,9 @@ _BAKED_BY_PAGES = (BOUNDS, CONE_MAP)
 """Tables that a page bakes itself; it contains the other tables. `web/bakes.js` can bake relaxed
 cones too, but that takes minutes without a GPU."""
 _MODULES = (
-    "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "dropped",
-    "text", "colors", "missed", "gpu", "pace", "frames", "bakes", "drawing", "controls", "thumbs",
-    "mappanel", "panel", "host", "input", "main",
+    "checks", "state", "camera", "records", "link", "maps", "png", "names", "srgb", "resize",
+    "dropped", "opened", "text", "colors", "missed", "gpu", "pace", "frames", "bakes",
+    "drawing", "controls", "thumbs", "mappanel", "scroll", "panel", "host", "input", "main",
 )  # fmt: skip
 
 
@@ -122,7 +123,7 @@ def page_of(scene: Scene, texels: int, device: str | Engine, progress: Progress)
     while True:
         progress("packing the maps", 0.9)
         scaled_obj = _with_scaled_maps(obj, max_side)
-        maps = _maps(scaled_obj.resolved, engine)
+        maps = _maps(scaled_obj, engine)
         if _bytes(maps, stills) <= LARGEST or max_side <= _SMALLEST:
             break
         max_side = max_side // 2
@@ -183,20 +184,32 @@ def _stored_as(original: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
     return Map(np.rint(codes * 255.0).astype(np.uint8), original.srgb, original.source)
 
 
-def _maps(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
-    """Mip level 0 of each map that programs read, packed."""
+def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
+    """Mip level 0 of each map that programs read, and dust, packed.
+
+    They are those of the material without a hole, which the page opens itself.
+    """
     material = obj.material
     packed_maps: dict[str, Any] = {}
     field = textures.height_field(material, "wrap")
     if field is not None:
         packed_maps["field"] = packed(as_fractions(field.levels[0]))
-    for name, source, texture_material, scale in surface_maps(obj):
+    packed_maps["dust"] = packed(as_fractions(_dust(material)))
+    for name, source, texture_material, scale in surface_maps(replace(obj, opening=None).resolved):
         # pages derive normals from heights themselves
         is_stored = name != "normal" or material.normal is not None
         map = source.texture(texture_material, "wrap", scale, engine) if is_stored else None
         if map is not None:
             packed_maps[name] = packed(map.levels[0])
     return packed_maps
+
+
+def _dust(material: Material) -> NDArray[np.float32]:
+    """Dust of a page, (h, w); the default is smooth, and takes few texels."""
+    dust = dust_of(material).linear()
+    while material.dust is None and max(dust.shape[:2]) > DUST_SIDE:
+        dust = halved(dust)
+    return dust[:, :, 0]
 
 
 def _bakes(material: Material, budget: int, engine: Engine) -> dict[str, Any]:

@@ -22,8 +22,8 @@ from basrelief.viewer.printed import MENUS
 from basrelief.viewer.state import camera_to_dict, techniques_of
 
 _SHARED = (
-    *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "shading",
-    "shadowing", "fog",
+    *MENUS, "scale", "reference_height", "bias", "smoothing", "tiling", "shift", "opening",
+    "shading", "shadowing", "fog",
 )  # fmt: skip
 """Keys of a state that are fields of `Object` or `Scene`."""
 

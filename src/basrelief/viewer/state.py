@@ -13,7 +13,8 @@ import numpy as np
 from basrelief._version import __version__
 from basrelief.errors import BasreliefError, InputError
 from basrelief.material import MAPS, Material
-from basrelief.material.options import names_file
+from basrelief.material.opening import DEPTH, SOFTNESS, STRENGTH
+from basrelief.material.options import is_path
 from basrelief.measure.colors import COUNT, PASSED, SHORT, heat
 from basrelief.rendering import textures
 from basrelief.rendering.render import sample_positions
@@ -21,6 +22,7 @@ from basrelief.scene import SHAPES, SURFACES, LookAt, Object, Orbit, Scene, Tili
 from basrelief.scene.lights import LIGHTS, light_numbers, light_parameters
 from basrelief.scene.presets import PRESETS, Preset, preset
 from basrelief.scene.recipe import (
+    LENGTHS,
     SAMPLE_OPTIONS,
     omitted_of_sources,
     placement_options,
@@ -68,8 +70,9 @@ def sources_of(scene: Scene) -> dict[str, Any]:
     return {
         "source": source,
         "reading": reading,
+        "lengths": LENGTHS,
         "layerSource": layer_source,
-        "relative": [*filter(names_file, named)],
+        "relative": [*filter(is_path, named)],
         "omitted": [*omitted_of_sources(obj)],
     }
 
@@ -125,6 +128,7 @@ def _slots() -> dict[str, Any]:
             light = source.light and len(channels) == 3
             slots[slot] = {"texture": name, "channels": channels, "light": light}
         slots["height"] = {"texture": "field", "channels": (0,), "light": False}
+    slots["dust"] = {"texture": "dust", "channels": (0,), "light": False}
     del slots["layer_mask"]  # pages have no slots for layers
     return slots
 
@@ -191,6 +195,8 @@ def _constants(obj: Object) -> dict[str, Any]:
         "layer": layer is not None,
         "layerProportion": layer.proportion if layer else 1.0,
         "glow": textures.emission_scale(obj.material),
+        "dust_strength": STRENGTH,
+        "hole_softness": SOFTNESS,
     }
 
 
@@ -212,6 +218,7 @@ def state_of(
         "fade": list(map(float, obj.fade or (2.0, 4.0))),
         "tiling": list(map(float, main.tiles)),
         "shift": list(map(float, main.shift)),
+        "opening": None if shown.opening is None else float(shown.opening),
         "apart": bool(obj.tilings),
         "tilings": {map: tiling_to_dict(obj.tilings.get(map, main)) for map in OWN_TILINGS},
         "layer": obj.layer is not None,
@@ -245,6 +252,7 @@ def _defaults_of(material: Material) -> dict[str, Any]:
             **{name: declared[name].default for name in (*MENUS, "bias") if name != "projection"},
             "scale": default_scale(material),
         },
+        "hole_scale": DEPTH,
         "background": [*declared["background"].default],
         "lights": [light_numbers(light) for light in default_lights()],
         "camera": camera_to_dict(Orbit()),

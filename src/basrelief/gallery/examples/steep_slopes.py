@@ -49,7 +49,7 @@ PAGE = Page(
     "grain; tri-planar bricks lie in level rows and keep their size.",
     article="At large heights texels on slopes are stretched; tri-planar mapping in tangent space "
     "might fix it, or noise hide it.",
-    ours="Tri-planar mapping does, for the colour. The article suggests it without a picture; here its march has "
-    "steps for hills almost as high as the tile is wide.",
+    ours="Tri-planar mapping does, for the colour. The article suggests it without a picture; here "
+    "its march has steps for hills almost as high as the tile is wide.",
     panels=panels,
 )

@@ -15,7 +15,7 @@ from basrelief.errors import InputError, new_name, suggestion
 from basrelief.images import write_whole
 from basrelief.images.files import check_writable
 from basrelief.material import MAPS, Map, Material, load
-from basrelief.material.options import ReadOptions, names_file
+from basrelief.material.options import ReadOptions, is_path
 from basrelief.scene import SURFACES, Layer, Object, Scene, Tiling, technique_named
 from basrelief.scene.checks import check_range, check_setting, is_number
 from basrelief.scene.presets import checks
@@ -230,7 +230,7 @@ class Preset:
 
     def _resolved_path(self, path: str) -> str:
         """A path relative to the preset's folder, resolved; samples and numbers are unchanged."""
-        if self.file is None or not names_file(path):
+        if self.file is None or not is_path(path):
             return path
         return str(self.file.parent.resolve() / path)
 

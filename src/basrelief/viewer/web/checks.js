@@ -13,8 +13,8 @@ export const copyOf = (value) => structuredClone(value);
 export const isObject = (x) => x !== null && typeof x === "object" && !Array.isArray(x);
 /** @param {unknown} x @returns {x is number} */
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-// fields that may be null, for values that the page computes
-const OPEN = new Set(["distance", "orthographic_height"]);
+// fields that may be null, for values that the page computes, or for none
+const OPEN = new Set(["distance", "orthographic_height", "opening"]);
 
 /**
  * `base` with the fields of `other` of the same types; unknown fields are ignored.

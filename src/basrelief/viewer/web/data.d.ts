@@ -60,6 +60,7 @@ export type SceneState = {
   fade: Pair;
   tiling: Pair;
   shift: Pair;
+  opening: number | null;
   apart: boolean;
   tilings: { [map: string]: Tiling };
   layer: boolean;
@@ -239,6 +240,7 @@ export type Data = {
   version: string;
   source: string;
   reading: { [option: string]: string | number | boolean };
+  lengths: string[]; // options of reading that a scale replaces
   layerSource: string;
   omitted: string[]; // what the sources do not say about the materials
   relative: string[]; // the sources that are relative paths
@@ -257,13 +259,27 @@ export type Data = {
     smoothing: Setting[];
     fog: Setting[];
   };
-  controls: { scene: Controls; tiling: Controls; camera: Controls; lights: Controls };
-  constants: { proportion: number; layer: boolean; layerProportion: number; glow: number };
+  controls: {
+    scene: Controls;
+    tiling: Controls;
+    camera: Controls;
+    lights: Controls;
+    scroll: Controls;
+  };
+  constants: {
+    proportion: number;
+    layer: boolean;
+    layerProportion: number;
+    glow: number;
+    dust_strength: number;
+    hole_softness: number;
+  };
   filled: number;
   samples: Pair[];
   state: SceneState;
   defaults: {
     options: { [name: string]: string | number };
+    hole_scale: number;
     background: Vec3;
     lights: Light[];
     camera: Orbit;

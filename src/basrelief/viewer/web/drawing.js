@@ -7,6 +7,7 @@ import { Job } from "view/gpu.js";
 import { linked } from "view/link.js";
 import { channelLevels, hasHoles, heightLevels, single } from "view/maps.js";
 import { MissedHits } from "view/missed.js";
+import { opened } from "view/opened.js";
 import { firstLine, words } from "view/text.js";
 
 /** @import { Data, Heights, Light, Pair, Tiling, Values } from "view/data" */
@@ -66,7 +67,13 @@ export class Drawing {
     this.onNews = (news) => this.paused || onNews(news);
     this.paused = false;
     /** @type {Pictures} */
-    this.pictures = {};
+    this.sources = {}; // those of the page, before a hole opens
+    /** @type {number | null} */
+    this.opening = null; // of the hole in the current pictures
+    /** @type {Promise<void>} */
+    this.setting = Promise.resolve(); // pictures are set one after another
+    /** @type {Pictures} */
+    this.pictures = {}; // those that are drawn
     /** @type {{ [name: string]: Picture }} */
     this.current = {}; // with placeholders for missing ones
     /** @type {Pair} */
@@ -111,9 +118,38 @@ export class Drawing {
   /**
    * Set the maps by name: those of the page, or dropped ones. A texel replaces a missing map, which
    * programs do not read. Either all changes are applied, or none: rejects where the GPU refuses one.
-   * @param {Pictures} pictures
+   * @param {Pictures} sources
    */
-  async setMaps(pictures) {
+  setMaps(sources) {
+    return this.inTurn(() => this.apply(sources, this.opening));
+  }
+
+  /**
+   * Open the hole of the current maps as far as a state wants it.
+   * @param {State} state
+   */
+  open({ opening }) {
+    return this.inTurn(async () => {
+      if (opening !== this.opening) await this.apply(this.sources, opening);
+    });
+  }
+
+  /**
+   * Act after earlier changes of the maps.
+   * @param {() => Promise<void>} act
+   */
+  inTurn(act) {
+    const set = this.setting.then(act);
+    this.setting = set.catch(() => {});
+    return set;
+  }
+
+  /**
+   * @param {Pictures} sources
+   * @param {number | null} opening
+   */
+  async apply(sources, opening) {
+    const pictures = opened(sources, opening, this.data);
     const nothing = Object.fromEntries(this.data.programs.maps.map((name) => [name, NOTHING]));
     const shown = Object.assign({ ...MISSING, ...nothing }, pictures);
     const current = this.current;
@@ -129,7 +165,7 @@ export class Drawing {
     }
     Object.assign(this.textures, made);
     this.current = shown;
-    this.pictures = pictures;
+    Object.assign(this, { sources, opening, pictures });
     if (levels.field) this.newHeights(levels.field[0]);
     if (levels.field || levels.normal) {
       this.bakedFor = null;
@@ -495,6 +531,7 @@ export class Drawing {
         if (!this.reported.has(`${side} ${message}`)) this.onNews({ error: message });
       };
       try {
+        await this.open(state);
         await this.ensureNormals(state);
         const { left, ...others } = this.sideStates(state);
         /** @type {Shown} */

@@ -2,6 +2,7 @@
 
 import { roundEven, single } from "view/maps.js";
 import { decoded, headerOf, isRead } from "view/png.js";
+import { resized } from "view/resize.js";
 import { decoded as inLight } from "view/srgb.js";
 
 /** @import { Slot, Slots } from "view/data" */
@@ -99,7 +100,8 @@ export function replaced(pictures, slots, slot, picture, { channel, polarity, gr
   const { width, height } = picture;
   switch (slot) {
     case "height":
-      return { ...pictures, field: { width, height, count: 1, texels: one() } };
+    case "dust":
+      return { ...pictures, [texture]: { width, height, count: 1, texels: one() } };
     case "base_color": {
       const color = withLight(picture);
       // a picture without opacity keeps that of the map, as in the library
@@ -233,40 +235,4 @@ function merged(old, { width, height }, places) {
     for (let k = 0; k < channel.length; k++) texels[4 * k + c] = channel[k];
   }
   return { width: larger.width, height: larger.height, count: 4, texels };
-}
-
-/**
- * As `rendering.textures._resized`: bilinear, seamless at the edges, rows before columns.
- * @param {Uint16Array} channel
- * @param {{ width: number, height: number }} size
- * @param {{ width: number, height: number }} wanted
- */
-function resized(channel, { width, height }, wanted) {
-  const rows = stretched(channel, height, wanted.height, width, true);
-  return stretched(rows, width, wanted.width, wanted.height, false);
-}
-
-/**
- * One axis of `have` texels brought to `want`, on `lines` lines that lie beside one another.
- * @param {Uint16Array} from
- * @param {number} have
- * @param {number} want
- * @param {number} lines
- * @param {boolean} down whether the axis is that of the rows
- */
-function stretched(from, have, want, lines, down) {
-  if (have === want) return from;
-  const step = down ? lines : 1;
-  const across = down ? [1, 1] : [have, want];
-  const made = new Uint16Array(want * lines);
-  for (let k = 0; k < want; k++) {
-    const place = ((k + 0.5) * have) / want - 0.5;
-    const [first, share] = [Math.floor(place), place - Math.floor(place)];
-    const [a, b] = [(first + have) % have, (first + 1) % have].map((n) => n * step);
-    for (let line = 0; line < lines; line++) {
-      const mix = from[a + line * across[0]] * (1 - share) + from[b + line * across[0]] * share;
-      made[k * step + line * across[1]] = roundEven(mix);
-    }
-  }
-  return made;
 }

@@ -11,7 +11,9 @@ import { listen } from "view/input.js";
 import { PACKED, slotName } from "view/mappanel.js";
 import { bytesOf, inflated, unpacked } from "view/maps.js";
 import { meaningOf } from "view/names.js";
+import { OPENING } from "view/opened.js";
 import { build } from "view/panel.js";
+import { Scroll } from "view/scroll.js";
 import { difference, fromHash, toCommand, toHash, toPython, withChanges } from "view/state.js";
 import { firstLine, words } from "view/text.js";
 
@@ -91,13 +93,21 @@ export class ViewerPage {
     /** @type {number | undefined} */
     this.linking = undefined;
     this.host = Host.around(this);
+    this.scroll = new Scroll(this);
   }
 
   async open() {
     try {
       const text = new TextDecoder().decode(await inflated(bytesOf(textOf("data"))));
       this.data = JSON.parse(text);
-      this.start = { ...this.data.state, compare: "", divider: 0.5, show: "color", preset: "" };
+      this.start = {
+        ...this.data.state,
+        compare: "",
+        divider: 0.5,
+        show: "color",
+        preset: "",
+        scroll: [0, 0],
+      };
       this.state = copyOf(this.start);
       this.hasHeights = this.data.hasHeights;
       this.sources = { ...this.data.mapSources };
@@ -133,6 +143,7 @@ export class ViewerPage {
     this.fit();
     this.host?.open();
     await this.drawing.show(copyOf(this.state));
+    this.scroll.wake();
   }
 
   // Make a drawing of the current maps on the current device.
@@ -143,6 +154,7 @@ export class ViewerPage {
     do {
       await this.reopening;
       drawing = new Drawing(this.gpu, this.data, this.canvas, (news) => this.report(news));
+      drawing.opening = this.state.opening;
       try {
         await drawing.setMaps(this.pictures);
         await drawing.frames.pace.measureLatency(this.gpu.device.queue);
@@ -216,6 +228,8 @@ export class ViewerPage {
   readHash() {
     try {
       this.state = fromHash(location.hash, this.start, this.data);
+      // nothing moves by itself for those who ask for that
+      if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.state.scroll = [0, 0];
       this.clampCamera();
     } catch {
       this.showMessage("The link's settings cannot be read; the page uses its own.");
@@ -229,6 +243,7 @@ export class ViewerPage {
    */
   changed(choice = false) {
     validated(this.state, this.start, this.data);
+    if (!this.hasHeights || !this.pictures.dust) this.state.opening = null;
     this.clampCamera();
     this.clearPreset();
     if (choice === true) this.rebuild();
@@ -243,6 +258,7 @@ export class ViewerPage {
     this.updateDivider();
     this.host?.notify();
     this.drawing.show(copyOf(this.state));
+    this.scroll.wake();
   }
 
   // Store the settings in the address, unless the page is embedded.
@@ -314,9 +330,9 @@ export class ViewerPage {
   preset(name) {
     const found = this.presetState(name);
     if (!found) return;
-    const { camera, shape } = this.state;
-    const { compare, divider, show } = this.state;
-    const unchanged = { camera, shape, compare, divider, show };
+    const { camera, shape, opening } = this.state;
+    const { compare, divider, show, scroll } = this.state;
+    const unchanged = { camera, shape, opening, compare, divider, show, scroll };
     this.state = { ...merged(this.start, found, this.data), preset: name, ...unchanged };
     if (shape !== found.shape) this.state.tiling = copyOf(this.data.shapes[shape].tiling);
   }
@@ -332,7 +348,8 @@ export class ViewerPage {
 
   // Clear the preset's name once its settings have changed.
   clearPreset() {
-    const { preset, camera, shape, tiling, compare, divider, show, ...rest } = this.state;
+    const { preset, camera, shape, tiling, opening, ...others } = this.state;
+    const { compare, divider, show, scroll, ...rest } = others;
     const found = this.presetState(preset);
     if (found && difference(rest, found)) this.state.preset = "";
   }
@@ -501,6 +518,8 @@ export class ViewerPage {
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // a base colour with opacity replaces that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
+    // it has no other use
+    if (slot === "dust" && this.hasHeights) this.state.opening ??= OPENING;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useTechnique("relief");

@@ -132,6 +132,7 @@ function row(view, slot) {
  */
 function instead(view, slot) {
   if (slot === "normal" && view.hasHeights) return "from the heights";
+  if (slot === "dust" && view.pictures.dust) return "sample:dust";
   return slot === "packed" ? "occlusion, roughness, metal in R, G, B" : "none";
 }
 

@@ -2,6 +2,7 @@
 
 import { button, check, color, element, menu, number, section } from "view/controls.js";
 import { maps } from "view/mappanel.js";
+import { OPENING } from "view/opened.js";
 import { words } from "view/text.js";
 
 /** @import { Control, Setting } from "view/data" */
@@ -177,6 +178,18 @@ const ROWS = {
       ? []
       : rows(view, ["smoothing"], view.data.settings.smoothing)),
   ],
+  opening: (view, control) => {
+    // a material without heights has nothing to open, and one without dust nothing to open it by
+    if (!view.hasHeights || !view.pictures.dust) return [];
+    const { doc } = control;
+    const ticked = () => OPENING;
+    return [
+      check(view, ["opening"], "Hole", { name: "hole", ticked, not: null, doc }),
+      ...(view.state.opening === null
+        ? []
+        : [number(view, ["opening"], { ...control, label: "opening" })]),
+    ];
+  },
   shape: (view, { doc }) => choice(view, "shape", doc, (shape) => view.reshaped(shape)),
   fade: (view, control) => [
     check(view, ["fades"], "Distance fade", { doc: control.doc }),
@@ -398,6 +411,7 @@ function picture(view) {
     true,
     menu(view, ["show"], "Show", shows),
     element("p", { class: "doc" }, meaning[view.state.show]),
+    pair(view, ["scroll"], "scroll", view.data.controls.scroll.u),
   );
 }
 

@@ -8,7 +8,8 @@ import { copyOf, isObject, merged, validated } from "view/checks.js";
 
 /**
  * The state of a scene and of the page.
- * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string }} State
+ * @typedef {SceneState & { compare: string, divider: number, show: Show, preset: string,
+ *   scroll: Pair }} State
  */
 
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -97,6 +98,8 @@ function changedOptions(state, data) {
   const now = state;
   const simpleDefaults = {
     ...defaults.options,
+    opening: null,
+    ...(state.opening !== null && { scale: defaults.hole_scale }),
     reference_height: technique.reference_height,
     projection: technique.projection,
   };
@@ -169,6 +172,7 @@ function comment(state, data, { mapsChanged }, omitted) {
   const without = [...data.omitted, ...omitted];
   if (state.compare && state.compare !== state.technique)
     without.push(`${state.compare} right of the divider`);
+  if (state.scroll.some(Boolean)) without.push("the scrolling");
   if (mapsChanged) without.push("the maps that were changed on the page");
   const remarks = [
     ...(without.length ? [`without ${without.join(", ")}`] : []),
@@ -203,7 +207,10 @@ export function toCommand(state, data, shown) {
   // a value that starts with a minus would be parsed as an option
   /** @type {(name: string, numbers: number[]) => void} */
   const joined = (name, numbers) => parts.push(`--${name}=${numbers.map(short).join(",")}`);
+  // a scale, and the depth of a hole, replace that of the material, and are refused beside it
+  const replaced = "scale" in options.simple || state.opening !== null ? data.lengths : [];
   for (const [name, x] of Object.entries(data.reading)) {
+    if (replaced.includes(name)) continue;
     if (x === true) parts.push(`--${name.replaceAll("_", "-")}`);
     else option(name, x);
   }
