@@ -8,12 +8,13 @@ import os
 import platform
 import threading
 import weakref
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import basrelief.engine
 import basrelief.lang
@@ -40,6 +41,7 @@ class CpuEngine:
         self.adapter = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
         self._compiled: dict[str, _Compiled] = {}
         self._layouts: weakref.WeakKeyDictionary[Any, _ResourceLayout] = weakref.WeakKeyDictionary()
+        self._pool: tuple[int, ThreadPoolExecutor] | None = None
         self._lock = threading.Lock()
 
     def compile(self, program: Program) -> None:
@@ -54,38 +56,65 @@ class CpuEngine:
         rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
+        canvas = CpuCanvas(program.planes, size[0], rows or (0, size[1]), self.lanes)
+        self.draw(program, values, canvas)
+        return {name: canvas.read(name) for name, _ in program.planes}
+
+    def canvas(self, program: Program, size: tuple[int, int]) -> CpuCanvas:
+        """New planes for the results of a program; see `Engine.canvas`."""
+        return CpuCanvas(program.planes, size[0], (0, size[1]), self.lanes)
+
+    def draw(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        canvas: CpuCanvas,
+        rows: tuple[int, int] | None = None,
+    ) -> None:
+        """Run a program over rows of a canvas; see `Engine.draw`."""
         compiled = self._compiled_program(program)
         handles = [n for n in compiled.parameters if is_handle(program.parameters[n])]
         records = [n for n in compiled.parameters if n not in handles]
         layouts = [self._layout_of(value_of(program, name, values)) for name in handles]
         pointers = (ctypes.c_void_p * max(1, len(layouts)))(*(r.address for r in layouts))
         uniforms = pack_uniforms(program, records, values)
-        width, (first, last) = size[0], rows or (0, size[1])
-        stride = -(-width // self.lanes) * self.lanes
-        planes = np.zeros((len(program.planes), last - first, stride), np.int32)
-        # the code counts rows from the top of the picture, the planes from the first row computed
-        top = planes.ctypes.data - first * stride * planes.itemsize
+        planes, (first, last) = canvas.planes, rows or canvas.rows
+        stride = planes.shape[2]
+        # the code counts rows from the top of the picture, the planes from their own first row
+        top = planes.ctypes.data - canvas.rows[0] * stride * planes.itemsize
 
         def run_rows(start: int) -> None:
             compiled.run(
-                uniforms.ctypes.data, ctypes.addressof(pointers), top,
-                planes[0].size, stride, width, start, min(start + _ROWS_PER_TASK, last),
+                uniforms.ctypes.data, ctypes.addressof(pointers), top, planes[0].size, stride,
+                canvas.width, start, min(start + _ROWS_PER_TASK, last),
             )  # fmt: skip
 
-        if width:
+        if canvas.width:
             self._run_parallel(run_rows, range(first, last, _ROWS_PER_TASK))
-        return {
-            name: (plane.view(np.float32) if t is float else plane)[:, :width]
-            for plane, (name, t) in zip(planes, program.planes, strict=True)
-        }
 
-    def _run_parallel(self, task: Any, starts: range) -> None:
+    def _run_parallel(self, task: Callable[[int], None], starts: range) -> None:
         """Run a task for each start on all threads; an interrupt cancels the rest."""
-        pool = ThreadPoolExecutor(self.threads)
+        if self.threads == 1 or len(starts) == 1:
+            for start in starts:
+                task(start)
+            return
+        tasks = [self._threads().submit(task, start) for start in starts]
         try:
-            list(pool.map(task, starts))
+            for each in tasks:
+                each.result()
         finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+            for each in tasks:
+                each.cancel()
+            # tasks that run write to the planes
+            wait(tasks)
+
+    def _threads(self) -> ThreadPoolExecutor:
+        """The threads, which live as long as the engine; a forked process has none, and gets its
+        own."""
+        with self._lock:
+            if self._pool is None or self._pool[0] != os.getpid():
+                self._pool = os.getpid(), ThreadPoolExecutor(self.threads)
+            return self._pool[1]
 
     def _layout_of(self, value: Any) -> _ResourceLayout:
         with self._lock:
@@ -103,7 +132,8 @@ class CpuEngine:
         key = self._cache_key(program)
         stored = cache.read(key)
         if stored is None:
-            parameters = list(program.module.entry.parameters)[1:]
+            entry = program.module.entry
+            parameters = [n for n, t in entry.parameters.items() if t is not entry.result][1:]
             stored = {"parameters": parameters}, _object_code(program, self.lanes)
             cache.write(key, *stored)
         header, code = stored
@@ -119,6 +149,24 @@ class CpuEngine:
             platform.system(),
         )  # fmt: skip
         return cache.key_of("cpu", repr(parts))
+
+
+class CpuCanvas:
+    """Rows of the planes of a picture in memory, padded to whole groups of lanes."""
+
+    def __init__(
+        self, kinds: list[tuple[str, type]], width: int, rows: tuple[int, int], lanes: int
+    ) -> None:
+        self.kinds, self.width, self.rows = kinds, width, rows
+        self.size = (width, rows[1] - rows[0])
+        stride = -(-width // lanes) * lanes
+        self.planes = np.zeros((len(kinds), rows[1] - rows[0], stride), np.int32)
+
+    def read(self, name: str) -> NDArray[Any]:
+        """The plane of a scalar; see `Canvas.read`."""
+        index = [known for known, _ in self.kinds].index(name)
+        plane = self.planes[index, :, : self.width]
+        return plane.view(np.float32) if self.kinds[index][1] is float else plane
 
 
 # --- compiling -----------------------------------------------------------------------------------

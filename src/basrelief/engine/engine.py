@@ -20,6 +20,21 @@ or int32 for ints and bools."""
 Words = NDArray[np.int32]
 
 
+class Canvas(Protocol):
+    """Planes of a picture that stay on the device, for programs with one result record.
+
+    Attributes
+    ----------
+    size
+        Width and height in pixels.
+    """
+
+    size: tuple[int, int]
+
+    def read(self, name: str) -> NDArray[Any]:
+        """The plane of a scalar, by its dotted name, as in `Planes`."""
+
+
 class Engine(Protocol):
     """Runs programs on a device.
 
@@ -39,6 +54,22 @@ class Engine(Protocol):
 
     def compile(self, program: Program) -> None:
         """Compile the program, or load it from the cache."""
+
+    def canvas(self, program: Program, size: tuple[int, int]) -> Canvas:
+        """New planes for the results of a program; what they hold is undefined."""
+
+    def draw(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        canvas: Any,
+        rows: tuple[int, int] | None = None,
+    ) -> None:
+        """Run a program for the pixels of a canvas of this engine, over what it holds.
+
+        `rows` are the first row, and the last row + 1; None for all. Raises DeviceError for a
+        missing value, or one of another type.
+        """
 
     def run(
         self,

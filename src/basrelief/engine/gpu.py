@@ -150,6 +150,34 @@ class GpuEngine:
                     planes[name][first - top : last - top] = plane.view(planes[name].dtype)
         return planes
 
+    def canvas(self, program: Program, size: tuple[int, int]) -> GpuCanvas:
+        """New planes for the results of a program; see `Engine.canvas`."""
+        return GpuCanvas(self, program.planes, size)
+
+    def draw(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        canvas: GpuCanvas,
+        rows: tuple[int, int] | None = None,
+    ) -> None:
+        """Run a program over rows of a canvas; see `Engine.draw`."""
+        top, bottom = rows or (0, canvas.size[1])
+        size = (canvas.size[0], canvas.rows)
+        with self._lock:
+            pipeline = self._pipeline_of(program)
+            for first, last, planes in canvas.bands:
+                if first < bottom and top < last:
+                    with Job(self, pipeline, program, values, size, planes) as job:
+                        job.dispatch(max(first, top), min(last, bottom), plane_row=first)
+
+    def planes(self, count: int, size: tuple[int, int]) -> Any:
+        """Buffer of planes for a picture."""
+        import wgpu
+
+        usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC
+        return self.gpu.create_buffer(size=4 * count * size[0] * size[1], usage=usage)
+
     def max_rows(self, planes: int, width: int, height: int) -> int:
         """Number of rows whose planes fit in a buffer, at least 1 and at most the height."""
         limit = min(self.limits["max-storage-buffer-binding-size"], _MAX_PLANE_BYTES)
@@ -302,6 +330,34 @@ class _Pipeline:
     bindings: list[Binding]
 
 
+class GpuCanvas:
+    """Planes of a picture on the GPU, in bands of rows that fit in a buffer: `bands` has the first
+    row, the last one excluded, and the buffer of each."""
+
+    def __init__(
+        self, engine: GpuEngine, kinds: list[tuple[str, type]], size: tuple[int, int]
+    ) -> None:
+        self.engine, self.kinds, self.size = engine, kinds, size
+        width, height = size
+        self.rows = engine.max_rows(len(kinds), width, height)
+        self.bands = [
+            (first, min(first + self.rows, height), engine.planes(len(kinds), (width, self.rows)))
+            for first in range(0, height, self.rows)
+        ]
+
+    def read(self, name: str) -> NDArray[Any]:
+        """The plane of a scalar; see `Canvas.read`."""
+        index = [known for known, _ in self.kinds].index(name)
+        kind = np.float32 if self.kinds[index][1] is float else np.int32
+        width, height = self.size
+        plane = np.empty((height, width), kind)
+        start, queue = 4 * index * width * self.rows, self.engine.gpu.queue
+        for first, last, planes in self.bands:
+            words = queue.read_buffer(planes, start, 4 * width * (last - first))
+            plane[first:last] = np.frombuffer(words, kind).reshape(last - first, width)
+        return plane
+
+
 class Job:
     """A program with its values on the GPU, to dispatch once or many times."""
 
@@ -312,6 +368,7 @@ class Job:
         program: Program,
         values: Mapping[str, Any],
         size: tuple[int, int],
+        planes: Any = None,
     ) -> None:
         import wgpu
 
@@ -322,11 +379,8 @@ class Job:
             size=4 * len(RUN),
             usage=(wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST),
         )
-        self.planes = gpu.create_buffer(
-            size=4 * self.plane_count * size[0] * size[1],
-            usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC,
-        )
-        self._buffers = [self._run, self.planes]
+        self.planes = engine.planes(self.plane_count, size) if planes is None else planes
+        self._buffers = [self._run] if planes is not None else [self._run, self.planes]
         entries = [
             {"binding": number, "resource": self._resource(b, program, values)}
             for number, b in enumerate(pipeline.bindings)
@@ -354,13 +408,25 @@ class Job:
             case _:
                 assert_never(binding.kind)
 
-    def dispatch(self, first: int, last: int, timestamps: Any = None, times: int = 1) -> None:
-        """Compute rows first … last − 1, `times` times; `timestamps`: WebGPU timestamp writes."""
+    def dispatch(
+        self,
+        first: int,
+        last: int,
+        timestamps: Any = None,
+        times: int = 1,
+        plane_row: int | None = None,
+    ) -> None:
+        """Compute rows first … last − 1, `times` times.
+
+        `timestamps` are WebGPU timestamp writes; `plane_row` is the row at which the planes begin,
+        by default the first one.
+        """
         width = self.size[0]
         run = {
             "width": width,
             "first_row": first,
             "last_row": last,
+            "plane_row": first if plane_row is None else plane_row,
             "plane_stride": width * self.size[1],
         }
         words = np.array([run[word] for word in RUN], np.uint32)

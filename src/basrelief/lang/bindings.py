@@ -15,9 +15,9 @@ from basrelief.lang.resources import HeightField, Texture, buffer_record, is_han
 GROUP = (8, 8)
 """Width and height of a workgroup in pixels; among the fastest shapes measured."""
 
-RUN = ("width", "first_row", "last_row", "plane_stride")
+RUN = ("width", "first_row", "last_row", "plane_row", "plane_stride")
 """32-bit words of the binding `run`: width of the picture, the rows that a dispatch computes (the
-last one excluded), and the words from one plane to the next."""
+last one excluded), the row at which the planes begin, and the words from one plane to the next."""
 
 
 class MapFormat(NamedTuple):
@@ -73,6 +73,9 @@ def bindings(entry: tree.Function) -> list[Binding]:
         Binding("sampler", "edge_sampler"),
     ]
     for name, t in list(entry.parameters.items())[1:]:
+        # what the planes hold
+        if t is entry.result:
+            continue
         kind: Literal["uniform", "buffer", "map"] = "uniform"
         if is_handle(t):
             kind = "map" if buffer_record(t) is None else "buffer"

@@ -945,11 +945,13 @@ class _EntryPrinter(_InstructionPrinter):
         counting = "<" + ", ".join(f"i32 {k}" for k in range(lanes)) + ">"
         x = self.integer("add", self.splat("%x", int), counting)
         mask = self.compare("<", x, self.splat("%width", int), int)
-        arguments = [f"{names[bool]} {mask}", f"{names[int]} {x}", f"{names[int]} {y}", *records]
-        result = self.out.result(self.entry.result)
-        aggregate = self.define(f"call fastcc {result} @{self.entry.name}({', '.join(arguments)})")
         column = self.define("zext i32 %x to i64")
         position = self.define(f"add i64 {row_start}, {column}")
+        arguments = [f"{names[bool]} {mask}", f"{names[int]} {x}", f"{names[int]} {y}"]
+        for t, passed in zip(list(self.entry.parameters.values())[1:], records, strict=True):
+            arguments += self.stored(position) if t is self.entry.result else passed
+        result = self.out.result(self.entry.result)
+        aggregate = self.define(f"call fastcc {result} @{self.entry.name}({', '.join(arguments)})")
         self.store_planes(aggregate, result, position)
         self.emit(f"%next_x = add i32 %x, {lanes}")
         self.emit("%more = icmp slt i32 %next_x, %width")
@@ -965,11 +967,16 @@ class _EntryPrinter(_InstructionPrinter):
         )
         return "\n".join([head, "start:", *self.lines, "leave:", "  ret void", "}", ""])
 
-    def arguments(self) -> list[str]:
-        """Arguments of the entry: records from the uniforms, and handles; loaded once."""
-        passed: list[str] = []
+    def arguments(self) -> list[list[str]]:
+        """Arguments of each parameter: records from the uniforms, and handles; loaded once."""
+        arguments: list[list[str]] = []
         word = resource = 0
         for t in list(self.entry.parameters.values())[1:]:
+            passed: list[str] = []
+            arguments.append(passed)
+            # loaded for each pixel
+            if t is self.entry.result:
+                continue
             if is_handle(t):
                 slot = self.define(f"getelementptr ptr, ptr %resources, i64 {resource}")
                 passed.append(f"ptr {self.define(f'load ptr, ptr {slot}')}")
@@ -983,7 +990,24 @@ class _EntryPrinter(_InstructionPrinter):
                     value = self.define(f"icmp ne i32 {value}, 0")
                 passed.append(f"{self.out.names[leaf]} {self.splat(value, leaf)}")
                 word += 1
+        return arguments
+
+    def stored(self, position: str) -> list[str]:
+        """What the planes hold at a position."""
+        names, passed = self.out.names, []
+        for index, (_, t) in enumerate(leaves(self.entry.result)):
+            kind = names[float if t is float else int]
+            value = self.define(f"load {kind}, ptr {self.plane(position, index)}, align 4")
+            if t is bool:
+                value = self.define(f"icmp ne {kind} {value}, zeroinitializer")
+            passed.append(f"{names[t]} {value}")
         return passed
+
+    def plane(self, position: str, index: int) -> str:
+        """Address of a plane's words at a position."""
+        skip = self.define(f"mul i64 %plane_stride, {index}")
+        offset = self.define(f"add i64 {position}, {skip}")
+        return self.define(f"getelementptr i32, ptr %planes, i64 {offset}")
 
     def store_planes(self, aggregate: str, result: str, position: str) -> None:
         kinds = [leaf for _, leaf in leaves(self.entry.result)]
@@ -993,8 +1017,5 @@ class _EntryPrinter(_InstructionPrinter):
                 value = self.define(f"extractvalue {result} {aggregate}, {index}")
             if t is bool:
                 value = self.define(f"zext {self.out.names[bool]} {value} to {self.out.names[int]}")
-            skip = self.define(f"mul i64 %plane_stride, {index}")
-            offset = self.define(f"add i64 {position}, {skip}")
-            target = self.define(f"getelementptr i32, ptr %planes, i64 {offset}")
             kind = self.out.names[float if t is float else int]
-            self.emit(f"store {kind} {value}, ptr {target}, align 4")
+            self.emit(f"store {kind} {value}, ptr {self.plane(position, index)}, align 4")

@@ -1,7 +1,8 @@
 """A program: an entry shader, the bindings of its slots, and its static values.
 
 The first parameter of the entry is the pixel, an `IVec2`; the others are records (the uniforms) and
-resource handles. The result is a record, with one plane of the picture for each scalar of it.
+resource handles. The result is a record, with one plane of the picture for each scalar of it. A
+parameter whose type is that of the result is what the planes hold at the pixel before.
 """
 
 from __future__ import annotations
@@ -102,8 +103,9 @@ class Program:
         """Parameters of the entry after the pixel, for which an engine takes values; type slots are
         replaced by their records."""
         types = bound_types(self.bindings)
-        parameters = dict(list(self.entry.signature[0].items())[1:])
-        return {name: types.get(t, t) for name, t in flatten_parameters(parameters).items()}
+        parameters, result = self.entry.signature
+        passed = {name: t for name, t in list(parameters.items())[1:] if t is not result}
+        return {name: types.get(t, t) for name, t in flatten_parameters(passed).items()}
 
     @property
     def planes(self) -> list[tuple[str, type]]:

@@ -1,16 +1,19 @@
-"""Rendered frames, and the compositing of objects in them."""
+"""Rendered frames, whose planes are read from the device when they are used."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine import Planes
+from basrelief.engine import Canvas
 from basrelief.images import encode_png, write_picture
-from basrelief.shading.pixel import SOLID
+from basrelief.lang import Vec4
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +62,11 @@ class Image:
         return encode_png(self._for_file(Path()))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """A rendered frame: planes of equal size, row 0 at the top.
 
-    All planes but the colour are those of the first sample, at the centre of the pixel.
+    All planes but the colour are those of the first sample, at the centre of the pixel. The planes
+    of a frame that was drawn stay on the device until they are used for the first time.
 
     Attributes
     ----------
@@ -77,33 +80,63 @@ class Frame:
         Whether the pixel shows an object.
     reads : ndarray of int32, shape (height, width)
         Number of heights read.
+    size : (int, int)
+        Width and height in pixels.
     device : str
         Device that drew the frame, and its adapter.
     """
 
-    color: NDArray[np.float32]
-    distance: NDArray[np.float32]
-    uv: NDArray[np.float32]
-    hit: NDArray[np.bool_]
-    reads: NDArray[np.int32]
-    device: str
+    _plane: Callable[[str], NDArray[Any]]
+    """The plane of a scalar, by its name."""
 
-    def rows(self, first: int, last: int) -> Frame:
-        """Rows first … last − 1 of the frame, as views."""
-        selection = slice(first, last)
-        return Frame(
-            self.color[selection],
-            self.distance[selection],
-            self.uv[selection],
-            self.hit[selection],
-            self.reads[selection],
-            self.device,
-        )
+    def __init__(
+        self,
+        color: NDArray[np.float32],
+        distance: NDArray[np.float32],
+        uv: NDArray[np.float32],
+        hit: NDArray[np.bool_],
+        reads: NDArray[np.int32],
+        device: str,
+    ) -> None:
+        self.color, self.distance, self.uv, self.hit, self.reads = color, distance, uv, hit, reads
+        self.size = (distance.shape[1], distance.shape[0])
+        self.device = device
 
-    def take(self, other: Frame) -> None:
-        """Copy the planes of another frame of the same size into this one."""
-        for name in ("color", "distance", "uv", "hit", "reads"):
-            np.copyto(getattr(self, name), getattr(other, name))
+    @classmethod
+    def drawn(cls, canvas: Canvas, prefix: str, device: str) -> Frame:
+        """The frame whose planes a canvas holds, under their names after a prefix."""
+        frame = cls.__new__(cls)
+        frame._plane = lambda name: canvas.read(f"{prefix}{name}")
+        frame.size, frame.device = canvas.size, device
+        return frame
+
+    @functools.cached_property
+    def color(self) -> NDArray[np.float32]:
+        return self._vectors("color", "xyzw")
+
+    @functools.cached_property
+    def distance(self) -> NDArray[np.float32]:
+        return np.where(self.hit, self._plane("distance"), np.float32(np.inf))
+
+    @functools.cached_property
+    def uv(self) -> NDArray[np.float32]:
+        return self._vectors("uv", "xy")
+
+    @functools.cached_property
+    def hit(self) -> NDArray[np.bool_]:
+        hit: NDArray[np.bool_] = self._plane("hit") != 0
+        return hit
+
+    @functools.cached_property
+    def reads(self) -> NDArray[np.int32]:
+        return np.ascontiguousarray(self._plane("reads"))
+
+    def _vectors(self, name: str, components: str) -> NDArray[np.float32]:
+        """The planes of a vector, side by side."""
+        vectors = np.empty((*self.size[::-1], len(components)), np.float32)
+        for k, component in enumerate(components):
+            vectors[:, :, k] = self._plane(f"{name}.{component}")
+        return vectors
 
     @property
     def mean_reads(self) -> float:
@@ -116,8 +149,7 @@ class Frame:
         return Image(self.color)
 
     def __repr__(self) -> str:
-        height, width = self.distance.shape
-        return f"<Frame {width} × {height}, {self.device}>"
+        return f"<Frame {self.size[0]} × {self.size[1]}, {self.device}>"
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the colour as a picture; see `Image.save`."""
@@ -127,24 +159,14 @@ class Frame:
         return self.image._repr_png_()
 
 
-def composite(frame: Frame, planes: Planes) -> None:
-    """Composite an object's planes over a frame, where they are nearer.
-
-    Coverage below `SOLID` leaves the distance unchanged, and so hides nothing that follows.
-    """
-    np.add(frame.reads, planes["reads"], out=frame.reads)
-    is_nearer = (planes["hit"] != 0) & (planes["distance"] < frame.distance)
-    coverage = np.where(is_nearer, planes["color.w"], np.float32(0.0))
-    transmittance = np.float32(1.0) - coverage
-    for channel, name in enumerate(("color.x", "color.y", "color.z")):
-        plane = frame.color[:, :, channel]
-        np.multiply(plane, transmittance, out=plane)
-        plane += planes[name] * coverage
-    alpha = frame.color[:, :, 3]
-    np.multiply(alpha, transmittance, out=alpha)
-    alpha += coverage
-    is_solid = coverage >= SOLID
-    np.copyto(frame.distance, planes["distance"], where=is_solid)
-    np.copyto(frame.uv[:, :, 0], planes["uv.x"], where=is_solid)
-    np.copyto(frame.uv[:, :, 1], planes["uv.y"], where=is_solid)
-    np.logical_or(frame.hit, is_solid, out=frame.hit)
+def empty_frame(size: tuple[int, int], backdrop: Vec4, device: str) -> Frame:
+    """The frame of a scene without objects."""
+    shape = (size[1], size[0])
+    return Frame(
+        np.full((*shape, 4), [*backdrop], np.float32),
+        np.full(shape, np.inf, np.float32),
+        np.zeros((*shape, 2), np.float32),
+        np.zeros(shape, np.bool_),
+        np.zeros(shape, np.int32),
+        device,
+    )

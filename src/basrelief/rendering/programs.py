@@ -59,14 +59,16 @@ def available_maps(obj: ResolvedObject) -> dict[str, bool]:
     return has
 
 
-def program_of(obj: ResolvedObject, scene: Scene | None = None) -> Program:
+def program_of(
+    obj: ResolvedObject, scene: Scene | None = None, entry: Shader[..., Any] = pixel
+) -> Program:
     """The program that draws an object of a scene, specialised to its variant."""
-    return _program(obj, variant_of(obj, scene or _DEFAULT_SCENE))
+    return _program(obj, variant_of(obj, scene or _DEFAULT_SCENE), entry)
 
 
-def _program(obj: ResolvedObject, variant: Variant) -> Program:
+def _program(obj: ResolvedObject, variant: Variant, entry: Shader[..., Any] = pixel) -> Program:
     bindings: Bindings = {displace: effective_technique(obj), surface_at: SURFACES[obj.surface]}
-    return Program(pixel, bindings, map_edge(obj), height_filter(obj), variant)
+    return Program(entry, bindings, map_edge(obj), height_filter(obj), variant)
 
 
 def variant_of(obj: ResolvedObject, scene: Scene) -> Variant:

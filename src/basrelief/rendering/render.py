@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError, new_name
-from basrelief.lang import Vec2
+from basrelief.lang import Buffer, Vec2, Vec4
+from basrelief.lang.program import Program
 from basrelief.material import Material, load
-from basrelief.rendering.frame import Frame, composite
+from basrelief.rendering.frame import Frame, empty_frame
 from basrelief.rendering.programs import program_of, values_of
 from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
@@ -23,14 +22,14 @@ from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
 from basrelief.settings import settings_of
 from basrelief.shading.intersection import CameraSample
+from basrelief.shading.picture import Backdrop, SamplePosition, Step, layer, picture
 
 Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
 _MAX_PIXELS = 1 << 27
 """Largest number of pixels; such a frame takes 4.4 GB."""
-_BAND = 1 << 20
-"""Pixels drawn at once. All samples of a band are finished before the next band, so that a large
-picture needs little extra memory."""
+_BAND = 1 << 22
+"""Samples that are drawn at once, between two reports of the progress."""
 
 
 def render(
@@ -149,7 +148,7 @@ def sample_positions(count: int) -> list[tuple[float, float]]:
 
 
 class _Drawing:
-    """State of drawing one picture: band by band, samples of all objects are composited."""
+    """State of drawing one picture: the programs of its objects, and the planes on the device."""
 
     def __init__(
         self,
@@ -165,62 +164,50 @@ class _Drawing:
         shadow_maps = (
             shadow_map_values(ordered, engine) if scene.casts else [{}] * len(scene.objects)
         )
+        entry = picture if len(scene.objects) == 1 else layer
+        shared = {
+            "backdrop": Backdrop(_backdrop(scene)),
+            "positions": Buffer([SamplePosition(*p) for p in self.positions], SamplePosition),
+        }
         self.objects = [
-            (program_of(obj, scene), {**values_of(obj, scene, size, engine), **shadow_map})
+            (
+                program_of(obj, scene, entry),
+                {**values_of(obj, scene, size, engine), **shared, **shadow_map},
+            )
             for obj, shadow_map in zip(ordered.resolved, shadow_maps, strict=True)
         ]
-        width, height = size
-        self.band = max(1, min(height, _BAND // width))
-        self.runs = -(-height // self.band) * samples * len(self.objects)
-        self.done = 0
 
     def frame(self) -> Frame:
         """The whole frame: colours averaged over all samples, other planes of the first."""
-        frame = self.empty(self.size[1])
-        for top in range(0, self.size[1], self.band):
-            rows = (top, min(top + self.band, self.size[1]))
-            self.draw(frame.rows(*rows), rows)
-        return frame
-
-    def draw(self, band: Frame, rows: tuple[int, int]) -> None:
-        """Draw a range of rows into their part of the frame."""
-        for number, position in enumerate(self.positions):
-            sample = self.sample(position, rows)
-            if number == 0:
-                band.take(sample)
-            else:
-                np.add(band.color, sample.color, out=band.color)
-        np.multiply(band.color, np.float32(1.0 / len(self.positions)), out=band.color)
-        if self.scene.background is None:
-            # back to straight alpha, where the background is transparent
-            coverage = np.maximum(band.color[:, :, 3:], np.float32(1e-6))
-            np.divide(band.color[:, :, :3], coverage, out=band.color[:, :, :3])
-
-    def sample(self, position: tuple[float, float], rows: tuple[int, int]) -> Frame:
-        """One sample of a range of rows, composited over the background.
-
-        Colour is premultiplied by coverage, so that samples can be added.
-        """
-        frame = self.empty(rows[1] - rows[0])
-        if self.scene.background is not None:
-            frame.color[:] = (*self.scene.background, 1.0)
-        for program, values in self.objects:
-            view = CameraSample(values["sample"].camera, Vec2(*position))
-            planes = self.engine.run(program, {**values, "sample": view}, self.size, rows)
-            composite(frame, planes)
-            self.done += 1
+        device = f"{self.engine.name}: {self.engine.adapter}"
+        if not self.objects:
+            return empty_frame(self.size, _backdrop(self.scene), device)
+        canvas = self.engine.canvas(self.objects[0][0], self.size)
+        steps = [*self._steps()]
+        for number, (program, values, rows) in enumerate(steps):
+            self.engine.draw(program, values, canvas, rows)
             if self.progress is not None:
-                self.progress(self.done / self.runs)
-        return frame
+                self.progress((number + 1) / len(steps))
+        return Frame.drawn(canvas, "" if len(self.objects) == 1 else "drawn.", device)
 
-    def empty(self, height: int) -> Frame:
-        """An empty frame of the picture's width."""
-        width = self.size[0]
-        return Frame(
-            np.zeros((height, width, 4), np.float32),
-            np.full((height, width), np.inf, np.float32),
-            np.zeros((height, width, 2), np.float32),
-            np.zeros((height, width), np.bool_),
-            np.zeros((height, width), np.int32),
-            f"{self.engine.name}: {self.engine.adapter}",
-        )
+    def _steps(self) -> Iterator[tuple[Program, dict[str, Any], tuple[int, int]]]:
+        """Programs to run in turn, with their values and rows."""
+        width, height = self.size
+        samples, layers = len(self.positions), len(self.objects)
+        # one object takes all samples at once
+        band = max(1, _BAND // (width * (samples if layers == 1 else 1)))
+        for top in range(0, height, band):
+            rows = (top, min(top + band, height))
+            if layers == 1:
+                yield (*self.objects[0], rows)
+                continue
+            for sample, position in enumerate(self.positions):
+                for number, (program, values) in enumerate(self.objects):
+                    view = CameraSample(values["sample"].camera, Vec2(*position))
+                    step = Step(number, layers, sample, samples)
+                    yield program, {**values, "sample": view, "step": step}, rows
+
+
+def _backdrop(scene: Scene) -> Vec4:
+    """The background's colour and coverage."""
+    return Vec4(0.0) if scene.background is None else Vec4(*scene.background, 1.0)

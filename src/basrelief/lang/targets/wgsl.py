@@ -7,6 +7,7 @@ buffers; a `Buffer` is a storage buffer that starts with its count. `bindings.py
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import Any, assert_never
 
@@ -214,20 +215,38 @@ class WgslPrinter(ModulePrinter):
         else:
             yield value, t
 
+    def stored(self, t: Any, index: Iterator[int]) -> str:
+        """WGSL expression of a value that the planes hold, from the plane of the next index on."""
+        if t is float or t is int:
+            return f"bitcast<{self.type(t)}>({_word(next(index))})"
+        if t is bool:
+            return f"{_word(next(index))} != 0u"
+        parts = fields_of(t).values() if is_record(t) else [leaf for _, leaf in leaves(t)]
+        return f"{self.type(t)}({', '.join(self.stored(part, index) for part in parts)})"
+
     def main_text(self, entry: tree.Function) -> str:
         """Text of the entry point, which runs for each pixel."""
+        variables = {b.name: b.variable for b in bindings(entry) if b.kind != "buffer"}
         arguments = ["vec2i(at)"]
-        for binding in bindings(entry)[3:]:
-            if binding.kind != "buffer":
-                arguments.append(binding.variable)
+        for name, t in list(entry.parameters.items())[1:]:
+            if t is entry.result:
+                arguments.append(self.stored(t, itertools.count()))
+            elif name in variables:
+                arguments.append(variables[name])
         lines = [f"  let result = {self.reference(entry)}({', '.join(arguments)});"]
         for index, (value, t) in enumerate(self.scalars("result", entry.result)):
             word = f"u32({value})" if t is bool else f"bitcast<u32>({value})"
-            lines.append(f"  planes[place + {index}u * run.plane_stride] = {word};")
+            lines.append(f"  {_word(index)} = {word};")
         return _ENTRY.replace("GROUP", f"{GROUP[0]}, {GROUP[1]}").replace("BODY", "\n".join(lines))
 
 
 # --- texts and names ---
+
+
+def _word(index: int) -> str:
+    """The word of a plane at the pixel."""
+    return f"planes[place + {index}u * run.plane_stride]"
+
 
 _SELECT_FUNCTION = """\
 fn NAME(otherwise: TYPE, then: TYPE, test: bool) -> TYPE {
@@ -245,7 +264,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   if (at.x >= run.width || at.y >= run.last_row) {
     return;
   }
-  let place = id.y * run.width + id.x;
+  let place = (at.y - run.plane_row) * run.width + at.x;
 BODY
 }
 """

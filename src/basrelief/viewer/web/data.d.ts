@@ -200,7 +200,7 @@ export type Programs = {
   bound: { [menu: string]: { [chosen: string]: { [slot: string]: string } } };
   maps: string[];
   group: Pair;
-  run: ("width" | "first_row" | "last_row" | "plane_stride")[];
+  run: ("width" | "first_row" | "last_row" | "plane_row" | "plane_stride")[];
   formats: { [map in "HeightField" | "Texture"]: [texels: GPUTextureFormat, texelBytes: number] };
 };
 

@@ -394,7 +394,13 @@ export class Job {
   dispatch(planes, [width, height], first, last, { stamp = null, top = 0 } = {}) {
     const { gpu } = this;
     const { pipeline, program } = this.made;
-    const run = { width, first_row: first, last_row: last, plane_stride: width * height };
+    const run = {
+      width,
+      first_row: first,
+      last_row: last,
+      plane_row: first,
+      plane_stride: width * height,
+    };
     const words = new Uint32Array(gpu.programs.run.map((word) => run[word]));
     gpu.device.queue.writeBuffer(this.run, 0, words);
     const offset = 4 * width * (first - top);
