@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from basrelief.engine import Planes
+from basrelief.engine import Canvas, Planes
 from basrelief.engine.cpu import CpuEngine
 from basrelief.lang import Shader
 from basrelief.lang.program import Program
@@ -38,6 +38,25 @@ class RecordingEngine:
     ) -> Planes:
         """Record the program and run it."""
         first, last = rows or (0, size[1])
-        self.entries.append(program.entry)
-        self.texels.append(size[0] * (last - first))
+        self._record(program, size[0] * (last - first))
         return self._cpu.run(program, values, size, rows)
+
+    def canvas(self, program: Program, size: tuple[int, int]) -> Canvas:
+        """Planes of the CPU engine."""
+        return self._cpu.canvas(program, size)
+
+    def draw(
+        self,
+        program: Program,
+        values: Mapping[str, Any],
+        canvas: Any,
+        rows: tuple[int, int] | None = None,
+    ) -> None:
+        """Record the program and run it over a canvas."""
+        first, last = rows or (0, canvas.size[1])
+        self._record(program, canvas.size[0] * (last - first))
+        self._cpu.draw(program, values, canvas, rows)
+
+    def _record(self, program: Program, texels: int) -> None:
+        self.entries.append(program.entry)
+        self.texels.append(texels)

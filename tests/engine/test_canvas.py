@@ -1,0 +1,148 @@
+"""Planes that stay on a device: programs that draw over what they hold."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from basrelief.engine import choose_device
+from basrelief.engine import gpu as gpu_module
+from basrelief.engine.cpu import CpuEngine
+from basrelief.engine.engine import Engine
+from basrelief.errors import DeviceError
+from basrelief.lang.program import Program
+from basrelief.lang.targets.wgsl import print_wgsl
+from helpers.comparing import write_module
+from helpers.repository import REPOSITORY
+
+SOURCE = """
+@struct
+class Inner:
+    place: Vec2
+    odd: bool
+
+@struct
+class Total:
+    sum: float
+    count: int
+    inner: Inner
+
+@struct
+class Step:
+    size: float
+
+@shader
+def add(at: IVec2, step: Step, below: Total) -> Total:
+    place = Vec2(float(at.x), float(at.y)) + below.inner.place * 0.5
+    odd = (at.x + below.count) % 2 == 1
+    return Total(below.sum * 2.0 + step.size, below.count + at.y, Inner(place, odd))
+"""
+SIZE = (37, 23)
+DEVICES = ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)]
+
+
+def engine_named(name: str) -> Engine:
+    return CpuEngine(8, 2) if name == "cpu" else choose_device("gpu")
+
+
+@pytest.fixture(scope="module")
+def module(tmp_path_factory: pytest.TempPathFactory):
+    return write_module(tmp_path_factory.mktemp("source"), SOURCE)
+
+
+def expected(steps: tuple[float, ...]) -> dict[str, np.ndarray]:
+    """The planes after runs of `add`, in NumPy."""
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
+    total, count, place = np.zeros(x.shape), np.zeros(x.shape, int), np.zeros((*x.shape, 2))
+    odd = np.zeros(x.shape, bool)
+    for step in steps:
+        total, odd = total * 2 + step, (x + count) % 2 == 1
+        count, place = count + y, np.stack([x, y], -1) + place * 0.5
+    return {"sum": total, "count": count, "inner.place.x": place[..., 0],
+            "inner.place.y": place[..., 1], "inner.odd": odd}  # fmt: skip
+
+
+def drawn_over(engine: Engine, module, steps: tuple[float, ...], rows=None):
+    """A canvas after runs of `add`, from 0 everywhere."""
+    program = Program(module.add)
+    canvas = engine.canvas(program, SIZE)
+    for step in steps:
+        engine.draw(program, {"step": module.Step(step)}, canvas, rows)
+    return canvas
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("bands", [1, 5])
+def test_a_program_draws_over_what_the_planes_hold(
+    device: str, bands: int, module, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In bands of rows too, where a GPU's buffers hold no more."""
+    monkeypatch.setattr(gpu_module, "_MAX_PLANE_BYTES", 4 * 5 * SIZE[0] * -(-SIZE[1] // bands))
+    canvas = drawn_over(engine_named(device), module, (0.5, 3.0, -1.0))
+    assert canvas.size == SIZE
+    for name, plane in expected((0.5, 3.0, -1.0)).items():
+        np.testing.assert_array_equal(canvas.read(name), plane)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_rows_can_be_drawn_alone(device: str, module) -> None:
+    canvas = drawn_over(engine_named(device), module, (1.0, 1.0), rows=(7, 12))
+    wanted = expected((1.0, 1.0))
+    for name, plane in wanted.items():
+        np.testing.assert_array_equal(canvas.read(name)[7:12], plane[7:12])
+        assert not canvas.read(name)[:7].any()
+        assert not canvas.read(name)[12:].any()
+
+
+def test_a_canvas_outlives_others(module) -> None:
+    engine = CpuEngine(8, 2)
+    first = drawn_over(engine, module, (1.0,))
+    drawn_over(engine, module, (5.0, 5.0))
+    np.testing.assert_array_equal(first.read("sum"), expected((1.0,))["sum"])
+
+
+def test_what_the_planes_hold_is_no_value(module) -> None:
+    program = Program(module.add)
+    assert list(program.parameters) == ["step"]
+    assert "below" not in print_wgsl(program.module, "wrap").split("fn main")[0].split("fn add")[0]
+    with pytest.raises(DeviceError, match="needs a value for step"):
+        CpuEngine(8, 1).draw(program, {}, CpuEngine(8, 1).canvas(program, SIZE))
+
+
+def test_plain_python_takes_it_as_an_argument(module) -> None:
+    """The same shader, called for one pixel."""
+    below = module.Total(1.5, 3, module.Inner(module.Vec2(2.0, 4.0), False))
+    found = module.add(module.IVec2(4, 2), module.Step(0.25), below)
+    assert (float(found.sum), found.count, found.inner.odd) == (3.25, 5, True)
+
+
+FORK = """
+    import os, sys
+    import basrelief
+
+    def draw():
+        return basrelief.render(basrelief.sample("tiles", 16), size=(64, 64), device="cpu").color
+
+    before = draw()
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if (draw() == before).all() else 1)
+    sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_forked_process_draws_with_threads_of_its_own(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(REPOSITORY / "src")}
+    script = tmp_path / "fork.py"
+    script.write_text(textwrap.dedent(FORK), encoding="utf-8")
+    run = subprocess.run(
+        [sys.executable, "-W", "ignore", script], timeout=120, env=environment, check=False
+    )
+    assert run.returncode == 0

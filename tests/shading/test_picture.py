@@ -1,0 +1,106 @@
+"""Pictures from pixels: compositing, averages of samples, and what hidden objects leave behind."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from basrelief.lang import Vec2, Vec4
+from basrelief.material import Map, Material, sample
+from basrelief.rendering.render import render
+from basrelief.scene import LYING, Object, Orbit, Scene, placed
+from basrelief.shading.picture import Backdrop, averaged, composited, empty
+from basrelief.shading.pixel import Pixel
+from helpers.agreement import assert_engines_agree
+
+BACKDROP = Backdrop(Vec4(0.2, 0.4, 0.6, 1.0))
+
+
+def above(alpha: float = 1.0, distance: float = 2.0, hit: bool = True, red: float = 1.0) -> Pixel:
+    return Pixel(Vec4(red, 0.0, 0.0, alpha), distance, Vec2(0.25, 0.5), hit, 3)
+
+
+def values(color: Vec4) -> list[float]:
+    return [float(c) for c in color]
+
+
+def test_a_nearer_pixel_covers_what_is_behind() -> None:
+    over = composited(empty(BACKDROP), above())
+    assert (values(over.color), over.distance, over.hit, over.reads) == ([1, 0, 0, 1], 2.0, True, 3)
+    behind = composited(over, above(distance=3.0, red=0.5))
+    assert (values(behind.color), behind.distance) == ([1, 0, 0, 1], 2.0)
+    # its reads count all the same
+    assert behind.reads == 6
+
+
+@pytest.mark.parametrize(("alpha", "solid"), [(0.4, False), (0.5, True)])
+def test_coverage_mixes_and_hides_from_a_half_on(alpha: float, solid: bool) -> None:
+    over = composited(empty(BACKDROP), above(alpha))
+    wanted = [0.2 + alpha * 0.8, 0.4 * (1 - alpha), 0.6 * (1 - alpha), 1.0]
+    np.testing.assert_allclose(values(over.color), wanted, atol=1e-6)
+    assert over.hit is solid
+    assert (float(over.distance) == 2.0) is solid
+
+
+def test_an_infinite_colour_of_a_hidden_object_leaves_nothing() -> None:
+    for hidden in (above(distance=5.0, red=np.inf), above(hit=False, red=np.inf)):
+        near = composited(empty(BACKDROP), above(red=0.5))
+        assert values(composited(near, hidden).color) == [0.5, 0.0, 0.0, 1.0]
+
+
+def test_the_mean_over_a_transparent_background_has_straight_alpha() -> None:
+    clear = Backdrop(Vec4(0.0))
+    total = Vec4(0.0)
+    for pixel in (above(), above(hit=False), above(red=0.5), above(hit=False)):
+        total = total + composited(empty(clear), pixel).color
+    np.testing.assert_allclose(values(averaged(total, 4, clear)), [0.75, 0.0, 0.0, 0.5])
+    np.testing.assert_allclose(values(averaged(total, 4, BACKDROP)), [0.375, 0.0, 0.0, 0.5])
+    assert values(averaged(Vec4(0.0), 4, clear)) == [0.0, 0.0, 0.0, 0.0]
+
+
+def crowd(background=(0.1, 0.2, 0.3)) -> Scene:
+    """Objects before, behind and through one another, one of them half transparent."""
+    glass = Material("glass", opacity=Map(np.full((1, 1, 1), 0.6, np.float32), False, "glass"))
+    objects = (
+        Object(sample("cobbles", 64), transform=LYING, scale=0.08),
+        Object(glass, transform=placed((0.1, 0.3, 0.0), 0.6) @ LYING),
+        Object(sample("tiles", 64), "sphere", transform=placed((0.2, 0.2, 0.1), 0.5)),
+    )
+    return Scene(objects, Orbit(30.0, 40.0, 1.9), shadows="hard", background=background)
+
+
+def test_several_samples_are_the_mean_of_single_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one object and of several; the planes are those of the first sample."""
+    from basrelief.rendering import render as render_module
+
+    positions = render_module.sample_positions(3)
+    for scene in (crowd(), Scene(crowd().objects[:1], Orbit(30.0, 40.0, 1.9))):
+        whole = render(scene, size=(45, 31), samples=3, device="cpu")
+        single = []
+        for position in positions:
+            with monkeypatch.context() as patched:
+                patched.setattr(render_module, "sample_positions", lambda _, p=position: [p])
+                single.append(render(scene, size=(45, 31), samples=1, device="cpu"))
+        total = single[0].color + single[1].color + single[2].color
+        np.testing.assert_array_equal(whole.color, total * np.float32(1 / 3))
+        for plane in ("distance", "uv", "hit", "reads"):
+            np.testing.assert_array_equal(getattr(whole, plane), getattr(single[0], plane))
+
+
+def test_bands_make_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
+    from basrelief.rendering import render as render_module
+
+    whole = render(crowd(None), size=(45, 31), samples=2, device="cpu")
+    monkeypatch.setattr(render_module, "_BAND", 45 * 4)
+    fractions: list[float] = []
+    bands = render(crowd(None), size=(45, 31), samples=2, device="cpu", progress=fractions.append)
+    np.testing.assert_array_equal(whole.color, bands.color)
+    np.testing.assert_array_equal(whole.distance, bands.distance)
+    assert fractions == sorted(fractions)
+    assert (len(fractions), fractions[-1]) == (8 * 2 * 3, 1.0)
+
+
+@pytest.mark.gpu
+def test_cpu_and_gpu_agree_on_a_crowd() -> None:
+    assert_engines_agree(crowd(), 64)
+    assert_engines_agree(crowd(None), 64)
