@@ -1,8 +1,8 @@
 """A hole that opens in a surface: a crack map and a dust map merged into a height map.
 
 After E. Nordeus (habrador, *Parallax mapping*, Unity tutorial), who merges two textures and varies
-the strength of the dust. Here a threshold merges them: the ground sinks where crack and dust
-together exceed a limit. Cracks therefore open first, along their centre lines and from the middle
+the strength of the dust. Here the ground sinks where the dust, times its strength, exceeds the
+height of the cracks. Cracks therefore open first, along their centre lines and from the middle
 of the dust outwards; the ground between them sinks later.
 """
 
@@ -26,7 +26,7 @@ STRENGTH = 2.8
 """Strength of the dust in an open hole; from 1 on, full dust sinks ground without a crack too."""
 
 SOFTNESS = 0.45
-"""Excess over the limit at which heights have fallen to 1/e; less makes steeper walls."""
+"""Excess of dust over cracks at which heights have fallen to 1/e; less makes steeper walls."""
 
 _UNIT = 65535
 """The 16-bit code of 1."""
