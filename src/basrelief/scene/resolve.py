@@ -259,14 +259,17 @@ def _technique(obj: Object) -> Technique[..., Any]:
 
 
 def _material(obj: Object) -> Material:
-    if obj.opening is None:
-        return obj.material
-    if obj.material.height is None:
+    check_opening(obj.material, obj.opening)
+    return obj.material if obj.opening is None else _opened(obj.material, obj.opening)
+
+
+def check_opening(material: Material, opening: float | None) -> None:
+    """Raise InputError for an opening in a material without heights."""
+    if opening is not None and material.height is None:
         raise InputError(
-            f"{obj.material.name} has no height map, in which a hole opens; "
+            f"{material.name} has no height map, in which a hole opens; "
             "add one, or omit the opening"
         )
-    return _opened(obj.material, obj.opening)
 
 
 # of a film's frames, and of objects that differ in other options
