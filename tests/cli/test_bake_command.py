@@ -72,6 +72,16 @@ def test_maps_are_baked_of_a_hole(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert np.abs(stored / 65535.0 * 2.0 - 1.0 - normals).max() < 1e-4
 
 
+def test_the_heights_of_a_hole_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    printed = done("bake", "sample:cracks", "height", "--opening", "0.5", "--device", "cpu")
+    assert "cracks_height.png  (scale 0.3; a hole opened by 0.5)" in printed
+    hole = basrelief.Object(basrelief.load("sample:cracks"), opening=0.5).resolved.material
+    assert hole.height is not None
+    stored = codes(tmp_path / "baked" / "cracks_height.png")
+    np.testing.assert_array_equal(stored[:, :, 0], hole.height.pixels[:, :, 0])
+
+
 def test_green_and_bits(bumps: Path) -> None:
     for green in ("gl", "dx"):
         done("bake", bumps, "normal", "--green", green, "--bits", "8")

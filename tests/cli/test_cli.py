@@ -912,3 +912,26 @@ def test_the_shell_completes_names(words: str, completed: str) -> None:
         capture_output=True, text=True, env={**os.environ, **variables}, timeout=60,
     )  # fmt: skip
     assert outcome.stdout.split() == [completed]
+
+
+def test_a_film_of_a_hole_refuses_what_it_would_ignore(tmp_path: Path) -> None:
+    film = ("--motion", "opening", "--frames", "3", "-o", tmp_path / "hole.png", *DRAW)
+    for options, message in (
+        (("--depth", "0.02", "--tile", "1"), "give --scale, or omit --motion opening"),
+        (("--opening", "0.5"), "replaces the opening 0.5 of the first object; omit one of them"),
+    ):
+        error = refused("render", "sample:cracks", *options, *film)
+        assert message in error
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_note_says_that_dust_needs_a_hole(tmp_path: Path) -> None:
+    note = "note: no hole opens, so --dust changes nothing; add --opening 0.6"
+    dust = ("render", "sample:cracks", "--dust", "sample:noise", *DRAW)
+    for options, printed in (
+        ((), True), (("--show", "reads"), True), (("--opening", "0.5"), False),
+        (("--frames", "2", "--motion", "opening"), False),
+    ):  # fmt: skip
+        outcome = run(*dust, *options, "-o", tmp_path / "made.png")
+        assert outcome.code == 0
+        assert (note in outcome.err) == printed

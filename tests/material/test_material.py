@@ -920,7 +920,7 @@ def test_rendered_pictures_are_not_loaded_as_maps(tmp_path: Path, technique: str
 # --- numbers in place of maps
 
 
-@pytest.mark.parametrize("number", [0.25, "0.25"])
+@pytest.mark.parametrize("number", [0.25, "0.25", np.float32(0.25)])
 def test_a_number_is_a_map_with_one_value(tmp_path: Path, number) -> None:
     write_picture_file(tmp_path, "wall_color.png", flat(90, 80, 70))
     write_picture_file(tmp_path, "wall_height.png", flat(9, 9, 9))
@@ -941,6 +941,8 @@ def test_a_number_is_a_map_with_one_value(tmp_path: Path, number) -> None:
         ({"height": "-0.5"}, "height is -0.5: give a number from 0 to 1, or a file"),
         ({"opacity": float("nan")}, "opacity is nan: give a number from 0 to 1, or a file"),
         ({"normal": "0.5"}, "normal is 0.5: give a file; a number is for maps of one channel"),
+        ({"height": True}, "height is True: give a file, or a number"),
+        ({"roughness": [0.5]}, "roughness is [0.5]: give a file, or a number"),
     ],
 )
 def test_other_numbers_are_refused(maps: dict[str, Any], message: str) -> None:

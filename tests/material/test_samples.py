@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from basrelief.errors import InputError
-from basrelief.images import srgb_decode
+from basrelief.images import srgb_decode, srgb_encode
 from basrelief.images.resize import resized
 from basrelief.material import SAMPLES, Map, Material, hole, opened, sample
 from basrelief.material.evidence import slope_correlation
@@ -333,6 +333,50 @@ def test_a_hole_of_maps_of_several_sizes() -> None:
     assert shaded.base_color is not None
     for channel, power in enumerate((1.5, 2.0, 2.5)):
         assert shaded.base_color.pixels[:, :, channel] == pytest.approx(0.25**power, rel=1e-3)
+
+
+@pytest.mark.parametrize("cracks", [(1, 1), (4, 3)])
+def test_a_hole_has_the_texels_of_the_larger_map(cracks: tuple[int, int]) -> None:
+    """Dust of more texels than the heights keeps its shape, in the material's proportions."""
+    ground = replace(
+        heights_only(np.ones(cracks).tolist(), "ground"),
+        base_color=sample("cracks", (16, 12)).base_color,
+    )
+    dust = sample("dust", (64, 64)).height
+    made = opened(replace(ground, dust=dust), 0.8)
+    assert made.height is not None
+    assert (made.height.height, made.height.width) == (74, 56)
+    assert heights(made)[0].min() == 1
+    assert heights(made).min() == pytest.approx(np.exp(-1.24 / 0.45), abs=0.01)
+    assert made.base_color is not None
+    assert made.base_color.pixels.shape == (74, 56, 3)
+
+
+def test_a_colour_of_one_texel_is_darkened_in_the_hole_alone() -> None:
+    grey = Map(np.full((1, 1, 3), 200, np.uint8), True, "grey")
+    ground = replace(sample("cracks", 32), base_color=grey)
+    color = hole(ground, sample("dust", 32), 0.8).base_color
+    assert color is not None
+    codes = srgb_encode(color.linear()) * 255
+    assert codes[0] == pytest.approx(np.full((32, 3), 200), abs=0.1)
+    assert codes[16, 16].max() < 20
+    # as the same colour in more texels, up to the rounding of its codes
+    fine = replace(ground, base_color=Map(np.tile(grey.pixels, (32, 32, 1)), True, "grey"))
+    expected = hole(fine, sample("dust", 32), 0.8).base_color
+    assert expected is not None
+    assert codes == pytest.approx(expected.pixels, abs=0.6)
+
+
+def test_reduced_channels_are_area_averages() -> None:
+    codes = np.random.default_rng(3).integers(0, 65536, (12, 10), np.uint16)
+    quarters = codes.reshape(6, 2, 5, 2).mean((1, 3))
+    assert np.abs(resized(codes, (6, 5)) - quarters).max() <= 1
+    # fine stripes turn grey
+    stripes = np.tile(np.array([65535, 0, 0], np.uint16), (4, 12))
+    assert (resized(stripes, (4, 4)) == 21845).all()
+    # texels that are covered in part count in part: 3 texels are brought to 2
+    assert resized(np.array([[0, 600, 900]], np.uint16), (1, 2)).tolist() == [[200, 800]]
+    assert resized(codes, (1, 1))[0, 0] == pytest.approx(codes.mean(), abs=1)
 
 
 def test_the_sample_hole() -> None:

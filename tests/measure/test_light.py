@@ -157,6 +157,9 @@ def test_exact_shadows_leave_the_highest_ground_lit(cpu: Engine, lamp: str) -> N
     shown = shown_light(scene, SIZE, cpu)
     assert 0.2 < top.mean() < 0.95
     assert (shown[0][top] == 1.0).all()
+    assert found.light is not None
+    assert (found.light[0][top] == 1.0).all()
+    assert wrong_light(shown, found).sum() <= 2e-3 * found.there.sum()
     assert (shown == 0.0).any()
 
 

@@ -238,9 +238,14 @@ def test_a_hole_opens_and_closes_again() -> None:
     assert Opening()(start, at(0.5)).objects[1] is start.objects[1]
 
 
-def test_a_hole_needs_heights_to_open() -> None:
+def test_a_hole_needs_heights_and_no_opening_to_open() -> None:
     with pytest.raises(InputError, match="needs a height map"):
         Opening()(Scene((Object(sample("grid", 8)),)), at(0.5))
+    opened = Object(sample("cracks", 8), opening=0.5)
+    with pytest.raises(
+        InputError, match=r"replaces the opening 0\.5 of the first object; omit one"
+    ):
+        Opening()(Scene((opened,)), at(0.5))
 
 
 def test_motions_combine_and_keep_the_scene() -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from basrelief.engine.cpu import CpuEngine
 from basrelief.errors import InputError
 from basrelief.lang import HeightField, Vec3, setting, struct
-from basrelief.material import Map, Material
+from basrelief.material import Map, Material, sample
 from basrelief.rendering.render import render
 from basrelief.scene import (
     LYING,
@@ -583,3 +583,16 @@ def test_samples_are_whole_numbers() -> None:
     samples: Any = 1.5
     scene = Scene(Object(BUMPY))
     assert "1.5 samples a pixel" in refused(lambda: render(scene, size=(4, 3), samples=samples))
+
+
+def test_a_hole_in_heights_of_one_texel_keeps_the_shape_of_its_dust() -> None:
+    """Of its own dust, and of the default."""
+    flat = Material("flat", height=Map(np.ones((1, 1, 1), np.float32), False, "flat"))
+    wide = replace(flat, base_color=Map(np.ones((32, 64, 3), np.float32), True, "wide"))
+    own = replace(flat, dust=sample("dust", 48).height)
+    for material, size in ((flat, (256, 256)), (wide, (128, 256)), (own, (48, 48))):
+        height = Object(material, opening=0.8).resolved.material.height
+        assert height is not None
+        assert (height.height, height.width) == size
+        assert height.linear()[0].min() == 1.0
+        assert height.linear().min() < 0.1

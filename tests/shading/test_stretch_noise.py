@@ -92,6 +92,19 @@ def test_grains_smaller_than_a_pixel_are_left_out() -> None:
         assert bool(np.abs(grainy - plain).max() > 0.02) is is_noisy
 
 
+@pytest.mark.parametrize(
+    ("texels", "is_noisy"), [((1, 1), False), ((1, 64), False), ((8, 8), True), ((16, 256), True)]
+)
+def test_small_maps_keep_their_brightness(texels: tuple[int, int], is_noisy: bool) -> None:
+    """Octaves of less than two grains are left out, and none repeats another."""
+    waves = noise(3, (texels[0] * 8, texels[1] * 8), 1)
+    colors = np.full((*texels, 3), 0.5)
+    grainy = rendered(slope(1.0, colors=colors, values=waves, edge="clamp")).color[..., 0]
+    assert grainy.mean() == pytest.approx(0.5, rel=0.3)
+    assert grainy.max() < 2.5
+    assert bool(np.ptp(grainy) > 0.05) is is_noisy
+
+
 def test_random_values_fill_their_range_without_a_pattern() -> None:
     values = np.array(
         [[[random_value(x, y, z) for x in range(24)] for y in range(24)] for z in range(4)]

@@ -344,6 +344,20 @@ def test_invalid_settings_are_refused(viewer: Viewer, name: str, value: Any, lin
     assert _sent_state(viewer) == before
 
 
+def test_an_opening_is_checked_without_making_the_hole(
+    viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("basrelief.scene.resolve._opened", None)
+    viewer.opening = 0.123
+    assert viewer.opening == 0.123
+    viewer.opening = None
+    with monkeypatch.context() as patch:
+        patch.setattr(viewer, "_material", sample("grid", 8))
+        with pytest.raises(InputError, match="grid has no height map, in which a hole opens"):
+            viewer.opening = 0.5
+    assert viewer.opening is None
+
+
 @pytest.mark.parametrize(
     ("options", "line"),
     [

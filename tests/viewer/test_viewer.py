@@ -1247,6 +1247,52 @@ def test_a_hole_opens_as_its_slider_moves(fresh: OpenPage, material: Material) -
     assert (fresh.frame().color == whole.color).all()
 
 
+def test_the_default_scale_becomes_that_of_a_hole(fresh: OpenPage) -> None:
+    default = fresh.page.evaluate("viewer.data.defaults.options.scale")
+    assert default != 0.3
+    fresh.state(scale=default)
+    fresh.page.evaluate("viewer.changed(true)")
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.scale") == 0.3
+    command = fresh.page.evaluate("viewer.text('command')")
+    assert "--opening 0.6" in command
+    assert "--scale" not in command
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.scale") == default
+    # a scale that the user has chosen stays
+    fresh.page.locator("#hole").click()
+    fresh.state(scale=0.2)
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.scale") == 0.2
+    fresh.page.locator("#hole").click()
+    assert fresh.page.evaluate("viewer.state.scale") == 0.2
+
+
+def test_dust_that_comes_before_heights_opens_a_hole(fresh: OpenPage) -> None:
+    fresh.open("maps")
+    fresh.page.locator("#remove-height").click()
+    fresh.page.wait_for_function("!viewer.hasHeights")
+    files = [
+        write_data(_place(f"wall_{name}.png"), np.full((4, 4, 1), 200, np.uint8))
+        for name in ("dust_map", "height")
+    ]
+    _drop(fresh, files[0])
+    fresh.page.wait_for_function("viewer.mapMessage.includes('dust')")
+    assert fresh.page.evaluate("viewer.state.opening") is None
+    assert fresh.page.evaluate("viewer.state.scale") == 0.08
+    _drop(fresh, *files)
+    fresh.page.wait_for_function("viewer.mapMessage.includes('height')")
+    assert fresh.page.evaluate("viewer.state.opening") == 0.6
+
+
+def test_pages_without_heights_store_no_dust(tmp_path: Path) -> None:
+    for name, stored in (("grid", False), ("cracks", True)):
+        file = tmp_path / f"{name}.html"
+        with no_stills():
+            write_view(Scene((Object(sample(name, 8)),)), file, device="cpu")
+        assert ("map-dust" in file.read_text("utf-8")) == stored
+
+
 def test_dropped_dust_opens_a_hole(fresh: OpenPage, material: Material) -> None:
     codes = (sample("noise", 32).height.linear() * 255).astype(np.uint8)  # type: ignore[union-attr]
     _drop(fresh, write_data(_place("thick.png"), codes), on="dust")

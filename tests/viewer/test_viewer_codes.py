@@ -16,7 +16,8 @@ from test_viewer import OpenPage
 
 from basrelief.engine.cpu import CpuEngine
 from basrelief.images import read_picture, srgb_decode, srgb_encode, write_data
-from basrelief.material import Map, Material
+from basrelief.images.resize import resized
+from basrelief.material import Map, Material, opened
 from basrelief.measure.colors import COUNT, heat
 from basrelief.rendering import textures
 from basrelief.scene import Object, Scene
@@ -607,3 +608,60 @@ def test_integer_settings_are_rounded_to_the_nearest(seen: OpenPage) -> None:
     }"""
     for value, wanted in ((8.49, 8), (8.5, 9), (8.51, 9), (9.5, 10), (0.2, 1), (1e9, 4096)):
         assert seen.page.evaluate(script, value) == [wanted, wanted]
+
+
+# --- holes ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [((12, 10), (6, 5)), ((7, 9), (3, 4)), ((9, 4), (5, 7)), ((4, 6), (1, 1))]
+)
+def test_channels_are_reduced_as_by_the_library(seen: OpenPage, old: Any, new: Any) -> None:
+    codes = RNG.integers(0, 65536, old).astype(np.uint16)
+    script = """async ([texels, height, width, rows, columns]) => {
+      const { resized } = await import("view/resize.js");
+      return resized(texels, { width, height }, { width: columns, height: rows });
+    }"""
+    found = evaluate(seen.page, script, [codes.ravel(), *old, *new])
+    np.testing.assert_array_equal(found.reshape(new), resized(codes, new))
+
+
+@pytest.mark.parametrize("dust", [(1, 1), (9, 9), (56, 84)])
+@pytest.mark.parametrize("color", [(1, 1), (14, 11), (56, 42)])
+@pytest.mark.parametrize("height", [(1, 1), (28, 21)])
+def test_holes_have_the_sizes_of_the_librarys(
+    seen: OpenPage, height: Any, color: Any, dust: Any
+) -> None:
+    """Maps of one texel, and dust coarser and finer than the heights."""
+    maps = [
+        Map(RNG.integers(0, 65536, (*size, count), np.uint16), False, "made up")
+        for size, count in ((height, 1), (color, 3), (dust, 1))
+    ]
+    material = Material("x", height=maps[0], base_color=maps[1], dust=maps[2])
+    hole = opened(material, 0.7)
+    script = """async ([proportion, ...maps]) => {
+      const { opened } = await import("view/opened.js");
+      const pictures = {};
+      for (const name of ["field", "base_color", "dust"]) {
+        const [height, width, texels] = maps.splice(0, 3);
+        pictures[name] = { width, height, texels };
+      }
+      const { data } = viewer;
+      const constants = { ...data.constants, proportion };
+      const { field, base_color } = opened(pictures, 0.7, { ...data, constants });
+      return [field, base_color].map(({ width, height, texels }) => [height, width, texels]);
+    }"""
+    texture = textures.base_color(material, "wrap")
+    assert texture is not None
+    page = (maps[0].pixels, texture.levels[0], maps[2].pixels)
+    parts = [part for pixels in page for part in (*pixels.shape[:2], pixels)]
+    found = evaluate(seen.page, script, [material.proportion, *parts])
+    made = textures.base_color(hole, "wrap")
+    assert hole.height is not None
+    assert made is not None
+    for (rows, columns, texels), wanted, count in zip(
+        found, (hole.height.pixels, made.levels[0]), (1, 4), strict=True
+    ):
+        assert wanted.shape[:2] == (rows, columns)
+        difference = texels.reshape(rows, columns, count) - wanted.astype(int)
+        assert np.abs(difference).max() <= (1 if count == 1 else 4)

@@ -55,13 +55,17 @@ class FileOptions:
 
 @dataclass(frozen=True)
 class BakeInput:
-    """Input of a bake: a material, and the options that all bakes share."""
+    """Input of a bake: a material, and the options that all bakes share.
+
+    `opening` is that of the hole in the material's heights, None for none.
+    """
 
     material: Material
     engine: Engine
     edge: Edge
     scale: float
     options: FileOptions
+    opening: float | None = None
 
     def heights(self) -> NDArray[np.float32]:
         """Heights of the material, (height, width)."""
@@ -157,6 +161,9 @@ def _normal(baking: BakeInput) -> BakeResult:
 def _height(baking: BakeInput) -> BakeResult:
     from basrelief.baking import height_map
 
+    if baking.opening is not None:
+        note = f"scale {baking.scale:.4g}; a hole opened by {baking.opening:g}"
+        return BakeResult({"height": baking.codes(baking.heights()[:, :, None])}, note)
     normal = baking.material.normal
     if normal is None:
         raise InputError(
@@ -171,7 +178,7 @@ def _height(baking: BakeInput) -> BakeResult:
 
 FILE_BAKES: dict[str, BakeOption] = {
     "normal": BakeOption("Normals, from heights.", _normal),
-    "height": BakeOption("Heights, from normals.", _height),
+    "height": BakeOption("Heights, from normals, or of a hole (--opening).", _height),
     "occlusion": BakeOption("Ambient occlusion, from heights.", _occlusion),
     "horizon": BakeOption("Horizon map: the elevation of the horizon in 8 directions.", _horizon),
     **{name.removesuffix("_map"): _table(name, help) for name, (_, help) in TABLES.items()},

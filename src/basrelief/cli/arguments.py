@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from basrelief.scene import (
 )
 from basrelief.scene.checks import FAR, NEAR, check_setting
 from basrelief.scene.lights import LIGHTS
-from basrelief.scene.motion import MOTIONS, Motion, Orbiting, Scrolling
+from basrelief.scene.motion import MOTIONS, Motion, Opening, Orbiting, Scrolling
 from basrelief.scene.presets import EMPTY_PRESET, Preset, preset, scene_of
 from basrelief.scene.resolve import (
     default_technique,
@@ -160,11 +160,12 @@ def light_from(text: str) -> Light:
 
 
 def motions_from(
-    texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET
+    texts: Sequence[str], frames: int, preset: Preset = EMPTY_PRESET, *, measured: bool = False
 ) -> tuple[Motion, ...]:
     """Motions from "orbit" or "scroll,u=0.1,v=0.2".
 
-    Without texts, a film scrolls as the preset sets it, or else the camera orbits the object.
+    Without texts, a film scrolls as the preset sets it, or else the camera orbits the object. With
+    `measured`, the command line sets the material's depth, which a hole does not have.
     """
     if frames == 1:
         if texts:
@@ -173,7 +174,10 @@ def motions_from(
             )
         return ()
     default = Scrolling(*preset.scroll) if any(preset.scroll) else Orbiting()
-    return tuple(_motion_from(text) for text in texts) or (default,)
+    motions = tuple(_motion_from(text) for text in texts) or (default,)
+    if measured and any(isinstance(motion, Opening) for motion in motions):
+        _refuse_lengths("--motion opening")
+    return motions
 
 
 def _motion_from(text: str) -> Motion:
@@ -213,6 +217,14 @@ def check_lengths(depth: float | None, tile: float | None, scale: float | None) 
         )
     if depth is not None and scale is not None:
         raise InputError("give either --scale or --depth and --tile, not both: they set the same")
+
+
+def _refuse_lengths(option: str) -> NoReturn:
+    """Raise InputError for --depth and --tile with an option that opens a hole."""
+    raise InputError(
+        "--depth and --tile are those of the material, not of a hole; "
+        f"give --scale, or omit {option}"
+    )
 
 
 def preset_from(text: str | None) -> Preset:
@@ -301,10 +313,7 @@ def scene_options(
         parsed["layer"] = Layer(load(layer))
     merged = preset.merged(material, parsed)
     if measured and merged.get("opening") is not None:
-        raise InputError(
-            "--depth and --tile are those of the material, not of a hole; "
-            "give --scale, or omit --opening"
-        )
+        _refuse_lengths("--opening")
     merged["layer"] = _layer(merged.get("layer"), layer_tiling, layer_shift)
     # loaded here once: loading runs a user's file
     technique = technique_named(merged.get("technique") or default_technique(material))

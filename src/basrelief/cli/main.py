@@ -19,9 +19,12 @@ from basrelief.errors import BasreliefError, InputError, new_name
 from basrelief.settings import settings_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from basrelief.cli.arguments import MeasuredOptions
     from basrelief.material import Material
     from basrelief.scene import Scene
+    from basrelief.scene.motion import Motion
     from basrelief.scene.presets import Preset
 
 app = typer.Typer(
@@ -339,7 +342,7 @@ def render(
 
         pixels = arguments.size(size)
         preset, maps = _preset_and_maps(values)
-        motions = arguments.motions_from(motion or [], frames, preset)
+        motions = arguments.motions_from(motion or [], frames, preset, measured="depth" in maps)
         scene = _scene(path, preset, maps, values)
         obj = scene.resolved[0]
         material, technique_name = obj.material, obj.technique.name
@@ -350,12 +353,14 @@ def render(
         progress.task = f"drawing {material.name}"
         if show != "color":
             _draw_debug_picture(show, scene, pixels, samples, device, frames, target, bits, quality)
+            _note_unused_dust(maps, scene, ())
             return
         rendered = film.frames(
             scene, motions, count=frames, fps=fps, size=pixels, samples=samples, device=device,
             progress=progress,
         )  # fmt: skip
         written = film.write_film(target, rendered, fps, count=frames, bits=bits, quality=quality)
+    _note_unused_dust(maps, scene, motions)
     if material.height is None and values["technique"] is None:
         note = f"note: {material.name} has no height map, so it is drawn flat"
         print(note, file=sys.stderr)
@@ -367,6 +372,16 @@ def render(
     # a numbered series is reported by its first and last file
     files = " … ".join(map(str, dict.fromkeys((written.files[0], written.files[-1]))))
     print(f"{files}  ({written.device})")
+
+
+def _note_unused_dust(maps: dict[str, Any], scene: Scene, motions: Sequence[Motion]) -> None:
+    """Print a note where dust was named and no hole opens."""
+    from basrelief.scene.motion import Opening
+
+    opens = any(isinstance(motion, Opening) for motion in motions)
+    if "dust" in maps and scene.objects[0].opening is None and not opens:
+        note = "note: no hole opens, so --dust changes nothing; add --opening 0.6"
+        print(note, file=sys.stderr)
 
 
 def _draw_debug_picture(
@@ -561,11 +576,13 @@ def bake(
         from basrelief.rendering.programs import map_edge
 
         preset, maps = _preset_and_maps(values)
-        (obj,) = _scene(path, preset, maps, values).resolved
+        scene = _scene(path, preset, maps, values)
+        (obj,) = scene.resolved
         progress.task = f"baking {obj.material.name}"
         baking = BakeInput(
-            obj.material, choose_device(device), map_edge(obj), obj.scale, file_options
-        )
+            obj.material, choose_device(device), map_edge(obj), obj.scale, file_options,
+            opening=scene.objects[0].opening,
+        )  # fmt: skip
         folder = output or (Path(path) if os.path.isdir(path) else Path(path).parent) / "baked"
         files = bake_to(folder, names, baking, overwrite=overwrite)
     for file, note in files:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field, fields, replace
+from numbers import Real
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +119,7 @@ def load(
         base_color, normal, height, occlusion, roughness, metallic, emission, opacity, layer_mask,
         dust,
     )  # fmt: skip
-    sources = {kind: _text(f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
+    sources = {kind: _source(kind, f) for kind, f in zip(MAPS, files, strict=True) if f is not None}
     named_files = {k: Path(f) for k, f in sources.items() if is_path(f) and not os.path.isdir(f)}
     if path is None and not sources:
         raise InputError("nothing to load: name a folder, a picture or a map")
@@ -141,13 +143,23 @@ def load(
     return material.with_origin(None if path is None else os.fspath(path), {**requested, **sources})
 
 
-def _text(source: MapSource) -> str:
-    return f"{source:g}" if isinstance(source, int | float) else os.fspath(source)
+def _source(kind: str, source: Any) -> str | float:
+    """The path of a map, the name of a sample, or the number in its place."""
+    if isinstance(source, Real) and not isinstance(source, bool | np.bool_):
+        return float(source)
+    try:
+        text = os.fspath(source)
+    except TypeError:
+        raise InputError(f"{kind} is {source!r}: give a file, or a number") from None
+    number = number_in_place_of_map(text)
+    return text if number is None else number
 
 
-def _file_set(path: PathLike | None, options: ReadOptions, sources: dict[str, str]) -> FileSet:
+def _file_set(
+    path: PathLike | None, options: ReadOptions, sources: dict[str, str | float]
+) -> FileSet:
     if path is None:
-        names = [f for f in sources.values() if number_in_place_of_map(f) is None]
+        names = [f for f in sources.values() if isinstance(f, str)]
         return FileSet(Path(next(iter(names), "plain").removeprefix(SAMPLE)).stem, {}, ())
     green = None if options.normal_convention == "auto" else options.normal_convention
     return search(Path(path), green, frozenset(sources))
@@ -163,7 +175,7 @@ def _map_of(kind: str, path: str, material: Material) -> Map:
     return found
 
 
-def _even(kind: str, value: float) -> Map:
+def _constant_map(kind: str, value: float) -> Map:
     """A map of one texel."""
     if MAPS[kind].channels > 1:
         raise InputError(f"{kind} is {value:g}: give a file; a number is for maps of one channel")
@@ -219,14 +231,14 @@ class _Builder:
             self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
-    def add_source(self, kind: str, source: str) -> None:
+    def add_source(self, kind: str, source: str | float) -> None:
         """Add a map that no file of its own holds: of another material, or a number."""
-        value = number_in_place_of_map(source)
-        if value is None:
+        if isinstance(source, str):
             self.maps[kind] = _map_of(kind, source, load(source, **vars(self.options)))
+            self.note(f"{kind} from {source}", "requested")
         else:
-            self.maps[kind] = _even(kind, value)
-        self.note(f"{kind} {source}" if value is not None else f"{kind} from {source}", "requested")
+            self.maps[kind] = _constant_map(kind, source)
+            self.note(f"{kind} {source:g}", "requested")
 
     def add_color(self, kind: str, choice: Choice) -> None:
         pixels = channels.extract_rgb(self.picture(choice))

@@ -6,7 +6,7 @@ The command line's help imports this module, so it imports little.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeGuard
 
 from basrelief.settings import check_choices, setting
 
@@ -48,9 +48,13 @@ def number_in_place_of_map(text: str) -> float | None:
         return None
 
 
-def is_path(text: str) -> bool:
+def is_path(source: str | float) -> TypeGuard[str]:
     """Whether the source of a map is a file or folder, not a sample or a number."""
-    return not text.startswith(SAMPLE) and number_in_place_of_map(text) is None
+    return (
+        isinstance(source, str)
+        and not source.startswith(SAMPLE)
+        and number_in_place_of_map(source) is None
+    )
 
 
 @dataclass(frozen=True)

@@ -117,8 +117,10 @@ def unblocked(
     climb = (1.0 - height) * height_range
     travel = slope * climb[:, None] * tiles * [1.0, -1.0]
     # from the light down: a ray that starts on the surface would hit there
+    end = height + LIFT
+    top = np.maximum(end, 1.0)
     hits = intersect_height_field(
-        heights, uv + travel, -travel, map_edge(obj), drop=np.maximum(1.0 - height - LIFT, 0.0)
+        heights, uv + travel, -travel, map_edge(obj), height=top, drop=top - end
     )
     free: NDArray[np.bool_] = rises & ~hits.found
     return free

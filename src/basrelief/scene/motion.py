@@ -181,7 +181,7 @@ class Opening:
     Raises
     ------
     InputError
-        For times out of range, and when the first object has no height map.
+        For times out of range, and when the first object has no height map, or an opening already.
 
     References
     ----------
@@ -198,6 +198,11 @@ class Opening:
         if not scene.objects or scene.objects[0].material.height is None:
             raise InputError("a hole cannot open: the first object needs a height map; give it one")
         first, *others = scene.objects
+        if first.opening is not None:
+            raise InputError(
+                f"the motion opening replaces the opening {first.opening:g} of the first object; "
+                "omit one of them"
+            )
         opening = 0.5 - 0.5 * math.cos(2.0 * math.pi * self.times * now.fraction)
         return replace(scene, objects=(replace(first, opening=opening), *others))
 

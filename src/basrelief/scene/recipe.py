@@ -440,7 +440,8 @@ def _table(tiling: Tiling) -> dict[str, Any]:
     return {"tiles": tiling.tiles, "shift": tiling.shift}
 
 
-def _absolute(path: str) -> str:
+def _absolute(path: Any) -> Any:
+    """A path from the root; samples and numbers are unchanged."""
     return str(Path(path).resolve()) if is_path(path) else path
 
 

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 DEFAULT_SCALE = 0.05
 """Scale of a relief whose material has none: 5 % of a tile's width."""
 DUST_SIDE = 256
-"""Side of the default dust map of a material without heights, in texels."""
+"""Longer side of the default dust map where heights have one texel, and the largest in pages."""
 SURFACES: dict[str, Any] = {"standard": SurfaceParameters, "landscape": Landscape}
 """Surfaces with their parameter records."""
 
@@ -71,10 +71,9 @@ def number_records(technique: Technique[..., Any], surface: str) -> dict[str, An
 class ResolvedObject:
     """An object with every option decided.
 
-    `material` has the hole of the object's opening. `settings`, `smoothing` and
-    `surface_parameters` are records. `fade` and `layer` are None where
-    there is none; `transform` is from object to world space, (4, 4). Other fields are those of
-    `Object`.
+    `material` is the opened one where an opening is set. `settings`, `smoothing` and
+    `surface_parameters` are records. `fade` and `layer` are None where there is none; `transform`
+    is from object to world space, (4, 4). Other fields are those of `Object`.
     """
 
     material: Material
@@ -208,9 +207,17 @@ def default_scale(material: Material, opening: float | None = None) -> float:
 
 
 def dust_of(material: Material) -> Map:
-    """The dust map of a material, or that of the sample `dust` at the size of the heights."""
-    height = material.height
-    return material.dust or _dust(*((height.height, height.width) if height else ()))
+    """The dust map of a material with heights, or else that of the sample `dust`.
+
+    The sample has the size of the heights, or `DUST_SIDE` where they are a single texel.
+    """
+    height, proportion = material.height, material.proportion
+    if material.dust is not None:
+        return material.dust
+    if height is not None and not height.flat:
+        return _dust(height.height, height.width)
+    shape = (DUST_SIDE / max(1.0, proportion), DUST_SIDE * min(1.0, proportion))
+    return _dust(*(max(1, round(side)) for side in shape))
 
 
 def default_tiles(shape: ShapeKind, material: Material) -> tuple[float, float]:
@@ -252,14 +259,17 @@ def _technique(obj: Object) -> Technique[..., Any]:
 
 
 def _material(obj: Object) -> Material:
-    if obj.opening is None:
-        return obj.material
-    if obj.material.height is None:
+    check_opening(obj.material, obj.opening)
+    return obj.material if obj.opening is None else _opened(obj.material, obj.opening)
+
+
+def check_opening(material: Material, opening: float | None) -> None:
+    """Raise InputError for an opening in a material without heights."""
+    if opening is not None and material.height is None:
         raise InputError(
-            f"{obj.material.name} has no height map, in which a hole opens; "
+            f"{material.name} has no height map, in which a hole opens; "
             "add one, or omit the opening"
         )
-    return _opened(obj.material, obj.opening)
 
 
 # of a film's frames, and of objects that differ in other options
@@ -271,7 +281,7 @@ def _opened(material: Material, opening: float) -> Material:
 
 
 @functools.lru_cache(maxsize=2)
-def _dust(height: int = DUST_SIDE, width: int = DUST_SIDE) -> Map:
+def _dust(height: int, width: int) -> Map:
     dust = sample("dust", (height, width)).height
     assert dust is not None
     return dust

@@ -29,7 +29,7 @@ from basrelief.scene.checks import check_range, check_setting
 from basrelief.scene.motion import Scrolling
 from basrelief.scene.recipe import Recipe
 from basrelief.scene.records import settings_record
-from basrelief.scene.resolve import default_tiles
+from basrelief.scene.resolve import check_opening, default_tiles
 from basrelief.settings import check_choice
 from basrelief.settings import settings_of as declarations
 from basrelief.shading.brdf import Shading
@@ -116,7 +116,9 @@ def _number(viewer: Viewer, name: str, value: Any) -> float:
 
 
 def _opening(viewer: Viewer, name: str, value: Any) -> float | None:
-    return Object(viewer._material, opening=value).opening
+    check_setting(declarations(Object)[name], value)
+    check_opening(viewer._material, value)
+    return None if value is None else float(value)
 
 
 def _share(viewer: Viewer, name: str, value: Any) -> float:

@@ -129,10 +129,11 @@ def page_of(scene: Scene, texels: int, device: str | Engine, progress: Progress)
         max_side = max_side // 2
     maps |= _bakes(scaled_obj.material, LARGEST - _bytes(maps, stills), engine)
     scaled = largest_map_size(scaled_obj) if max_side < largest else None
+    shown = replace(scaled_obj, opening=obj.opening)
     data = {
         "programs": programs.to_dict(),
         "records": layouts(programs.library.names),
-        **manifest(replace(scene, objects=(scaled_obj,)), sources_of(scene), scaled),
+        **manifest(replace(scene, objects=(shown,)), sources_of(scene), scaled),
     }
     return ViewerPage(_html(obj.material.name, data, maps, stills), scaled)
 
@@ -155,17 +156,21 @@ def _all_maps(obj: Object) -> Iterator[Map]:
 
 
 def _with_scaled_maps(obj: Object, max_side: int) -> Object:
-    """The object with its maps, and its layer's, scaled to at most `most` texels a side."""
+    """The object with its maps, and its layer's, scaled to at most `max_side` texels a side.
+
+    It has no opening, as pages store the maps of the material and open holes themselves.
+    """
     layer = obj.layer
     return replace(
         obj,
+        opening=None,
         material=_scaled(obj.material, max_side),
         layer=layer and replace(layer, material=_scaled(layer.material, max_side)),
     )
 
 
 def _scaled(material: Material, max_side: int) -> Material:
-    """The material with maps of at most `most` texels a side, each halved until it fits."""
+    """The material with maps of at most `max_side` texels a side, each halved until it fits."""
     changed: dict[str, Map] = {}
     for name, map in material.maps():
         pixels = map.linear()
@@ -185,17 +190,15 @@ def _stored_as(original: Map, pixels: NDArray[np.float32], exact: bool) -> Map:
 
 
 def _maps(obj: Object, engine: Engine) -> dict[str, Any]:
-    """Mip level 0 of each map that programs read, and dust, packed.
-
-    They are those of the material without a hole, which the page opens itself.
-    """
+    """Mip level 0 of each map that programs read, and dust for a hole in heights, packed."""
     material = obj.material
     packed_maps: dict[str, Any] = {}
     field = textures.height_field(material, "wrap")
     if field is not None:
         packed_maps["field"] = packed(as_fractions(field.levels[0]))
-    packed_maps["dust"] = packed(as_fractions(_dust(material)))
-    for name, source, texture_material, scale in surface_maps(replace(obj, opening=None).resolved):
+    if field is not None or material.dust is not None:
+        packed_maps["dust"] = packed(as_fractions(_dust(material)))
+    for name, source, texture_material, scale in surface_maps(obj.resolved):
         # pages derive normals from heights themselves
         is_stored = name != "normal" or material.normal is not None
         map = source.texture(texture_material, "wrap", scale, engine) if is_stored else None

@@ -61,7 +61,7 @@ def sources_of(scene: Scene) -> dict[str, Any]:
     source, layer_source = portable_source(obj.material, "FOLDER"), portable_source(layer, "LAYER")
     options = {} if obj.material.origin is None else obj.material.origin.options
     reading = {
-        name: portable_path(value) if name in MAPS else value
+        name: portable_path(value) if is_path(value) and name in MAPS else value
         for name, value in options.items()
         if name not in SAMPLE_OPTIONS
     }

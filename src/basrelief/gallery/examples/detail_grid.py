@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from basrelief import Object, Orbit, Scene
+from basrelief import Orbit, preset
 from basrelief.gallery.page import Page, Panel, sample
 from basrelief.scene import Layer, Tiling
 from basrelief.settings.kinds import LayerOffsetKind
 
-CAMERA = Orbit(azimuth=22.0, elevation=34.0, distance=0.6, field_of_view=38.0)
+CAMERA = Orbit(azimuth=22.0, elevation=38.0, distance=0.45, field_of_view=38.0)
 CAPTIONS: dict[LayerOffsetKind, str] = {
     "none": "details not displaced",
     "unscaled": "by the same offset",
@@ -20,20 +20,18 @@ CAPTIONS: dict[LayerOffsetKind, str] = {
 def panels(texels: int) -> Iterator[Panel]:
     """A grid of 10 × 10 tiles over stones: undisplaced, by the offset as it is, and scaled."""
     grid = Layer(sample("grid", texels // 2), Tiling((10.0, 10.0)))
-    for technique, scale in (("offset", 0.05), ("relief", 0.1)):
+    for name, technique, scale in (("catlike", "offset", 0.08), ("catlike-march", "march", 0.1)):
         for layer_offset, caption in CAPTIONS.items():
-            obj = Object(
+            scene = preset(name).scene(
                 sample("cobbles", texels),
-                technique=technique,
                 scale=scale,
-                projection="biased",
-                reference_height=1.0,
                 layer=grid,
                 layer_offset=layer_offset,
+                camera=CAMERA,
             )
             yield Panel(
                 f"{technique}, {caption}",
-                Scene((obj,), camera=CAMERA),
+                scene,
                 f"layer: grid, 10 × 10 tiles, layer offset {layer_offset}",
             )
 

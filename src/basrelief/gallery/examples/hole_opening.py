@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from basrelief import Orbit, preset
 from basrelief.gallery.page import Page, Panel, sample
-from basrelief.material.opening import hole
 
 CAMERA = Orbit(azimuth=20.0, elevation=48.0, distance=0.75, field_of_view=40.0)
 
 
 def panels(texels: int) -> Iterator[Panel]:
     """Cracks and dust combined, the dust stronger in each picture."""
-    cracks, dust = sample("cracks", texels), sample("dust", texels)
+    ground = replace(sample("cracks", texels), dust=sample("dust", texels).height)
     for opening in (0.0, 0.2, 0.5, 1.0):
-        ground = hole(cracks, dust, opening)
-        scene = preset("habrador-hole").scene(ground, camera=CAMERA)
+        scene = preset("habrador-hole").scene(ground, opening=opening, camera=CAMERA)
         yield Panel(f"opened by {opening:g}", scene)
 
 
@@ -29,6 +28,6 @@ PAGE = Page(
     article="Two textures, of cracks and of a speck of dust, are combined, and a slider sets the "
     "strength of the dust: the hole opens and closes.",
     ours="The same, at four strengths. The article does not say how the two are combined; here the "
-    "ground opens where their sum exceeds a threshold.",
+    "ground sinks where the dust, times its strength, exceeds the height of the cracks.",
     panels=panels,
 )

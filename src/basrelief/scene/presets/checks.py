@@ -20,6 +20,7 @@ from basrelief.settings import Setting, settings_of
 WANTED: dict[str, str] = {
     "text": "a text",
     "choice": "a text",
+    "source": "a file, or a number",
     "flag": "true or false",
     "number": "a number",
     "integer": "a whole number",
@@ -34,7 +35,7 @@ Kinds = Mapping[str, str]
 
 MAPS_KEYS: Kinds = {
     **{name: declared.kind for name, declared in settings_of(ReadOptions).items()},
-    **dict.fromkeys(MAPS, "text"),
+    **dict.fromkeys(MAPS, "source"),
 }
 OBJECT_KEYS: Kinds = {
     **{name: declared.kind for name, declared in settings_of(Object).items()},
@@ -81,6 +82,8 @@ def _check_kind(value: Any, kind: str, key: str) -> None:
     match kind:
         case "text" | "choice":
             fits = isinstance(value, str)
+        case "source":
+            fits = isinstance(value, str) or is_number(value)
         case "flag":
             fits = isinstance(value, bool)
         case "number":

@@ -228,7 +228,7 @@ class Preset:
         table: Mapping[str, Any] = self.values.get(name, MappingProxyType({}))
         return table
 
-    def _resolved_path(self, path: str) -> str:
+    def _resolved_path(self, path: Any) -> Any:
         """A path relative to the preset's folder, resolved; samples and numbers are unchanged."""
         if self.file is None or not is_path(path):
             return path

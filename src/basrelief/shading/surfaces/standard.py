@@ -43,9 +43,9 @@ class SurfaceParameters:
     emission : Vec3
         Factor of the emission map, linear.
     specular : Vec3
-        Colour of Phong's highlight, linear.
+        Colour of the highlight in the shading model phong, linear.
     shininess : float
-        Exponent of Phong's highlight, 1 to 1000.
+        Exponent of the highlight in the shading model phong, 1 to 1000.
     cutoff : float
         Least opacity that is drawn where `alpha` is "mask", 0 to 1.
     layer_color : float
@@ -79,11 +79,8 @@ def base_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec4:
     if variant.displaced and variant.mapping == "triplanar":
         return triplanar(map, point)
     if variant.columns:
-        return pixelated(map, point.uv, point.footprint)
-    color = trilinear(map, point.uv, point.footprint)
-    if variant.displaced and variant.mapping == "noise":
-        return Vec4(color.xyz * noise_at(map, point), color.w)
-    return color
+        return with_noise(pixelated(map, point.uv, point.footprint), map, point, variant)
+    return with_noise(trilinear(map, point.uv, point.footprint), map, point, variant)
 
 
 @shader
@@ -108,9 +105,14 @@ def triplanar(map: Texture, point: SurfacePoint) -> Vec4:
 
 
 @shader
-def noise_at(map: Texture, point: SurfacePoint) -> float:
-    """The factor of a colour that breaks up its streaks on steep slopes."""
-    return stretch_noise(map, point.uv, point.height_in_tiles, point.relief_normal, point.footprint)
+def with_noise(color: Vec4, map: Texture, point: SurfacePoint, variant: Variant) -> Vec4:
+    """A map's colour with the noise that breaks up its streaks on steep slopes."""
+    if not variant.displaced or variant.mapping != "noise":
+        return color
+    noise = stretch_noise(
+        map, point.uv, point.height_in_tiles, point.relief_normal, point.footprint
+    )
+    return Vec4(color.xyz * noise, color.w)
 
 
 @shader
@@ -165,10 +167,7 @@ def layer_color_of(map: Texture, point: SurfacePoint, variant: Variant) -> Vec3:
         return Vec3(MIDDLE_GREY)
     if variant.displaced and variant.mapping == "triplanar":
         return triplanar(map, point).xyz
-    color = trilinear(map, point.uv, point.footprint).xyz
-    if variant.displaced and variant.mapping == "noise":
-        return color * noise_at(map, point)
-    return color
+    return with_noise(trilinear(map, point.uv, point.footprint), map, point, variant).xyz
 
 
 @shader

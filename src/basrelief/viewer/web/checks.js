@@ -14,7 +14,7 @@ export const isObject = (x) => x !== null && typeof x === "object" && !Array.isA
 /** @param {unknown} x @returns {x is number} */
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
 // fields that may be null, for values that the page computes, or for none
-const OPEN = new Set(["distance", "orthographic_height", "opening"]);
+const NULLABLE = new Set(["distance", "orthographic_height", "opening"]);
 
 /**
  * `base` with the fields of `other` of the same types; unknown fields are ignored.
@@ -35,7 +35,7 @@ export function merged(base, other, data) {
     }
     const mine = fields[name];
     if (isObject(mine)) fields[name] = merged(mine, value, data);
-    else if (fits(mine, value, OPEN.has(name))) fields[name] = copyOf(value);
+    else if (fits(mine, value, NULLABLE.has(name))) fields[name] = copyOf(value);
   }
   return made;
 }
@@ -43,10 +43,10 @@ export function merged(base, other, data) {
 /**
  * @param {unknown} mine
  * @param {unknown} value
- * @param {boolean} open
+ * @param {boolean} nullable
  */
-function fits(mine, value, open) {
-  if (open) return value === null || isNumber(value);
+function fits(mine, value, nullable) {
+  if (nullable) return value === null || isNumber(value);
   if (Array.isArray(mine)) {
     return Array.isArray(value) && value.length === mine.length && value.every(isNumber);
   }

@@ -235,26 +235,28 @@ export function menu(view, path, label, options, after = () => {}, doc = "") {
 }
 
 /**
- * A checkbox for a value, which is `ticked()` if checked and `not` otherwise. It needs a separate name
- * if the value has another control.
+ * A checkbox for a value, which is `ticked()` if checked and `not` otherwise, and which `take` sets. It
+ * needs a separate name if the value has another control.
  * @param {ViewerPage} view
  * @param {Path} path
  * @param {string} label
- * @param {{ name?: string, ticked?: () => unknown, not?: unknown, doc?: string }} options
+ * @param {{ name?: string, ticked?: () => unknown, not?: unknown, doc?: string,
+ *   take?: (value: unknown) => void }} options
  */
 export function check(
   view,
   path,
   label,
-  { name, ticked = () => true, not = false, doc = "" } = {},
+  { name, ticked = () => true, not = false, doc = "", take } = {},
 ) {
+  const put = take ?? ((/** @type {unknown} */ value) => set(view.state, path, value));
   const id = name ?? path.join(".");
   const box = element("input", { type: "checkbox", id, name: id });
   const show = () => {
     box.checked = at(view.state, path) !== not;
   };
   box.addEventListener("change", () => {
-    set(view.state, path, box.checked ? ticked() : not);
+    put(box.checked ? ticked() : not);
     view.changed(true);
   });
   view.shows.push(show);

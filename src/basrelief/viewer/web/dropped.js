@@ -225,7 +225,7 @@ const greenInverted = (picture) => ({
  * @param {{ width: number, height: number }} size of the channels
  * @param {Channels} places
  */
-function merged(old, { width, height }, places) {
+export function merged(old, { width, height }, places) {
   const larger = { width: Math.max(old.width, width), height: Math.max(old.height, height) };
   const texels = new Uint16Array(4 * larger.width * larger.height);
   for (let c = 0; c < 4; c++) {

@@ -75,6 +75,8 @@ export class ViewerPage {
     /** @type {Reading} */
     this.drop = { ...AS_NAMED }; // options for reading dropped pictures
     this.mapMessage = "";
+    /** @type {number | undefined} */
+    this.wholeScale = undefined; // before a hole was opened
     this.hashesRead = 0;
     this.canvas = /** @type {HTMLCanvasElement} */ (byId("canvas"));
     /** @type {Pair | null} */
@@ -243,7 +245,7 @@ export class ViewerPage {
    */
   changed(choice = false) {
     validated(this.state, this.start, this.data);
-    if (!this.hasHeights || !this.pictures.dust) this.state.opening = null;
+    if (!this.hasHeights || !this.pictures.dust) this.setOpening(null);
     this.clampCamera();
     this.clearPreset();
     if (choice === true) this.rebuild();
@@ -324,6 +326,25 @@ export class ViewerPage {
   removeLight(k) {
     this.state.lights.splice(k, 1);
     this.changed(true);
+  }
+
+  /**
+   * Open a hole, or close it with null. A scale that is the default becomes that of a hole, and the
+   * scale of a hole that before it.
+   * @param {number | null} opening
+   */
+  setOpening(opening) {
+    const { state } = this;
+    const { options, hole_scale } = this.data.defaults;
+    const usual = Number(options.scale);
+    if (opening !== null && state.opening === null) {
+      this.wholeScale = state.scale;
+      if (state.scale === usual) state.scale = hole_scale;
+    }
+    if (opening === null && state.opening !== null && state.scale === hole_scale) {
+      state.scale = this.wholeScale ?? usual;
+    }
+    state.opening = opening;
   }
 
   /** @param {string} name */
@@ -493,15 +514,20 @@ export class ViewerPage {
    */
   async takeMaps(files, slot = "") {
     const messages = [];
+    const slots = [];
     for (const file of files) {
       try {
-        messages.push(await this.takeMap(file, slot));
+        const taken = await this.takeMap(file, slot);
+        messages.push(taken.message);
+        slots.push(taken.slot);
       } catch (error) {
         this.showMessage(`${file.name}: ${firstLine(error)}`);
       }
     }
     if (!messages.length) return;
     this.mapMessage = messages.join("; ");
+    // dust has no other use; the heights may be among the later files
+    if (slots.includes("dust")) this.setOpening(this.state.opening ?? OPENING);
     this.changed(true);
   }
 
@@ -518,13 +544,11 @@ export class ViewerPage {
     for (const each of slot === "packed" ? PACKED : [slot]) this.sources[each] = file.name;
     // a base colour with opacity replaces that too
     if (slot === "base_color" && varies(picture, 3)) this.sources.opacity = file.name;
-    // it has no other use
-    if (slot === "dust" && this.hasHeights) this.state.opening ??= OPENING;
     if (slot === "height" && !this.hasHeights) {
       this.hasHeights = true;
       if (this.state.technique === "flat") this.useTechnique("relief");
     }
-    return this.describeMap(file.name, slot, picture, how);
+    return { slot, message: this.describeMap(file.name, slot, picture, how) };
   }
 
   /** @param {string} technique */

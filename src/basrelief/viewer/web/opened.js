@@ -1,6 +1,6 @@
 // Pictures of a material with a hole where its dust lies, as in `material.opening`.
 
-import { without } from "view/dropped.js";
+import { merged, without } from "view/dropped.js";
 import { roundEven } from "view/maps.js";
 import { resized } from "view/resize.js";
 import { decoded, encoded } from "view/srgb.js";
@@ -31,7 +31,7 @@ export function opened({ dust, ...pictures }, opening, data) {
   if (opening === null || !dust || !field) return pictures;
   const made = without({ ...pictures }, data.slots, "normal");
   for (const { bake } of Object.values(data.techniques)) if (bake) delete made[bake];
-  made.field = { ...field, texels: heights(field, dust, opening, data) };
+  made.field = hole(field, dust, opening, data);
   if (base_color) made.base_color = darkened(base_color, made.field);
   if (response) {
     if (!unoccluded.has(response)) {
@@ -48,16 +48,32 @@ export function opened({ dust, ...pictures }, opening, data) {
  * @param {Picture} dust
  * @param {number} opening
  * @param {Data} data
+ * @returns {Picture}
  */
-function heights(field, dust, opening, { constants }) {
+function hole(field, dust, opening, { constants }) {
   const f = Math.fround;
   const strength = f(constants.dust_strength * opening);
   const falloff = f(-1 / constants.hole_softness);
-  const over = resized(dust.texels, dust, field);
-  return field.texels.map((code, k) => {
+  const size = sizeOf(field, dust, constants.proportion);
+  const over = resized(dust.texels, dust, size);
+  const texels = resized(field.texels, field, size).map((code, k) => {
     const excess = f(f(f(over[k] / UNIT) * strength) - f(code / UNIT));
     return excess > 0 ? roundEven(f(f(Math.exp(f(excess * falloff))) * UNIT)) : UNIT;
   });
+  return { ...field, ...size, texels };
+}
+
+/**
+ * The size of a hole: the material's proportion, and as many texels as the larger map.
+ * @param {Picture} field
+ * @param {Picture} dust
+ * @param {number} proportion
+ */
+function sizeOf({ width, height }, dust, proportion) {
+  const texels = dust.width * dust.height;
+  if (texels <= width * height) return { width, height };
+  const rows = Math.max(1, roundEven(Math.sqrt(texels / proportion)));
+  return { width: Math.max(1, roundEven(rows * proportion)), height: rows };
 }
 
 /** @type {{ codes: Float32Array, lights: Uint16Array } | undefined} */
@@ -73,15 +89,21 @@ function curves() {
 }
 
 /**
- * A colour map times powers of the height in sRGB: 1½ for red, 2 for green, 2½ for blue.
+ * A colour map times powers of the height in sRGB: 1½ for red, 2 for green, 2½ for blue. The smaller
+ * of the two is resized to the larger.
  * @param {Picture} color
  * @param {Picture} field
  * @returns {Picture}
  */
 function darkened(color, field) {
   const { codes, lights } = curves();
-  const inside = resized(field.texels, field, color);
-  const texels = color.texels.slice();
+  const size = {
+    width: Math.max(color.width, field.width),
+    height: Math.max(color.height, field.height),
+  };
+  const inside = resized(field.texels, field, size);
+  const whole = color.width === size.width && color.height === size.height;
+  const texels = whole ? color.texels.slice() : merged(color, size, {}).texels;
   inside.forEach((code, k) => {
     if (code === UNIT) return;
     const height = code / UNIT;
@@ -93,5 +115,5 @@ function darkened(color, field) {
       texels[at] = lights[Math.round(codes[texels[at]] * factors[c])];
     }
   });
-  return { ...color, texels };
+  return { ...color, ...size, texels };
 }

@@ -183,8 +183,10 @@ const ROWS = {
     if (!view.hasHeights || !view.pictures.dust) return [];
     const { doc } = control;
     const ticked = () => OPENING;
+    /** @type {(opening: unknown) => void} */
+    const take = (opening) => view.setOpening(/** @type {number | null} */ (opening));
     return [
-      check(view, ["opening"], "Hole", { name: "hole", ticked, not: null, doc }),
+      check(view, ["opening"], "Hole", { name: "hole", ticked, not: null, doc, take }),
       ...(view.state.opening === null
         ? []
         : [number(view, ["opening"], { ...control, label: "opening" })]),

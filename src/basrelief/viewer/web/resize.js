@@ -3,7 +3,8 @@
 import { roundEven } from "view/maps.js";
 
 /**
- * As `images.resize.resized`: bilinear, seamless at the edges, rows before columns.
+ * As `images.resize.resized`: enlarged bilinearly, reduced to area averages, seamless at the edges,
+ * rows before columns.
  * @param {Uint16Array} channel
  * @param {{ width: number, height: number }} size
  * @param {{ width: number, height: number }} wanted
@@ -26,6 +27,12 @@ function stretched(from, have, want, lines, down) {
   const step = down ? lines : 1;
   const across = down ? [1, 1] : [have, want];
   const made = new Uint16Array(want * lines);
+  if (want < have) {
+    for (let line = 0; line < lines; line++) {
+      averaged(from, have, line * across[0], made, want, line * across[1], step);
+    }
+    return made;
+  }
   for (let k = 0; k < want; k++) {
     const place = ((k + 0.5) * have) / want - 0.5;
     const [first, share] = [Math.floor(place), place - Math.floor(place)];
@@ -36,4 +43,25 @@ function stretched(from, have, want, lines, down) {
     }
   }
   return made;
+}
+
+/**
+ * Means of a line of `have` texels: texel k of `want` covers k · have ÷ want to (k + 1) · have ÷ want.
+ * @param {Uint16Array} from
+ * @param {number} have
+ * @param {number} start of the line
+ * @param {Uint16Array} made
+ * @param {number} want
+ * @param {number} target start of the line in `made`
+ * @param {number} step between texels of the line
+ */
+function averaged(from, have, start, made, want, target, step) {
+  let [sum, n, before] = [0, 0, 0]; // sum of the first n texels, and up to the last end
+  for (let k = 0; k < want; k++) {
+    const end = ((k + 1) * have) / want;
+    for (; n < Math.floor(end); n++) sum += from[start + n * step];
+    const below = n < have ? sum + (end - n) * from[start + n * step] : sum;
+    made[target + k * step] = roundEven(((below - before) * want) / have);
+    before = below;
+  }
 }
