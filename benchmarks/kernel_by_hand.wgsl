@@ -1,7 +1,7 @@
 // A march of 32 steps written by hand: parallax occlusion, bilinear heights from four gathered texels,
 // a map that repeats. Its bindings are those of the generated program.
 
-struct Run { width: u32, first_row: u32, last_row: u32, plane_stride: u32 }
+struct Run { width: u32, first_row: u32, last_row: u32, plane_row: u32, plane_stride: u32 }
 struct Sweep { origin: vec2f, right: vec2f, down: vec2f, travel: vec2f, travel_right: vec2f, travel_down: vec2f }
 struct March { min_steps: i32, max_steps: i32, steps_per_texel: f32 }
 
