@@ -1,6 +1,6 @@
 """Picture files and colour encoding."""
 
-from basrelief.images.color import encode_light, srgb_decode, srgb_encode
+from basrelief.images.color import encode_light, srgb_decode, srgb_encode, srgb_thresholds
 from basrelief.images.files import check_writable, write_whole
 from basrelief.images.read import (
     LOSSY,
@@ -14,6 +14,8 @@ from basrelief.images.write import (
     WRITABLE,
     check_target,
     encode_png,
+    takes_codes,
+    write_codes,
     write_data,
     write_picture,
 )
@@ -21,5 +23,6 @@ from basrelief.images.write import (
 __all__ = [
     "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_target", "check_writable",
     "encode_light", "encode_png", "picture_size", "read_picture", "srgb_decode", "srgb_encode",
+    "srgb_thresholds", "takes_codes", "write_codes",
     "write_data", "write_picture", "write_whole",
 ]  # fmt: skip

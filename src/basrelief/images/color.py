@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -24,10 +25,27 @@ def srgb_decode(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
     return np.where(encoded <= 0.04045, encoded / 12.92, power)
 
 
+@functools.cache
+def srgb_thresholds() -> NDArray[np.float32]:
+    """The least linear light of each 8-bit sRGB code, (257,): below all light for 0, and beyond all
+    light for 256, which no light has."""
+    exact = srgb_decode((np.arange(1, 256) - 0.5) / 255.0)
+    rounded = exact.astype(np.float32)
+    least = np.where(rounded < exact, np.nextafter(rounded, np.float32(2)), rounded)
+    return np.concatenate([[-1.0], least, [2.0]]).astype(np.float32)
+
+
 def encode_light(linear: NDArray[np.floating], bits: int = 8) -> NDArray[Any]:
     """Integer codes of light (h, w, 3 or 4): colours sRGB-encoded, alpha linear; NaN is black."""
     largest = 2**bits - 1
     light = np.clip(np.nan_to_num(linear, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
-    light[:, :, :3] = srgb_encode(light[:, :, :3])
-    codes: NDArray[Any] = np.rint(light * largest).astype(np.uint8 if bits == 8 else np.uint16)
-    return codes
+    encoded = light.copy()
+    encoded[:, :, :3] = srgb_encode(light[:, :, :3])
+    codes: NDArray[Any] = np.floor(encoded * largest + 0.5).astype(np.uint16)
+    if bits == 16:
+        return codes
+    # the power is rounded: the thresholds are exact
+    colors, thresholds = codes[:, :, :3], srgb_thresholds()
+    colors -= light[:, :, :3] < thresholds[colors]
+    colors += light[:, :, :3] >= thresholds[colors + 1]
+    return codes.astype(np.uint8)

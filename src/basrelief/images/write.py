@@ -10,6 +10,7 @@ import os
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +98,26 @@ def write_picture(
     return path
 
 
+def write_codes(
+    path: str | os.PathLike[str], codes: NDArray[np.uint8], *, quality: int = 95
+) -> Path:
+    """Write sRGB codes of 8 bits, (height, width, 3 or 4), as `encode_light` gives them, to PNG,
+    JPEG or WebP. Raises InputError as `write_picture` does."""
+    path = Path(path)
+    file_format, _ = _checked(path, 8)
+    if not 1 <= quality <= 100:
+        raise InputError(f"{path}: quality is 1 to 100, not {quality}")
+    pixels = codes[:, :, : file_format.max_channels]
+    write_whole(path, lambda partial: _write(partial, pixels, "uint8", quality))
+    return path
+
+
+def takes_codes(path: str | os.PathLike[str], bits: int | None) -> bool:
+    """Whether a picture file holds sRGB codes of 8 bits."""
+    file_format = _FORMATS.get(Path(path).suffix.lower())
+    return file_format is not None and file_format.encoded and bits in (None, 8)
+
+
 def check_target(path: str | os.PathLike[str], bits: int | None = None) -> None:
     """Raise InputError if `write_picture` would refuse a path, to check it before the work."""
     _checked(Path(path), bits)
@@ -120,10 +141,13 @@ def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
     return path
 
 
-def encode_png(linear: NDArray[np.floating], *, bits: int = 8) -> bytes:
-    """Bytes of the PNG file that `write_picture` would write, for notebooks and pages."""
+def encode_png(pixels: NDArray[Any], *, bits: int = 8) -> bytes:
+    """Bytes of the PNG file of linear light, or of codes of 8 bits, for notebooks and pages."""
     with tempfile.TemporaryDirectory() as folder:
-        return write_picture(Path(folder) / "picture.png", linear, bits=bits).read_bytes()
+        path = Path(folder) / "picture.png"
+        if pixels.dtype == np.uint8:
+            return write_codes(path, pixels).read_bytes()
+        return write_picture(path, pixels, bits=bits).read_bytes()
 
 
 def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:

@@ -31,7 +31,6 @@ from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 
 __all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
-Picture = NDArray[np.float32]
 """Linear colours with straight alpha, (height, width, 4)."""
 
 _MAX_FRAMES = 100_000
@@ -149,7 +148,7 @@ class _FilmFormat:
     """
 
     codec: str
-    write: Callable[[Path, Iterator[Picture], tuple[int, int], Fraction, int], None]
+    write: Callable[[Path, Iterator[Frame], tuple[int, int], Fraction, int], None]
     longest_side: int
     max_fps: float = _MAX_FPS
     even: bool = False
@@ -302,18 +301,18 @@ def _numbered(path: Path, number: int, count: int) -> Path:
     return path.with_name(f"{path.stem}-{number:0{digits}d}{path.suffix}")
 
 
-def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Picture]:
-    """The colours of the frames, which must be of one size."""
+def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Frame]:
+    """The frames, which must be of one size."""
     for frame in remaining:
         if frame.distance.shape != (size[1], size[0]):
             raise InputError(f"{path}: frames of unequal size make no film")
-        yield frame.color
+        yield frame
 
 
 def _write_with_av(
     format: _FilmFormat,
     partial: Path,
-    pictures: Iterator[Picture],
+    pictures: Iterator[Frame],
     size: tuple[int, int],
     fps: float,
     quality: int,
@@ -340,7 +339,7 @@ _EXACT_SCALING = 0x4 | 0x4000 | 0x40000
 
 
 def _write_mp4(
-    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     import av
 
@@ -355,7 +354,7 @@ def _write_mp4(
         codec.color_primaries = codec.colorspace = _BT709
         codec.color_trc, codec.color_range = _SRGB, _LIMITED
         for number, picture in enumerate(pictures):
-            frame = _frame(encode_light(_opaque(picture)), number, rate, codec.time_base)
+            frame = _frame(_opaque_codes(picture), number, rate, codec.time_base)
             # set the range explicitly: swscale does not infer it for YUV
             coded = frame.reformat(
                 format="yuv420p", dst_colorspace=_BT709, interpolation=_EXACT_SCALING,
@@ -365,10 +364,13 @@ def _write_mp4(
         file.mux(stream.encode(None))
 
 
-def _opaque(picture: Picture) -> Picture:
-    """The picture composited over the default background."""
-    alpha = picture[:, :, 3:]
-    return picture[:, :, :3] * alpha + np.array(BACKGROUND, np.float32) * (1 - alpha)
+def _opaque_codes(picture: Frame) -> NDArray[np.uint8]:
+    """The codes of the picture composited over the default background."""
+    if (picture.codes[:, :, 3] == 255).all():
+        return picture.codes[:, :, :3]
+    alpha = picture.color[:, :, 3:]
+    behind = np.array(BACKGROUND, np.float32) * (1 - alpha)
+    return encode_light(picture.color[:, :, :3] * alpha + behind)
 
 
 # --- GIF -----------------------------------------------------------------------------------------
@@ -378,7 +380,7 @@ _HUNDREDTH = Fraction(1, 100)
 
 
 def _write_gif(
-    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     """Write a GIF in two passes, palette and coding; between them the pictures are on disk."""
     import av
@@ -397,12 +399,12 @@ def _write_gif(
 
 
 def _palette(
-    pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
+    pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
 ) -> Any:
     """Palette of 256 colours for all pictures, by median cut; copies the pictures to `spool`."""
     graph, (source,) = _filter_graph(size, "palettegen")
     for number, picture in enumerate(pictures):
-        codes = encode_light(picture)
+        codes = picture.codes
         spool.write(codes.tobytes())
         source.push(_frame(codes, number, rate, _HUNDREDTH))
         # nothing is available yet, but pulling makes the filter consume and release the picture
@@ -474,7 +476,7 @@ _THOUSANDTH = Fraction(1, 1000)
 
 
 def _write_webp(
-    path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
 ) -> None:
     import av
 
@@ -484,7 +486,7 @@ def _write_webp(
         stream.width, stream.height, stream.pix_fmt = *size, "bgra"
         stream.codec_context.time_base = _THOUSANDTH
         for number, picture in enumerate(pictures):
-            frame = _frame(encode_light(picture), number, rate, _THOUSANDTH)
+            frame = _frame(picture.codes, number, rate, _THOUSANDTH)
             file.mux(stream.encode(frame.reformat(format="bgra")))
         file.mux(stream.encode(None))
 

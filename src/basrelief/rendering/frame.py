@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine import Canvas
-from basrelief.images import encode_png, write_picture
+from basrelief.images import encode_light, encode_png, takes_codes, write_codes, write_picture
 from basrelief.lang import Vec4
 
 
@@ -72,6 +72,8 @@ class Frame:
     ----------
     color : ndarray of float32, shape (height, width, 4)
         Linear colour over the background, and coverage.
+    codes : ndarray of uint8, shape (height, width, 4)
+        The colour in sRGB, 0 to 255, and alpha.
     distance : ndarray of float32, shape (height, width)
         Distance from the camera along the ray in world units; infinite where nothing is hit.
     uv : ndarray of float32, shape (height, width, 2)
@@ -115,6 +117,14 @@ class Frame:
         return self._vectors("color", "xyzw")
 
     @functools.cached_property
+    def codes(self) -> NDArray[np.uint8]:
+        # a frame made from arrays
+        if "_plane" not in self.__dict__:
+            return encode_light(self.color)
+        words = np.ascontiguousarray(self._plane("codes"), "<i4")
+        return words.view(np.uint8).reshape(*words.shape, 4)
+
+    @functools.cached_property
     def distance(self) -> NDArray[np.float32]:
         return np.where(self.hit, self._plane("distance"), np.float32(np.inf))
 
@@ -153,10 +163,16 @@ class Frame:
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the colour as a picture; see `Image.save`."""
+        if takes_codes(path, bits):
+            return write_codes(path, self._codes_for_file(), quality=quality)
         return self.image.save(path, bits=bits, quality=quality)
 
+    def _codes_for_file(self) -> NDArray[np.uint8]:
+        opaque = bool((self.codes[:, :, 3] == 255).all())
+        return self.codes[:, :, :3] if opaque else self.codes
+
     def _repr_png_(self) -> bytes:
-        return self.image._repr_png_()
+        return encode_png(self._codes_for_file())
 
 
 def empty_frame(size: tuple[int, int], backdrop: Vec4, device: str) -> Frame:

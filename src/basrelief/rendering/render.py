@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import Any
 
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError, new_name
+from basrelief.images import srgb_thresholds
 from basrelief.lang import Buffer, Vec2, Vec4
 from basrelief.lang.program import Program
 from basrelief.material import Material, load
@@ -22,7 +24,7 @@ from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
 from basrelief.settings import settings_of
 from basrelief.shading.intersection import CameraSample
-from basrelief.shading.picture import Backdrop, SamplePosition, Step, layer, picture
+from basrelief.shading.picture import Backdrop, SamplePosition, Step, Threshold, layer, picture
 
 Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
@@ -167,7 +169,8 @@ class _Drawing:
         entry = picture if len(scene.objects) == 1 else layer
         shared = {
             "backdrop": Backdrop(_backdrop(scene)),
-            "positions": Buffer([SamplePosition(*p) for p in self.positions], SamplePosition),
+            "positions": _position_buffer(tuple(self.positions)),
+            "thresholds": _threshold_buffer(),
         }
         self.objects = [
             (
@@ -206,6 +209,16 @@ class _Drawing:
                     view = CameraSample(values["sample"].camera, Vec2(*position))
                     step = Step(number, layers, sample, samples)
                     yield program, {**values, "sample": view, "step": step}, rows
+
+
+@functools.lru_cache(maxsize=8)
+def _position_buffer(positions: tuple[tuple[float, float], ...]) -> Buffer[SamplePosition]:
+    return Buffer([SamplePosition(*position) for position in positions], SamplePosition)
+
+
+@functools.cache
+def _threshold_buffer() -> Buffer[Threshold]:
+    return Buffer([Threshold(float(light)) for light in srgb_thresholds()], Threshold)
 
 
 def _backdrop(scene: Scene) -> Vec4:

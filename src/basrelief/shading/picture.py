@@ -6,7 +6,18 @@ sample of each object, over what the planes hold; `averaged` ends the last.
 
 from __future__ import annotations
 
-from basrelief.lang import Buffer, HeightField, IVec2, Texture, Vec2, Vec4, shader, struct
+from basrelief.lang import (
+    Buffer,
+    HeightField,
+    IVec2,
+    Texture,
+    Vec2,
+    Vec4,
+    pow,
+    saturate,
+    shader,
+    struct,
+)
 from basrelief.shading.brdf import Shading
 from basrelief.shading.fog import Fog
 from basrelief.shading.geometry import Geometry
@@ -44,15 +55,24 @@ class Backdrop:
 
 
 @struct
+class Threshold:
+    """The least linear light of an 8-bit sRGB code."""
+
+    light: float
+
+
+@struct
 class Drawn:
     """A pixel of a picture.
 
-    `color` is linear, with coverage; the others are those of the first sample. `distance` is along
-    the ray in world units, `uv` are the displaced texture coordinates, `hit` says whether the pixel
-    shows an object, and `reads` counts the heights read.
+    `color` is linear, with coverage; `codes` has it as four bytes, red the lowest, in sRGB. The
+    others are those of the first sample: `distance` is along the ray in world units, `uv` are the
+    displaced texture coordinates, `hit` says whether the pixel shows an object, and `reads` counts
+    the heights read.
     """
 
     color: Vec4
+    codes: int
     distance: float
     uv: Vec2
     hit: bool
@@ -83,7 +103,7 @@ class Step:
 @shader
 def empty(backdrop: Backdrop) -> Drawn:
     """A pixel without objects."""
-    return Drawn(backdrop.color, NOWHERE, Vec2(0.0), False, 0)
+    return Drawn(backdrop.color, 0, NOWHERE, Vec2(0.0), False, 0)
 
 
 @shader
@@ -95,12 +115,12 @@ def composited(below: Drawn, above: Pixel) -> Drawn:
     """
     reads = below.reads + above.reads
     if not above.hit or above.distance >= below.distance:
-        return Drawn(below.color, below.distance, below.uv, below.hit, reads)
+        return Drawn(below.color, 0, below.distance, below.uv, below.hit, reads)
     coverage = above.color.w
     color = below.color * (1.0 - coverage) + Vec4(above.color.xyz * coverage, coverage)
     if coverage < SOLID:
-        return Drawn(color, below.distance, below.uv, below.hit, reads)
-    return Drawn(color, above.distance, above.uv, True, reads)
+        return Drawn(color, 0, below.distance, below.uv, below.hit, reads)
+    return Drawn(color, 0, above.distance, above.uv, True, reads)
 
 
 @shader
@@ -113,11 +133,44 @@ def averaged(total: Vec4, count: int, backdrop: Backdrop) -> Vec4:
 
 
 @shader
+def finished(first: Drawn, color: Vec4, thresholds: Buffer[Threshold]) -> Drawn:
+    """The pixel with its mean colour, and that colour's codes."""
+    codes = (
+        srgb_code(color.x, thresholds)
+        | (srgb_code(color.y, thresholds) << 8)
+        | (srgb_code(color.z, thresholds) << 16)
+        | (int(saturate(color.w) * 255.0 + 0.5) << 24)
+    )
+    return Drawn(color, codes, first.distance, first.uv, first.hit, first.reads)
+
+
+@shader
+def srgb_code(linear: float, thresholds: Buffer[Threshold]) -> int:
+    """The 8-bit sRGB code of linear light: by the curve, and then by the exact thresholds, so that
+    all engines agree.
+
+    Source: IEC 61966-2-1:1999, Default RGB colour space, sRGB.
+    """
+    # in this order a NaN is black
+    light = min(max(0.0, linear), 1.0)
+    encoded = 12.92 * light
+    if light > 0.0031308:
+        encoded = 1.055 * pow(light, 1.0 / 2.4) - 0.055
+    code = int(encoded * 255.0 + 0.5)
+    if light < thresholds[code].light:
+        code = code - 1
+    elif light >= thresholds[code + 1].light:
+        code = code + 1
+    return code
+
+
+@shader
 def picture(
     at: IVec2,
     sample: CameraSample,
     positions: Buffer[SamplePosition],
     backdrop: Backdrop,
+    thresholds: Buffer[Threshold],
     placement: Placement,
     relief: ReliefParameters,
     smoothing: Smoothing,
@@ -170,8 +223,7 @@ def picture(
             total = drawn.color
         else:
             total = total + drawn.color
-    color = averaged(total, len(positions), backdrop)
-    return Drawn(color, first.distance, first.uv, first.hit, first.reads)
+    return finished(first, averaged(total, len(positions), backdrop), thresholds)
 
 
 @shader
@@ -181,6 +233,7 @@ def layer(
     step: Step,
     sample: CameraSample,
     backdrop: Backdrop,
+    thresholds: Buffer[Threshold],
     placement: Placement,
     relief: ReliefParameters,
     smoothing: Smoothing,
@@ -222,21 +275,23 @@ def layer(
         variant,
     )
     drawn = stored.drawn
-    below = Drawn(stored.color, stored.distance, drawn.uv, drawn.hit, drawn.reads)
+    below = Drawn(stored.color, 0, stored.distance, drawn.uv, drawn.hit, drawn.reads)
     if step.layer == 0:
         below = empty(backdrop)
     over = composited(below, above)
     if step.sample == 0:
         drawn = over
     if step.layer == step.layers - 1:
-        drawn = with_sample(drawn, over.color, step, backdrop)
+        drawn = with_sample(drawn, over.color, step, backdrop, thresholds)
     return Layered(drawn, over.color, over.distance)
 
 
 @shader
-def with_sample(drawn: Drawn, color: Vec4, step: Step, backdrop: Backdrop) -> Drawn:
+def with_sample(
+    drawn: Drawn, color: Vec4, step: Step, backdrop: Backdrop, thresholds: Buffer[Threshold]
+) -> Drawn:
     """What is drawn with one more sample; the last one is followed by the mean."""
     total = color if step.sample == 0 else drawn.color + color
     if step.sample == step.samples - 1:
-        total = averaged(total, step.samples, backdrop)
-    return Drawn(total, drawn.distance, drawn.uv, drawn.hit, drawn.reads)
+        return finished(drawn, averaged(total, step.samples, backdrop), thresholds)
+    return Drawn(total, 0, drawn.distance, drawn.uv, drawn.hit, drawn.reads)

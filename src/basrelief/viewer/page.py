@@ -240,7 +240,7 @@ def _stills(scene: Scene, engine: Engine, progress: Progress) -> Iterator[tuple[
         settings: Any = Nothing() if name == "flat" else {}
         shown = replace(obj, technique=name, settings=settings, heights="sharp")
         frame = render(replace(scene, objects=(shown,)), size=(400, 225), samples=4, device=engine)
-        png = encode_png(frame.color[:, :, :3])
+        png = encode_png(frame.codes[:, :, :3])
         yield name, base64.b64encode(png).decode()
 
 

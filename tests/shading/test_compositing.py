@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from basrelief.lang import Vec2, Vec4
+from basrelief.images import encode_light, srgb_encode, srgb_thresholds
+from basrelief.lang import Buffer, Vec2, Vec4
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.render import render
 from basrelief.scene import LYING, Object, Orbit, Scene, placed
-from basrelief.shading.picture import Backdrop, averaged, composited, empty
+from basrelief.shading.picture import (
+    Backdrop,
+    Threshold,
+    averaged,
+    composited,
+    empty,
+    srgb_code,
+)
 from basrelief.shading.pixel import Pixel
 from helpers.agreement import assert_engines_agree
 
@@ -56,6 +66,54 @@ def test_the_mean_over_a_transparent_background_has_straight_alpha() -> None:
     np.testing.assert_allclose(values(averaged(total, 4, clear)), [0.75, 0.0, 0.0, 0.5])
     np.testing.assert_allclose(values(averaged(total, 4, BACKDROP)), [0.375, 0.0, 0.0, 0.5])
     assert values(averaged(Vec4(0.0), 4, clear)) == [0.0, 0.0, 0.0, 0.0]
+
+
+def near_thresholds() -> np.ndarray:
+    """Every float32 within two steps of the least light of a code, and light all over the range."""
+    least = srgb_thresholds()[1:256]
+    around = [least]
+    for end in (np.float32(-1.0), np.float32(2.0)):
+        step = least
+        for _ in range(2):
+            step = np.nextafter(step, end)
+            around.append(step)
+    return np.concatenate([*around, np.linspace(-0.5, 1.5, 20_011, dtype=np.float32)])
+
+
+def exact_code(light: np.ndarray) -> np.ndarray:
+    """The sRGB code in float64, rounded to the nearest."""
+    return np.floor(srgb_encode(np.clip(light.astype(np.float64), 0, 1)) * 255 + 0.5).astype(int)
+
+
+def test_codes_are_those_of_the_exact_curve() -> None:
+    """In the shader and for arrays."""
+    light = near_thresholds()
+    wanted = exact_code(light)
+    arrays = encode_light(np.repeat(light[:, None, None], 3, 2))
+    np.testing.assert_array_equal(arrays[:, 0, 0], wanted)
+    thresholds = Buffer([Threshold(float(each)) for each in srgb_thresholds()], Threshold)
+    some = np.r_[: 5 * 255, 5 * 255 : len(light) : 40]
+    found = [srgb_code(light[k], thresholds) for k in some]
+    np.testing.assert_array_equal(found, wanted[some])
+    assert srgb_code(np.float32(np.nan), thresholds) == 0
+    assert srgb_code(np.float32(np.inf), thresholds) == 255
+
+
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+def test_a_frame_has_the_codes_of_its_colours(device: str) -> None:
+    for scene in (crowd(), crowd(None), Scene(crowd().objects[:1]), Scene(())):
+        frame = render(scene, size=(45, 31), samples=2, device=device)
+        np.testing.assert_array_equal(frame.codes, encode_light(frame.color))
+
+
+def test_a_saved_frame_equals_its_saved_image(tmp_path: Path) -> None:
+    for background in ((0.1, 0.2, 0.3), None):
+        frame = render(crowd(background), size=(45, 31), samples=1, device="cpu")
+        for suffix in (".png", ".jpg", ".webp"):
+            one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix}"
+            frame.save(one)
+            frame.image.save(other)
+            assert one.read_bytes() == other.read_bytes()
 
 
 def crowd(background=(0.1, 0.2, 0.3)) -> Scene:
