@@ -83,11 +83,13 @@ def test_a_program_draws_over_what_the_planes_hold(
     device: str, bands: int, module, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In bands of rows too, where a GPU's buffers hold no more."""
-    monkeypatch.setattr(gpu_module, "_MAX_PLANE_BYTES", 4 * 5 * SIZE[0] * -(-SIZE[1] // bands))
+    monkeypatch.setattr(gpu_module, "_MAX_CANVAS_BYTES", 4 * 5 * SIZE[0] * -(-SIZE[1] // bands))
     canvas = drawn_over(engine_named(device), module, (0.5, 3.0, -1.0))
     assert canvas.size == SIZE
     for name, plane in expected((0.5, 3.0, -1.0)).items():
-        np.testing.assert_array_equal(canvas.read(name), plane)
+        np.testing.assert_array_equal(canvas.read(name)[0], plane)
+    places = canvas.read("inner.place.x", 2)
+    np.testing.assert_array_equal(places[1], expected((0.5, 3.0, -1.0))["inner.place.y"])
 
 
 @pytest.mark.parametrize("device", DEVICES)
@@ -95,16 +97,16 @@ def test_rows_can_be_drawn_alone(device: str, module) -> None:
     canvas = drawn_over(engine_named(device), module, (1.0, 1.0), rows=(7, 12))
     wanted = expected((1.0, 1.0))
     for name, plane in wanted.items():
-        np.testing.assert_array_equal(canvas.read(name)[7:12], plane[7:12])
-        assert not canvas.read(name)[:7].any()
-        assert not canvas.read(name)[12:].any()
+        np.testing.assert_array_equal(canvas.read(name)[0, 7:12], plane[7:12])
+        assert not canvas.read(name)[0, :7].any()
+        assert not canvas.read(name)[0, 12:].any()
 
 
 def test_a_canvas_outlives_others(module) -> None:
     engine = CpuEngine(8, 2)
     first = drawn_over(engine, module, (1.0,))
     drawn_over(engine, module, (5.0, 5.0))
-    np.testing.assert_array_equal(first.read("sum"), expected((1.0,))["sum"])
+    np.testing.assert_array_equal(first.read("sum")[0], expected((1.0,))["sum"])
 
 
 def test_what_the_planes_hold_is_no_value(module) -> None:

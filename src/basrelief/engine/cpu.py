@@ -58,7 +58,7 @@ class CpuEngine:
         """Run a program over a picture of (width, height); see `Engine.run`."""
         canvas = CpuCanvas(program.planes, size[0], rows or (0, size[1]), self.lanes)
         self.draw(program, values, canvas)
-        return {name: canvas.read(name) for name, _ in program.planes}
+        return {name: canvas.read(name)[0] for name, _ in program.planes}
 
     def canvas(self, program: Program, size: tuple[int, int]) -> CpuCanvas:
         """New planes for the results of a program; see `Engine.canvas`."""
@@ -162,11 +162,11 @@ class CpuCanvas:
         stride = -(-width // lanes) * lanes
         self.planes = np.zeros((len(kinds), rows[1] - rows[0], stride), np.int32)
 
-    def read(self, name: str) -> NDArray[Any]:
-        """The plane of a scalar; see `Canvas.read`."""
+    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+        """Planes of scalars; see `Canvas.read`."""
         index = [known for known, _ in self.kinds].index(name)
-        plane = self.planes[index, :, : self.width]
-        return plane.view(np.float32) if self.kinds[index][1] is float else plane
+        planes = self.planes[index : index + count, :, : self.width]
+        return planes.view(np.float32) if self.kinds[index][1] is float else planes
 
 
 # --- compiling -----------------------------------------------------------------------------------

@@ -31,8 +31,9 @@ class Canvas(Protocol):
 
     size: tuple[int, int]
 
-    def read(self, name: str) -> NDArray[Any]:
-        """The plane of a scalar, by its dotted name, as in `Planes`."""
+    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+        """The plane of a scalar, by its dotted name, and the next ones: (count, H, W), as in
+        `Planes`. The array may be a view of the canvas."""
 
 
 class Engine(Protocol):

@@ -40,6 +40,8 @@ _FEATURES = ("timestamp-query", "float32-filterable")
 
 _MAX_PLANE_BYTES = 1 << 28
 """Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
+_MAX_CANVAS_BYTES = 1 << 30
+"""Largest buffer of a canvas, where the GPU allows it."""
 
 
 def _request_adapter() -> Any:
@@ -178,9 +180,11 @@ class GpuEngine:
         usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC
         return self.gpu.create_buffer(size=4 * count * size[0] * size[1], usage=usage)
 
-    def max_rows(self, planes: int, width: int, height: int) -> int:
+    def max_rows(
+        self, planes: int, width: int, height: int, most_bytes: int = _MAX_PLANE_BYTES
+    ) -> int:
         """Number of rows whose planes fit in a buffer, at least 1 and at most the height."""
-        limit = min(self.limits["max-storage-buffer-binding-size"], _MAX_PLANE_BYTES)
+        limit = min(self.limits["max-storage-buffer-binding-size"], most_bytes)
         return max(1, min(height, limit // (4 * planes * width)))
 
     def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
@@ -339,23 +343,29 @@ class GpuCanvas:
     ) -> None:
         self.engine, self.kinds, self.size = engine, kinds, size
         width, height = size
-        self.rows = engine.max_rows(len(kinds), width, height)
+        self.rows = engine.max_rows(len(kinds), width, height, _MAX_CANVAS_BYTES)
         self.bands = [
             (first, min(first + self.rows, height), engine.planes(len(kinds), (width, self.rows)))
             for first in range(0, height, self.rows)
         ]
 
-    def read(self, name: str) -> NDArray[Any]:
-        """The plane of a scalar; see `Canvas.read`."""
+    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+        """Planes of scalars; see `Canvas.read`."""
         index = [known for known, _ in self.kinds].index(name)
         kind = np.float32 if self.kinds[index][1] is float else np.int32
-        width, height = self.size
-        plane = np.empty((height, width), kind)
-        start, queue = 4 * index * width * self.rows, self.engine.gpu.queue
-        for first, last, planes in self.bands:
-            words = queue.read_buffer(planes, start, 4 * width * (last - first))
-            plane[first:last] = np.frombuffer(words, kind).reshape(last - first, width)
-        return plane
+        parts = [
+            self._words(planes, index, count, last - first).view(kind)
+            for first, last, planes in self.bands
+        ]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+    def _words(self, planes: Any, index: int, count: int, rows: int) -> NDArray[np.int32]:
+        """The words of `count` planes of a band, from a plane on."""
+        width = self.size[0]
+        size = 4 * width * self.rows
+        with self.engine._lock:
+            words = self.engine.gpu.queue.read_buffer(planes, index * size, count * size)
+        return np.frombuffer(words, np.int32).reshape(count, self.rows, width)[:, :rows]
 
 
 class Job:

@@ -88,8 +88,8 @@ class Frame:
         Device that drew the frame, and its adapter.
     """
 
-    _plane: Callable[[str], NDArray[Any]]
-    """The plane of a scalar, by its name."""
+    _planes: Callable[[str, int], NDArray[Any]]
+    """Planes of scalars from the device, by the name of the first, and how many."""
 
     def __init__(
         self,
@@ -108,45 +108,38 @@ class Frame:
     def drawn(cls, canvas: Canvas, prefix: str, device: str) -> Frame:
         """The frame whose planes a canvas holds, under their names after a prefix."""
         frame = cls.__new__(cls)
-        frame._plane = lambda name: canvas.read(f"{prefix}{name}")
+        frame._planes = lambda name, count: canvas.read(f"{prefix}{name}", count)
         frame.size, frame.device = canvas.size, device
         return frame
 
     @functools.cached_property
     def color(self) -> NDArray[np.float32]:
-        return self._vectors("color", "xyzw")
+        return np.ascontiguousarray(self._planes("color.x", 4).transpose(1, 2, 0))
 
     @functools.cached_property
     def codes(self) -> NDArray[np.uint8]:
         # a frame made from arrays
-        if "_plane" not in self.__dict__:
+        if "_planes" not in self.__dict__:
             return encode_light(self.color)
-        words = np.ascontiguousarray(self._plane("codes"), "<i4")
+        words = np.ascontiguousarray(self._planes("codes", 1)[0], "<i4")
         return words.view(np.uint8).reshape(*words.shape, 4)
 
     @functools.cached_property
     def distance(self) -> NDArray[np.float32]:
-        return np.where(self.hit, self._plane("distance"), np.float32(np.inf))
+        return np.where(self.hit, self._planes("distance", 1)[0], np.float32(np.inf))
 
     @functools.cached_property
     def uv(self) -> NDArray[np.float32]:
-        return self._vectors("uv", "xy")
+        return np.ascontiguousarray(self._planes("uv.x", 2).transpose(1, 2, 0))
 
     @functools.cached_property
     def hit(self) -> NDArray[np.bool_]:
-        hit: NDArray[np.bool_] = self._plane("hit") != 0
+        hit: NDArray[np.bool_] = self._planes("hit", 1)[0] != 0
         return hit
 
     @functools.cached_property
     def reads(self) -> NDArray[np.int32]:
-        return np.ascontiguousarray(self._plane("reads"))
-
-    def _vectors(self, name: str, components: str) -> NDArray[np.float32]:
-        """The planes of a vector, side by side."""
-        vectors = np.empty((*self.size[::-1], len(components)), np.float32)
-        for k, component in enumerate(components):
-            vectors[:, :, k] = self._plane(f"{name}.{component}")
-        return vectors
+        return np.ascontiguousarray(self._planes("reads", 1)[0])
 
     @property
     def mean_reads(self) -> float:

@@ -30,7 +30,7 @@ Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
 _MAX_PIXELS = 1 << 27
 """Largest number of pixels; such a frame takes 4.4 GB."""
-_BAND = 1 << 22
+_BAND = 1 << 24
 """Samples that are drawn at once, between two reports of the progress."""
 
 
