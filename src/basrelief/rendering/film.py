@@ -11,7 +11,9 @@ from __future__ import annotations
 import itertools
 import operator
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -31,14 +33,14 @@ from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 
 __all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
-"""Linear colours with straight alpha, (height, width, 4)."""
-
 _MAX_FRAMES = 100_000
 """Almost an hour at 30 frames a second."""
 _MAX_FPS = 240.0
 """Above the refresh rate of common screens."""
 _CHECKED_MOMENTS = 360
 """Largest number of moments at which the camera is checked before the first frame is drawn."""
+_WRITERS = 4
+"""Number of pictures that are written at once."""
 
 
 # --- drawing -------------------------------------------------------------------------------------
@@ -211,7 +213,7 @@ def write_film(
         raise InputError(f"{path}: a film of no frames; give one or more")
     size = (first.distance.shape[1], first.distance.shape[0])
     check_film(path, total or _MAX_FRAMES, fps, size, bits=bits, quality=quality)
-    remaining = itertools.chain([first], remaining)
+    remaining = _drawn_ahead(itertools.chain([first], remaining))
     format = _film_for(path, total)
     if format is None:
         files = _write_numbered(path, remaining, total, bits=bits, quality=quality)
@@ -284,13 +286,37 @@ def _check_av(path: Path, format: _FilmFormat) -> None:
         )
 
 
+def _drawn_ahead(remaining: Iterator[Frame]) -> Iterator[Frame]:
+    """The frames; each is drawn on another thread while the one before it is encoded."""
+    with ThreadPoolExecutor(1) as pool:
+        following = pool.submit(_next_drawn, remaining)
+        while (frame := following.result()) is not None:
+            following = pool.submit(_next_drawn, remaining)
+            yield frame
+
+
+def _next_drawn(remaining: Iterator[Frame]) -> Frame | None:
+    """The next frame, with its codes read from the device."""
+    frame = next(remaining, None)
+    if frame is not None:
+        _ = frame.codes
+    return frame
+
+
 def _write_numbered(
     path: Path, remaining: Iterator[Frame], count: int, *, bits: int | None, quality: int
 ) -> tuple[Path, ...]:
-    return tuple(
-        frame.save(_numbered(path, number, count), bits=bits, quality=quality)
-        for number, frame in enumerate(remaining, 1)
-    )
+    """Write each frame to a picture; several are written at once, while the next is drawn."""
+    files: list[Path] = []
+    with ThreadPoolExecutor(_WRITERS) as pool:
+        writing: deque[Future[Path]] = deque()
+        for number, frame in enumerate(remaining, 1):
+            if len(writing) == _WRITERS:
+                files.append(writing.popleft().result())
+            target = _numbered(path, number, count)
+            writing.append(pool.submit(frame.save, target, bits=bits, quality=quality))
+        files += [each.result() for each in writing]
+    return tuple(files)
 
 
 def _numbered(path: Path, number: int, count: int) -> Path:
