@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from basrelief.engine.engine import Engine
 from basrelief.errors import DeviceError
 from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
+from basrelief.material import Material, sample
+from basrelief.rendering.render import render
 from helpers.comparing import write_module
 from helpers.repository import REPOSITORY
 
@@ -148,3 +151,31 @@ def test_a_forked_process_draws_with_threads_of_its_own(tmp_path: Path) -> None:
         [sys.executable, "-W", "ignore", script], timeout=120, env=environment, check=False
     )
     assert run.returncode == 0
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_several_threads_draw_on_one_engine(device: str) -> None:
+    engine = engine_named(device)
+    materials = [sample(name, 32) for name in ("tiles", "cobbles", "bricks", "gravel")]
+
+    def color(material: Material) -> np.ndarray:
+        return render(material, size=(48, 36), samples=2, device=engine).color
+
+    alone = [color(material) for material in materials]
+    with ThreadPoolExecutor(4) as threads:
+        together = list(threads.map(color, materials * 3))
+    for number, found in enumerate(together):
+        np.testing.assert_array_equal(found, alone[number % len(materials)])
+
+
+def test_frames_of_two_engines_are_kept_side_by_side() -> None:
+    one, other = CpuEngine(8, 2), CpuEngine(16, 1)
+    frames = [
+        render(sample(name, 32), size=(48, 36), samples=1, device=engine)
+        for engine in (one, other)
+        for name in ("tiles", "cobbles")
+    ]
+    # read only now
+    for first, second in ((0, 2), (1, 3)):
+        np.testing.assert_array_equal(frames[first].color, frames[second].color)
+    assert not np.array_equal(frames[0].color, frames[1].color)
