@@ -11,7 +11,7 @@ import pytest
 
 from basrelief import Frame, InputError, Map, Material, Object, Scene
 from basrelief.engine.gpu import GpuEngine
-from basrelief.rendering.programs import depth_program_of, program_of
+from basrelief.rendering.programs import depth_program_of, frame_program_of
 from basrelief.settings import settings_of
 from helpers.frame_cases import ALL_TECHNIQUES, CASES, MENUS, OTHER_OPTIONS, SHAPES, drawn, scene_of
 from helpers.frame_hashes import PLANES, STORE, digests, stored, text
@@ -40,7 +40,7 @@ def test_the_programs_of_all_cases_compile_on_a_gpu() -> None:
     """Every pair of options then compiles on both engines, as the CPU draws all cases."""
     engine = GpuEngine()
     scenes = [scene_of(case) for case in CASES]
-    programs = [program_of(obj.resolved, scene) for scene in scenes for obj in scene.objects]
+    programs = [frame_program_of(obj.resolved, scene) for scene in scenes for obj in scene.objects]
     casting = [scene for scene in scenes if scene.casts]
     programs += [depth_program_of(obj.resolved) for scene in casting for obj in scene.objects]
     distinct = {program.key: program for program in programs}

@@ -9,7 +9,7 @@ from pathlib import Path
 from basrelief.engine import choose_device
 from basrelief.errors import InputError
 from basrelief.material import Material, sample
-from basrelief.rendering.programs import program_of
+from basrelief.rendering.programs import frame_program_of
 from basrelief.rendering.render import render
 from basrelief.scene import Object, Orbit, Scene
 from basrelief.scene.recipe import Recipe
@@ -40,7 +40,7 @@ def pictures(folder: Path, device: str) -> Iterator[tuple[Path, str]]:
         materials = dict(zip(names, pool.map(sample, names), strict=True))
         scenes = dict(_scenes(materials))
         engine = device_choice.result()
-        programs = [program_of(scene.resolved[0]) for scene in scenes.values()]
+        programs = [frame_program_of(scene.resolved[0], scene) for scene in scenes.values()]
         list(pool.map(engine.compile, programs))
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -11,11 +11,13 @@ from typing import Any, Literal, assert_never
 
 from basrelief.engine import Engine
 from basrelief.lang.program import Program
-from basrelief.rendering.programs import program_of, values_of
+from basrelief.rendering.programs import frame_program_of, frame_values, values_of
 from basrelief.scene import Scene
 
 RUNS = 5
 """Number of runs of which a time is the median."""
+CENTRE = (0.5, 0.5)
+"""The only sample of a pixel."""
 _DISPATCHES = 8
 """Dispatches in one timestamped run on a GPU."""
 GPU_SIZE = (1920, 1080)
@@ -59,7 +61,9 @@ def seconds_of(
 def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
     """A function that draws a scene once and returns the seconds it took."""
     obj, size = scene.resolved[0], timing.size
-    program, values = program_of(obj, scene), values_of(obj, scene, size, engine)
+    # the program that pictures are drawn with, so that there is one to compile
+    program = frame_program_of(obj, scene)
+    values = {**values_of(obj, scene, size, engine), **frame_values(scene, [CENTRE])}
     match timing.by:
         case "timestamps":
             job = stack.enter_context(engine.prepare(program, values, size))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, assert_never
 
 from basrelief.engine import Engine
-from basrelief.lang import Buffer, Shader, Vec2, Vec3
+from basrelief.images import srgb_thresholds
+from basrelief.lang import Buffer, Shader, Vec2, Vec3, Vec4
 from basrelief.lang.frontend import Bindings
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, Filter, members_of
@@ -19,6 +21,7 @@ from basrelief.scene.resolve import default_scale
 from basrelief.shading.intersection import CameraSample
 from basrelief.shading.lights import Light
 from basrelief.shading.maps import AvailableMaps, SurfaceMaps
+from basrelief.shading.picture import Backdrop, SamplePosition, Threshold, layer, picture
 from basrelief.shading.pixel import pixel
 from basrelief.shading.surfaces.landscape import landscape_surface
 from basrelief.shading.surfaces.standard import standard_surface
@@ -64,6 +67,12 @@ def program_of(
 ) -> Program:
     """The program that draws an object of a scene, specialised to its variant."""
     return _program(obj, variant_of(obj, scene or _DEFAULT_SCENE), entry)
+
+
+def frame_program_of(obj: ResolvedObject, scene: Scene) -> Program:
+    """The program that draws an object into the frame of its scene: all samples at once, or one
+    over other objects."""
+    return program_of(obj, scene, picture if len(scene.objects) == 1 else layer)
 
 
 def _program(obj: ResolvedObject, variant: Variant, entry: Shader[..., Any] = pixel) -> Program:
@@ -195,6 +204,31 @@ def values_of(
         "fog": scene.fog,
         "lights": Buffer(scene.lights, Light),
     }
+
+
+def frame_values(scene: Scene, positions: Sequence[tuple[float, float]]) -> dict[str, Any]:
+    """The values that the programs of a frame share: positions of the samples, background, and
+    thresholds of codes."""
+    return {
+        "backdrop": Backdrop(backdrop_of(scene)),
+        "positions": _position_buffer(tuple(positions)),
+        "thresholds": _threshold_buffer(),
+    }
+
+
+def backdrop_of(scene: Scene) -> Vec4:
+    """The background's colour and coverage."""
+    return Vec4(0.0) if scene.background is None else Vec4(*scene.background, 1.0)
+
+
+@functools.lru_cache(maxsize=8)
+def _position_buffer(positions: tuple[tuple[float, float], ...]) -> Buffer[SamplePosition]:
+    return Buffer([SamplePosition(*position) for position in positions], SamplePosition)
+
+
+@functools.cache
+def _threshold_buffer() -> Buffer[Threshold]:
+    return Buffer([Threshold(float(light)) for light in srgb_thresholds()], Threshold)
 
 
 def _surface_parameters(obj: ResolvedObject) -> Any:

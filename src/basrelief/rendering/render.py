@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -12,19 +11,23 @@ from typing import Any
 
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError, new_name
-from basrelief.images import srgb_thresholds
-from basrelief.lang import Buffer, Vec2, Vec4
+from basrelief.lang import Vec2
 from basrelief.lang.program import Program
 from basrelief.material import Material, load
 from basrelief.rendering.frame import Frame, empty_frame
-from basrelief.rendering.programs import program_of, values_of
+from basrelief.rendering.programs import (
+    backdrop_of,
+    frame_program_of,
+    frame_values,
+    values_of,
+)
 from basrelief.rendering.shadow_maps import shadow_map_values
 from basrelief.scene import Object, Scene
 from basrelief.scene.presets import EMPTY_PRESET, Preset
 from basrelief.scene.presets import preset as preset_named
 from basrelief.settings import settings_of
 from basrelief.shading.intersection import CameraSample
-from basrelief.shading.picture import Backdrop, SamplePosition, Step, Threshold, layer, picture
+from basrelief.shading.picture import Step
 
 Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
@@ -166,15 +169,10 @@ class _Drawing:
         shadow_maps = (
             shadow_map_values(ordered, engine) if scene.casts else [{}] * len(scene.objects)
         )
-        entry = picture if len(scene.objects) == 1 else layer
-        shared = {
-            "backdrop": Backdrop(_backdrop(scene)),
-            "positions": _position_buffer(tuple(self.positions)),
-            "thresholds": _threshold_buffer(),
-        }
+        shared = frame_values(scene, self.positions)
         self.objects = [
             (
-                program_of(obj, scene, entry),
+                frame_program_of(obj, scene),
                 {**values_of(obj, scene, size, engine), **shared, **shadow_map},
             )
             for obj, shadow_map in zip(ordered.resolved, shadow_maps, strict=True)
@@ -184,7 +182,7 @@ class _Drawing:
         """The whole frame: colours averaged over all samples, other planes of the first."""
         device = f"{self.engine.name}: {self.engine.adapter}"
         if not self.objects:
-            return empty_frame(self.size, _backdrop(self.scene), device)
+            return empty_frame(self.size, backdrop_of(self.scene), device)
         canvas = self.engine.canvas(self.objects[0][0], self.size)
         steps = [*self._steps()]
         for number, (program, values, rows) in enumerate(steps):
@@ -209,18 +207,3 @@ class _Drawing:
                     view = CameraSample(values["sample"].camera, Vec2(*position))
                     step = Step(number, layers, sample, samples)
                     yield program, {**values, "sample": view, "step": step}, rows
-
-
-@functools.lru_cache(maxsize=8)
-def _position_buffer(positions: tuple[tuple[float, float], ...]) -> Buffer[SamplePosition]:
-    return Buffer([SamplePosition(*position) for position in positions], SamplePosition)
-
-
-@functools.cache
-def _threshold_buffer() -> Buffer[Threshold]:
-    return Buffer([Threshold(float(light)) for light in srgb_thresholds()], Threshold)
-
-
-def _backdrop(scene: Scene) -> Vec4:
-    """The background's colour and coverage."""
-    return Vec4(0.0) if scene.background is None else Vec4(*scene.background, 1.0)
