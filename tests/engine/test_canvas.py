@@ -163,8 +163,8 @@ def test_several_threads_draw_on_one_engine(device: str) -> None:
 
     alone = [color(material) for material in materials]
     with ThreadPoolExecutor(4) as threads:
-        together = list(threads.map(color, materials * 3))
-    for number, found in enumerate(together):
+        shared = list(threads.map(color, materials * 3))
+    for number, found in enumerate(shared):
         np.testing.assert_array_equal(found, alone[number % len(materials)])
 
 

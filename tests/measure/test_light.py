@@ -219,6 +219,8 @@ def test_a_picture_of_the_error(cpu: Engine) -> None:
     assert (red < blue)[(error < -0.6)[row]].all()
     with pytest.raises(InputError, match="light="):
         debug_picture("shadow-error", frame, found)
+    with pytest.raises(InputError, match="the scene has none; add --light"):
+        debug_picture("shadow-error", frame, found, shown[:0])
 
 
 def test_compare_and_tune_measure_light(cpu: Engine, tmp_path) -> None:

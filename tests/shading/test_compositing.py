@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from basrelief.images import encode_light, srgb_encode, srgb_thresholds
+from basrelief.images import encode_light, read_picture, srgb_encode, srgb_thresholds
 from basrelief.lang import Buffer, Vec2, Vec4
 from basrelief.material import Map, Material, sample
 from basrelief.rendering.render import render
@@ -104,6 +105,26 @@ def test_a_frame_has_the_codes_of_its_colours(device: str) -> None:
     for scene in (crowd(), crowd(None), Scene(crowd().objects[:1]), Scene(())):
         frame = render(scene, size=(45, 31), samples=2, device=device)
         np.testing.assert_array_equal(frame.codes, encode_light(frame.color))
+
+
+def test_a_changed_colour_is_saved(tmp_path: Path) -> None:
+    """Whether the codes were read before, or not."""
+    for reads_codes in (False, True):
+        frame = render(crowd(), size=(45, 31), samples=1, device="cpu")
+        if reads_codes:
+            assert frame.codes.any()
+        frame.color[:, :, :3] *= 0.2
+        assert frame.save(tmp_path / "a.png").is_file()
+        stored = read_picture(tmp_path / "a.png").pixels[:, :, :3]
+        np.testing.assert_array_equal(stored, encode_light(frame.color)[:, :, :3])
+
+
+def test_a_frame_can_be_pickled() -> None:
+    frame = render(crowd(), size=(45, 31), samples=1, device="cpu")
+    again = pickle.loads(pickle.dumps(frame))
+    for plane in ("color", "codes", "distance", "uv", "hit", "reads"):
+        np.testing.assert_array_equal(getattr(again, plane), getattr(frame, plane))
+    assert (again.size, again.device) == (frame.size, frame.device)
 
 
 def test_a_saved_frame_equals_its_saved_image(tmp_path: Path) -> None:

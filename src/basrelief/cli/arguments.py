@@ -586,8 +586,8 @@ def _added_transform(values: Mapping[str, str], what: str) -> Any:
 
 def _rotation(text: str, what: str) -> Transform:
     """The rotation of "x/30", an axis of the world and degrees."""
-    axis, _, degrees = text.partition("/")
-    if axis not in ("x", "y", "z"):
+    axis, slash, degrees = text.partition("/")
+    if axis not in ("x", "y", "z") or not slash:
         raise InputError(f"{what} {text}: write an axis and degrees, for example x/30")
     return rotated(axis, number(degrees, what))  # type: ignore[arg-type]
 

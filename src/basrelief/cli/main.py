@@ -414,6 +414,8 @@ def _draw_debug_picture(
         )
     if kind == "shadow-error" and scene.shadows == "none":
         raise InputError("--show shadow-error: the picture has no shadows; add --shadows hard")
+    if kind == "shadow-error" and not scene.lights:
+        raise InputError("--show shadow-error: the picture has no light; omit --light none")
     engine = choose_device(device)
     reference = None if kind == "reads" else truth(scene, size, device=engine)
     frame = render(scene, size=size, samples=samples, device=engine)

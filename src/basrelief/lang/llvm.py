@@ -993,7 +993,7 @@ class _EntryPrinter(_InstructionPrinter):
         return arguments
 
     def stored(self, position: str) -> list[str]:
-        """What the planes hold at a position."""
+        """The values that the planes hold at a position."""
         names, passed = self.out.names, []
         for index, (_, t) in enumerate(leaves(self.entry.result)):
             kind = names[float if t is float else int]

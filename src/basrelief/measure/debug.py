@@ -150,6 +150,8 @@ def _signed(values: NDArray[np.float64], what: str, unit: str) -> DebugPicture:
 
 
 def _light(light: NDArray[np.float64], truth: Truth) -> DebugPicture:
+    if not len(light):
+        raise InputError("shadow-error compares lights, and the scene has none; add --light")
     error = light_error(light, truth)
     largest = np.abs(error).argmax(0)[None]
     values = np.where(truth.there, np.take_along_axis(error, largest, 0)[0], np.nan)

@@ -392,8 +392,9 @@ def _write_mp4(
 
 def _opaque_codes(picture: Frame) -> NDArray[np.uint8]:
     """The codes of the picture composited over the default background."""
-    if (picture.codes[:, :, 3] == 255).all():
-        return picture.codes[:, :, :3]
+    codes = picture.codes
+    if (codes[:, :, 3] == 255).all():
+        return codes[:, :, :3]
     alpha = picture.color[:, :, 3:]
     behind = np.array(BACKGROUND, np.float32) * (1 - alpha)
     return encode_light(picture.color[:, :, :3] * alpha + behind)

@@ -73,7 +73,7 @@ class Frame:
     color : ndarray of float32, shape (height, width, 4)
         Linear colour over the background, and coverage.
     codes : ndarray of uint8, shape (height, width, 4)
-        The colour in sRGB, 0 to 255, and alpha.
+        The colour in sRGB, 0 to 255, and alpha; of the array `color`, once that has been read.
     distance : ndarray of float32, shape (height, width)
         Distance from the camera along the ray in world units; infinite where nothing is hit.
     uv : ndarray of float32, shape (height, width, 2)
@@ -116,11 +116,13 @@ class Frame:
     def color(self) -> NDArray[np.float32]:
         return np.ascontiguousarray(self._planes("color.x", 4).transpose(1, 2, 0))
 
-    @functools.cached_property
+    @property
     def codes(self) -> NDArray[np.uint8]:
-        # a frame made from arrays
-        if "_planes" not in self.__dict__:
-            return encode_light(self.color)
+        # a colour that was read may have been changed since
+        return encode_light(self.color) if "color" in self.__dict__ else self._codes
+
+    @functools.cached_property
+    def _codes(self) -> NDArray[np.uint8]:
         words = np.ascontiguousarray(self._planes("codes", 1)[0], "<i4")
         return words.view(np.uint8).reshape(*words.shape, 4)
 
@@ -140,6 +142,10 @@ class Frame:
     @functools.cached_property
     def reads(self) -> NDArray[np.int32]:
         return np.ascontiguousarray(self._planes("reads", 1)[0])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """All planes, to be pickled: a canvas stays in its process."""
+        return Frame, (self.color, self.distance, self.uv, self.hit, self.reads, self.device)
 
     @property
     def mean_reads(self) -> float:
@@ -161,8 +167,8 @@ class Frame:
         return self.image.save(path, bits=bits, quality=quality)
 
     def _codes_for_file(self) -> NDArray[np.uint8]:
-        opaque = bool((self.codes[:, :, 3] == 255).all())
-        return self.codes[:, :, :3] if opaque else self.codes
+        codes = self.codes
+        return codes[:, :, :3] if (codes[:, :, 3] == 255).all() else codes
 
     def _repr_png_(self) -> bytes:
         return encode_png(self._codes_for_file())

@@ -49,7 +49,7 @@ class SamplePosition:
 
 @struct
 class Backdrop:
-    """What is behind all objects: a linear colour, and coverage 1, or 0 in all for nothing."""
+    """The background: a linear colour and coverage 1, or 0 in all for none."""
 
     color: Vec4
 
@@ -290,7 +290,7 @@ def layer(
 def with_sample(
     drawn: Drawn, color: Vec4, step: Step, backdrop: Backdrop, thresholds: Buffer[Threshold]
 ) -> Drawn:
-    """What is drawn with one more sample; the last one is followed by the mean."""
+    """The pixel with one more sample; the last one is followed by the mean."""
     total = color if step.sample == 0 else drawn.color + color
     if step.sample == step.samples - 1:
         return finished(drawn, averaged(total, step.samples, backdrop), thresholds)
