@@ -205,7 +205,7 @@ WRONG = {
     "a turn without an axis": (
         "--turn 90", "--turn 90: write an axis and degrees, for example x/30",
     ),
-    "a turn without degrees": ("--turn x", "--turn : write a number"),
+    "a turn without degrees": ("--turn x", "--turn x: write an axis and degrees"),
     "no stretch": ("--stretch 1,0,2", "--stretch 1,0,2: write numbers other than 0"),
     "no such bits": ("--bits 12", "old.png: .png holds 8 or 16 bits a channel, not 12"),
 }  # fmt: skip

@@ -715,7 +715,9 @@ def test_the_camera_is_in_the_panel(fresh: OpenPage, material: Material) -> None
     assert filled == pytest.approx(FRAME_FILL, abs=0.03)
     distance.fill("0.2")
     assert page.evaluate("viewer.state.camera.distance") > 0.5
-    assert_agree(whole, replace(fresh.frame(), distance=whole.distance), TEXELS)
+    shown = fresh.frame()
+    shown.distance = whole.distance
+    assert_agree(whole, shown, TEXELS)
     page.get_by_label("Orthographic").uncheck()
     # zooming from far away is gradual
     distance.fill("100")

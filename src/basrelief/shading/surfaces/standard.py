@@ -43,9 +43,9 @@ class SurfaceParameters:
     emission : Vec3
         Factor of the emission map, linear.
     specular : Vec3
-        Colour of the highlight in the shading model phong, linear.
+        Colour of the highlight of phong shading, linear.
     shininess : float
-        Exponent of the highlight in the shading model phong, 1 to 1000.
+        Exponent of the highlight of phong shading, 1 to 1000.
     cutoff : float
         Least opacity that is drawn where `alpha` is "mask", 0 to 1.
     layer_color : float
