@@ -98,7 +98,7 @@ class CpuEngine:
             for start in starts:
                 task(start)
             return
-        tasks = [self._threads().submit(task, start) for start in starts]
+        tasks = [self._thread_pool().submit(task, start) for start in starts]
         try:
             for each in tasks:
                 each.result()
@@ -108,7 +108,7 @@ class CpuEngine:
             # tasks that run write to the planes
             wait(tasks)
 
-    def _threads(self) -> ThreadPoolExecutor:
+    def _thread_pool(self) -> ThreadPoolExecutor:
         """The threads, which live as long as the engine; a forked process has none, and gets its
         own."""
         with self._lock:

@@ -75,7 +75,8 @@ class Scene:
     fog : record or mapping, optional
         Parameters of the fog, or the fields of them to change.
     background : (float, float, float) or None, default a dark grey
-        Colour behind the objects, linear RGB, 0 or above; None is transparent.
+        Colour behind the objects, linear RGB, 0 or above; transparent if None, on the command line
+        `none`.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """A picture from the pixels of its objects: composited from far to near, averaged over samples.
 
 A scene of one object takes one run of `picture`. One of several takes a run of `layer` for each
-sample of each object, over what the planes hold; `averaged` ends the last.
+sample of each object, over what the planes hold; the last run takes the mean.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ class Drawn:
 
 @struct
 class Layered:
-    """A pixel of a picture in the making: what is drawn of it, and the colour and the distance of
-    the sample that is composited."""
+    """A pixel whose objects are being composited: the picture so far, and the colour and the
+    distance of the current sample."""
 
     drawn: Drawn
     color: Vec4
@@ -91,8 +91,8 @@ class Layered:
 
 @struct
 class Step:
-    """A run of `layer`: the numbers of its object, from the farthest, and of its sample, of how
-    many."""
+    """Position of a run of `layer`: the index of its object, counted from the farthest, and of its
+    sample, and how many there are of each."""
 
     layer: int
     layers: int
