@@ -197,7 +197,7 @@ WRONG = {
     "no such channel": ("--height-channel x", "height_channel is one of auto, r, g, b, a, lum"),
     "a number that is none": ("--bias x", "--bias x: write a number"),
     "no whole number": ("--shadow-map-size 1e3", "--shadow-map-size 1e3: write a whole number"),
-    "a quality out of range": ("--quality 0", "--quality 0: give a number greater than or equal"),
+    "a quality out of range": ("--quality 0", "--quality 0: give a number from 1 to 100"),
     "a setting as an option": ("--max-steps 3", "--max-steps: write --set max_steps=VALUE"),
     "a misspelled setting": ("--set maxsteps=3", "; did you mean max_steps?"),
     "a misspelled preset": ("--preset gamdev", "; did you mean gamedev?"),
@@ -270,11 +270,11 @@ def test_a_folder_that_cannot_be_written(
 
 
 def test_a_disk_that_is_full(bumps: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(path: Path, *_: Any) -> None:
-        path.write_bytes(b"half")
+    def full(path: Path, _: bytes) -> None:
+        path.write_text("half")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("basrelief.images.write._write", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     line = refused_to_draw(bumps)
     assert line.startswith("old.png: cannot be written (No space left on device)")
 

@@ -677,11 +677,11 @@ def test_interrupted_while_drawing(
 def test_interrupted_while_writing(
     bumps: Path, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def half(path: Path, *_: Any) -> None:
+    def half(path: Path, _: bytes) -> None:
         path.write_text("half")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("basrelief.images.write._write", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     Path("a.png").write_text("old")
     assert run("render", bumps, *DRAW, "-o", "a.png").code == 130
     assert os.listdir() == ["a.png"]

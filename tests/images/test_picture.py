@@ -357,13 +357,13 @@ def test_a_write_that_fails_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, problem: BaseException
 ) -> None:
     file = tmp_path / "a.png"
-    file.write_bytes(b"old")
+    file.write_text("old")
 
-    def half(path: Path, *_: object) -> None:
-        path.write_bytes(b"half")
+    def half(path: Path, _: bytes) -> None:
+        path.write_text("half")
         raise problem
 
-    monkeypatch.setattr("basrelief.images.write._write", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     expected = InputError if isinstance(problem, OSError) else KeyboardInterrupt
     with pytest.raises(expected):
         write_picture(file, ramp())

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from basrelief.errors import InputError
+from basrelief.timings import step
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,6 +50,7 @@ def check_bake(bake: Bake | None, technique: str) -> None:
         )
 
 
+@step("bake")
 def table(
     bake: Bake,
     heights: NDArray[np.float32],

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import io
 import os
+import re
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -19,7 +22,7 @@ from basrelief.errors import BasreliefError, InputError, new_name
 from basrelief.settings import settings_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from basrelief.cli.arguments import MeasuredOptions
     from basrelief.material import Material
@@ -37,6 +40,7 @@ app = typer.Typer(
 
 BAKE_FLAGS = {name.replace("_", "-") for name in FILE_BAKES}
 BAKE_EXAMPLE = "to bake maps write, for example, basrelief bake FOLDER normal occlusion"
+_STARTED = time.perf_counter()
 _INTERRUPTED = 130
 """Exit code after Ctrl-C; typer returns it instead of raising."""
 
@@ -110,13 +114,16 @@ def _setting_hint(option: str) -> str:
 
 def _wrong_value(error: Any) -> str:
     """The line for a value that is no number, or out of its range; "" for other errors."""
-    option, reports = getattr(error, "param", None), getattr(error.__context__, "errors", None)
-    if option is None or reports is None:
+    option, message = getattr(error, "param", None), getattr(error, "message", "")
+    wrong = re.match(r"(.+) is not (?:a valid (int|float)|in the range)", message)
+    if option is None or wrong is None:
         return ""
-    (report, *_) = reports()
-    kinds = {"float_parsing": "write a number", "int_parsing": "write a whole number"}
-    advice = kinds.get(report["type"]) or report["msg"].replace("Input should be", "give a number")
-    return f"{option.opts[0]} {report['input']}: {advice}"
+    value, kind = wrong.groups()
+    if kind is None:
+        advice = f"give a number from {option.type.min} to {option.type.max}"
+    else:
+        advice = "write a whole number" if kind == "int" else "write a number"
+    return f"{option.opts[0]} {value.strip(chr(39))}: {advice}"
 
 
 def _exit_after_closed_pipe() -> NoReturn:
@@ -333,10 +340,13 @@ def render(
         ),
     ] = "color",
     device: DeviceOption = "auto",
+    timings: Annotated[
+        bool, _picture_option("--timings", help="Print where the time goes, step by step.")
+    ] = False,
     **values: Any,
 ) -> None:
     """Draw a material, as a picture or a film."""
-    with _Progress(f"reading {path}") as progress:
+    with _Progress(f"reading {path}") as progress, _measured_time(timings):
         from basrelief.cli import arguments
         from basrelief.rendering import film
 
@@ -372,6 +382,19 @@ def render(
     # a numbered series is reported by its first and last file
     files = " … ".join(map(str, dict.fromkeys((written.files[0], written.files[-1]))))
     print(f"{files}  ({written.device})")
+
+
+@contextlib.contextmanager
+def _measured_time(shown: bool) -> Iterator[None]:
+    """Print where the time of the command went, if it is to be shown."""
+    if not shown:
+        yield
+        return
+    from basrelief.timings import Timings
+
+    with Timings(since=_STARTED) as timings:
+        yield
+    print(timings, file=sys.stderr)
 
 
 def _note_unused_dust(maps: dict[str, Any], scene: Scene, motions: Sequence[Motion]) -> None:

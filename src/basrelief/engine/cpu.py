@@ -23,6 +23,7 @@ from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.layout import header
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
+from basrelief.timings import step
 
 _ROWS_PER_TASK = 8
 """Rows in a task: enough to outweigh scheduling, few enough to balance the cores."""
@@ -122,6 +123,7 @@ class CpuEngine:
                 self._layouts[value] = _ResourceLayout(value)
             return self._layouts[value]
 
+    @step("compile")
     def _compiled_program(self, program: Program) -> _Compiled:
         with self._lock:
             if program.key not in self._compiled:

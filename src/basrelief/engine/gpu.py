@@ -27,6 +27,7 @@ from basrelief.lang.layout import pack, pack_list
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
 from basrelief.lang.targets.wgsl import print_wgsl
+from basrelief.timings import step
 
 _LIMITS = (
     "max-storage-buffer-binding-size",
@@ -251,6 +252,7 @@ class GpuEngine:
         first, last = np.frombuffer(self.gpu.queue.read_buffer(resolved), np.uint64)
         return float(last - first) * 1e-9 / times
 
+    @step("compile")
     def _pipeline_of(self, program: Program) -> _Pipeline:
         with self._lock:
             if program.key not in self._pipelines:

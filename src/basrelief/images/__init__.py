@@ -1,7 +1,7 @@
 """Picture files and colour encoding."""
 
 from basrelief.images.color import encode_light, srgb_decode, srgb_encode, srgb_thresholds
-from basrelief.images.files import check_writable, write_whole
+from basrelief.images.files import check_writable, write_bytes, write_whole
 from basrelief.images.read import (
     LOSSY,
     READABLE,
@@ -23,6 +23,6 @@ from basrelief.images.write import (
 __all__ = [
     "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_target", "check_writable",
     "encode_light", "encode_png", "picture_size", "read_picture", "srgb_decode", "srgb_encode",
-    "srgb_thresholds", "takes_codes", "write_codes",
-    "write_data", "write_picture", "write_whole",
+    "srgb_thresholds", "takes_codes", "write_bytes", "write_codes", "write_data", "write_picture",
+    "write_whole",
 ]  # fmt: skip

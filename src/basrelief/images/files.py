@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from basrelief.errors import InputError
+from basrelief.timings import step
 
 
 def check_writable(path: Path) -> None:
@@ -36,3 +37,14 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         raise InputError(f"{path}: cannot be written ({why}); choose another place") from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+def write_bytes(path: Path, encode: Callable[[], bytes]) -> None:
+    """Write a file atomically, with the bytes that `encode` returns; see `write_whole`."""
+
+    def write(partial: Path) -> None:
+        content = encode()
+        with step("write"):
+            partial.write_bytes(content)
+
+    write_whole(path, write)

@@ -1,4 +1,4 @@
-"""Atomic writing of picture files.
+"""Atomic writing of picture files, which are encoded in memory.
 
 Arrays are (height, width, channels), row 0 at the top. PNG, JPEG and WebP are encoded to sRGB; EXR,
 HDR and TIFF store linear light.
@@ -7,8 +7,7 @@ HDR and TIFF store linear light.
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -19,8 +18,10 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.images.color import encode_light
-from basrelief.images.files import check_writable, write_whole
-from basrelief.images.read import Pixels, first_line, take_error
+from basrelief.images.encode import encoded
+from basrelief.images.files import check_writable, write_bytes
+from basrelief.images.read import Pixels
+from basrelief.timings import step
 
 
 @dataclass(frozen=True)
@@ -87,21 +88,7 @@ def write_picture(
         For an unknown suffix, unsupported bits, or a path that cannot be written.
     """
     path = Path(path)
-    file_format, bits = _checked(path, bits)
-    if linear.ndim != 3 or linear.shape[2] not in (3, 4) or linear.size == 0:
-        raise InputError(
-            f"{path}: a picture must have 3 or 4 channels and a size, not {linear.shape}"
-        )
-    if not 1 <= quality <= 100:
-        raise InputError(f"{path}: quality is 1 to 100, not {quality}")
-    linear = linear[:, :, : file_format.max_channels]
-    pixels = encode_light(linear, bits) if file_format.encoded else linear.astype(np.float32)
-    stored = (
-        {8: "uint8", 16: "uint16"}[bits] if file_format.encoded else {16: "half", 32: "float"}[bits]
-    )
-    if path.suffix.lower() == ".exr" and pixels.shape[2] == 4:
-        pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR is defined with premultiplied alpha
-    write_whole(path, lambda partial: _write(partial, pixels, stored, quality, _QUICK_PNG))
+    write_bytes(path, _picture(path, linear, bits, quality))
     return path
 
 
@@ -111,11 +98,7 @@ def write_codes(
     """Write sRGB codes of 8 bits, (height, width, 3 or 4), as `encode_light` gives them, to PNG,
     JPEG or WebP. Raises InputError as `write_picture` does."""
     path = Path(path)
-    file_format, _ = _checked(path, 8)
-    if not 1 <= quality <= 100:
-        raise InputError(f"{path}: quality is 1 to 100, not {quality}")
-    pixels = codes[:, :, : file_format.max_channels]
-    write_whole(path, lambda partial: _write(partial, pixels, "uint8", quality, _QUICK_PNG))
+    write_bytes(path, _coded_picture(path, codes, quality))
     return path
 
 
@@ -144,21 +127,57 @@ def write_data(path: str | os.PathLike[str], pixels: Pixels) -> Path:
         raise InputError(f"{path}: cannot store an array of {pixels.dtype}, shape {pixels.shape}")
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: {stored} data can be written only to {', '.join(suffixes)}")
-    write_whole(path, lambda partial: _write(partial, pixels, stored, 100))
+    write_bytes(path, lambda: _encode(path, pixels, stored, 100))
     return path
 
 
 def encode_png(pixels: NDArray[Any], *, bits: int = 8) -> bytes:
     """Bytes of the PNG file of linear light, or of codes of 8 bits, for notebooks and pages."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        if pixels.dtype == np.uint8:
-            return write_codes(path, pixels).read_bytes()
-        return write_picture(path, pixels, bits=bits).read_bytes()
+    path = Path("picture.png")
+    if pixels.dtype == np.uint8:
+        return _coded_picture(path, pixels, 100)()
+    return _picture(path, pixels, bits, 100)()
 
 
-def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
+# --- encoding ------------------------------------------------------------------------------------
+
+
+def _picture(
+    path: Path, linear: NDArray[np.floating], bits: int | None, quality: int
+) -> Callable[[], bytes]:
+    """The function that encodes linear light for a file; the arguments are checked at once."""
+    file_format, bits = _checked(path, bits, quality)
+    if linear.ndim != 3 or linear.shape[2] not in (3, 4) or linear.size == 0:
+        raise InputError(
+            f"{path}: a picture must have 3 or 4 channels and a size, not {linear.shape}"
+        )
+    linear = linear[:, :, : file_format.max_channels]
+
+    def encode() -> bytes:
+        if file_format.encoded:
+            stored = {8: "uint8", 16: "uint16"}[bits]
+            with step("encode"):
+                pixels = encode_light(linear, bits)
+            return _encode(path, pixels, stored, quality, _QUICK_PNG)
+        pixels = linear.astype(np.float32)
+        if path.suffix.lower() == ".exr" and pixels.shape[2] == 4:
+            pixels[:, :, :3] *= pixels[:, :, 3:]  # OpenEXR is defined with premultiplied alpha
+        return _encode(path, pixels, {16: "half", 32: "float"}[bits], quality)
+
+    return encode
+
+
+def _coded_picture(path: Path, codes: NDArray[np.uint8], quality: int) -> Callable[[], bytes]:
+    """The function that encodes sRGB codes for a file; the arguments are checked at once."""
+    file_format, _ = _checked(path, 8, quality)
+    pixels = codes[:, :, : file_format.max_channels]
+    return lambda: _encode(path, pixels, "uint8", quality, _QUICK_PNG)
+
+
+def _checked(path: Path, bits: int | None, quality: int = 95) -> tuple[_Format, int]:
     """Format of a suffix, and the bits per channel to write."""
+    if not 1 <= quality <= 100:
+        raise InputError(f"{path}: quality is 1 to 100, not {quality}")
     file_format = _FORMATS.get(path.suffix.lower())
     if file_format is None:
         suffix = f"the suffix {path.suffix}" if path.suffix else "a name without suffix"
@@ -170,32 +189,22 @@ def _checked(path: Path, bits: int | None) -> tuple[_Format, int]:
     return file_format, chosen
 
 
-def _write(
+def _encode(
     path: Path,
     pixels: Pixels,
     stored: str,
     quality: int,
     png_options: Mapping[str, int] = MappingProxyType({}),
-) -> None:
-    import OpenImageIO
-
-    height, width, channels = pixels.shape
-    spec = OpenImageIO.ImageSpec(width, height, channels, stored)
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    spec.attribute("DateTime", "1970:01:01 00:00:00")  # so that equal pixels give equal files
-    lossy = {".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}.get(path.suffix.lower())
+) -> bytes:
+    """The bytes of a file, in the format of the path's suffix."""
+    suffix = path.suffix.lower()
+    attributes: dict[str, int | str] = {}
+    lossy = {".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}.get(suffix)
     if lossy:
         lossless = lossy == "webp" and quality == 100
-        spec.attribute("compression", "lossless" if lossless else f"{lossy}:{quality}")
-        spec.attribute("jpeg:subsampling", "4:4:4")
-    if path.suffix.lower() == ".png":
-        for name, value in png_options.items():
-            spec.attribute(name, value)
-    target = OpenImageIO.ImageOutput.create(str(path))
-    if target is None:
-        raise OSError(first_line(take_error(OpenImageIO)))
-    done = target.open(str(path), spec) and target.write_image(np.ascontiguousarray(pixels))
-    closed = target.close()
-    problem = take_error(target) or take_error(OpenImageIO)
-    if not (done and closed):
-        raise OSError(first_line(problem))
+        attributes["compression"] = "lossless" if lossless else f"{lossy}:{quality}"
+        attributes["jpeg:subsampling"] = "4:4:4"
+    if suffix == ".png":
+        attributes |= png_options
+    with step("encode"):
+        return encoded(suffix, pixels, stored, attributes)

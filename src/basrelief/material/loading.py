@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
@@ -30,6 +31,7 @@ from basrelief.material.options import (
     number_in_place_of_map,
 )
 from basrelief.material.samples import sample
+from basrelief.timings import step
 
 PathLike = str | os.PathLike[str]
 MapSource = PathLike | float
@@ -39,6 +41,7 @@ WELL_USED_RANGE = 0.9
 """Height maps that use a smaller part of their range get a note."""
 
 
+@step("load")
 def load(
     path: PathLike | None = None,
     *,
@@ -203,11 +206,13 @@ class _Builder:
     notes: list[Note] = field(default_factory=list)
     maps: dict[str, Map] = field(default_factory=dict)
     pictures: dict[Path, Picture] = field(default_factory=dict)
+    """Pictures by file."""
 
     def build(
         self, choices: dict[str, Choice], depth: float | None, tile: float | None
     ) -> Material:
         choices = dict(choices)
+        self.read_pictures(choices)
         for kind in ("base_color", "emission"):
             if kind in choices:
                 self.add_color(kind, choices[kind])
@@ -226,9 +231,13 @@ class _Builder:
     def note(self, what: str, why: str) -> None:
         self.notes.append(Note(what, why))
 
+    def read_pictures(self, choices: dict[str, Choice]) -> None:
+        """Read all files at once, on several threads: decoding is most of the work of loading."""
+        paths = list(dict.fromkeys(choice.path for choice in choices.values()))
+        with ThreadPoolExecutor() as pool:
+            self.pictures = dict(zip(paths, pool.map(read_picture, paths), strict=True))
+
     def picture(self, choice: Choice) -> Picture:
-        if choice.path not in self.pictures:
-            self.pictures[choice.path] = read_picture(choice.path)
         return self.pictures[choice.path]
 
     def add_source(self, kind: str, source: str | float) -> None:

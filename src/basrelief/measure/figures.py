@@ -6,12 +6,14 @@ matplotlib.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from basrelief.errors import InputError
-from basrelief.images import write_whole
+from basrelief.images import write_bytes
+from basrelief.timings import step
 
 _SETTINGS: Mapping[str, Any] = {
     "font.family": "sans-serif",
@@ -61,7 +63,11 @@ def write_figure(
         matplotlib.rcParams.update({**_SETTINGS, **settings})
         figure = Figure(size)
         draw(figure)
-        write_whole(path, lambda partial: figure.savefig(partial, **_OPTIONS[path.suffix.lower()]))
+        content = io.BytesIO()
+        with step("encode"):
+            suffix = path.suffix.lower()
+            figure.savefig(content, format=suffix[1:], **_OPTIONS[suffix])
+        write_bytes(path, content.getvalue)
 
 
 def legend_mark(**style: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from basrelief.errors import InputError
-from basrelief.images import write_whole
+from basrelief.images import write_bytes
 
 __all__ = ["check_overwritable", "is_generated_by", "write_page"]
 
@@ -25,4 +25,4 @@ def check_overwritable(file: Path, generator: str, what: str) -> None:
 
 def write_page(file: Path, text: str) -> None:
     """Write a page atomically; raises InputError if it cannot be written."""
-    write_whole(file, lambda partial: partial.write_text(text, "utf-8", newline="\n"))
+    write_bytes(file, lambda: text.encode())

@@ -30,6 +30,7 @@ from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
 from basrelief.scene import BACKGROUND, Object, Scene
 from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
+from basrelief.timings import step
 
 __all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
@@ -381,13 +382,15 @@ def _write_mp4(
         codec.color_trc, codec.color_range = _SRGB, _LIMITED
         for number, picture in enumerate(pictures):
             frame = _frame(_opaque_codes(picture), number, rate, codec.time_base)
-            # set the range explicitly: swscale does not infer it for YUV
-            coded = frame.reformat(
-                format="yuv420p", dst_colorspace=_BT709, interpolation=_EXACT_SCALING,
-                src_color_range=_FULL, dst_color_range=_LIMITED,
-            )  # fmt: skip
-            file.mux(stream.encode(coded))
-        file.mux(stream.encode(None))
+            with step("encode"):
+                # set the range explicitly: swscale does not infer it for YUV
+                coded = frame.reformat(
+                    format="yuv420p", dst_colorspace=_BT709, interpolation=_EXACT_SCALING,
+                    src_color_range=_FULL, dst_color_range=_LIMITED,
+                )  # fmt: skip
+                file.mux(stream.encode(coded))
+        with step("encode"):
+            file.mux(stream.encode(None))
 
 
 def _opaque_codes(picture: Frame) -> NDArray[np.uint8]:
@@ -420,9 +423,10 @@ def _write_gif(
         stream.width, stream.height, stream.pix_fmt = *size, "pal8"
         stream.codec_context.time_base = _HUNDREDTH
         palette = _palette(pictures, size, rate, spool)
-        for frame in _with_palette(palette, _read_back(spool, size), size, rate):
-            file.mux(stream.encode(frame))
-        file.mux(stream.encode(None))
+        with step("encode"):
+            for frame in _with_palette(palette, _read_back(spool, size), size, rate):
+                file.mux(stream.encode(frame))
+            file.mux(stream.encode(None))
 
 
 def _palette(
@@ -513,9 +517,11 @@ def _write_webp(
         stream.width, stream.height, stream.pix_fmt = *size, "bgra"
         stream.codec_context.time_base = _THOUSANDTH
         for number, picture in enumerate(pictures):
-            frame = _frame(picture.codes, number, rate, _THOUSANDTH)
-            file.mux(stream.encode(frame.reformat(format="bgra")))
-        file.mux(stream.encode(None))
+            with step("encode"):
+                frame = _frame(picture.codes, number, rate, _THOUSANDTH)
+                file.mux(stream.encode(frame.reformat(format="bgra")))
+        with step("encode"):
+            file.mux(stream.encode(None))
 
 
 # --- shared by all formats -----------------------------------------------------------------------

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from basrelief.engine import Canvas
 from basrelief.images import encode_light, encode_png, takes_codes, write_codes, write_picture
 from basrelief.lang import Vec4
+from basrelief.timings import step
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ class Frame:
     def drawn(cls, canvas: Canvas, prefix: str, device: str) -> Frame:
         """The frame whose planes a canvas holds, under their names after a prefix."""
         frame = cls.__new__(cls)
-        frame._planes = lambda name, count: canvas.read(f"{prefix}{name}", count)
+        frame._planes = step("draw")(lambda name, count: canvas.read(f"{prefix}{name}", count))
         frame.size, frame.device = canvas.size, device
         return frame
 
@@ -119,7 +120,10 @@ class Frame:
     @property
     def codes(self) -> NDArray[np.uint8]:
         # a colour that was read may have been changed since
-        return encode_light(self.color) if "color" in self.__dict__ else self._codes
+        if "color" not in self.__dict__:
+            return self._codes
+        with step("encode"):
+            return encode_light(self.color)
 
     @functools.cached_property
     def _codes(self) -> NDArray[np.uint8]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, assert_never
 
 from basrelief.engine import Engine
 from basrelief.images import srgb_thresholds
-from basrelief.lang import Buffer, Shader, Vec2, Vec3, Vec4
+from basrelief.lang import Buffer, HeightField, Shader, Texture, Vec2, Vec3, Vec4
 from basrelief.lang.frontend import Bindings
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, Filter, members_of
@@ -29,6 +29,7 @@ from basrelief.shading.surfaces.surface import surface_at
 from basrelief.shading.variant import Variant
 from basrelief.shading.view_ray import view_ray
 from basrelief.techniques import Nothing, Technique, displace, flat
+from basrelief.timings import step
 
 SURFACES: Mapping[str, Shader[..., Any]] = {
     "standard": standard_surface,
@@ -159,24 +160,25 @@ def map_edge(obj: ResolvedObject) -> Edge:
             assert_never(obj.edge)
 
 
+@step("load")
 def resources_of(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
     """Height field, baked table and surface textures of an object, without missing ones.
 
     The given engine bakes tables and normals from the heights.
     """
     material, edge, has = obj.material, map_edge(obj), available_maps(obj)
-    resources: dict[str, Any] = {
-        "field": textures.height_field(material, edge, height_filter(obj))
-        if obj.has_relief
-        else None,
-        "baked": textures.bake_texture(
-            material, edge, obj.technique.bake, engine, all_levels=obj.heights == "mip"
-        ),
+    makers: dict[str, Callable[[], Texture | HeightField | None]] = {
+        f"maps_{name}": functools.partial(source.texture, material_of_map, edge, scale, engine)
+        for name, source, material_of_map, scale in surface_maps(obj)
+        if has[name]
     }
-    for name, source, material_of_map, scale in surface_maps(obj):
-        if has[name]:
-            resources[f"maps_{name}"] = source.texture(material_of_map, edge, scale, engine)
-    return {name: value for name, value in resources.items() if value is not None}
+    if obj.has_relief:
+        makers["field"] = lambda: textures.height_field(material, edge, height_filter(obj))
+    resources = textures.made(material, makers)
+    baked = textures.bake_texture(
+        material, edge, obj.technique.bake, engine, all_levels=obj.heights == "mip"
+    )
+    return resources if baked is None else {**resources, "baked": baked}
 
 
 def object_values(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from basrelief.scene.presets import preset as preset_named
 from basrelief.settings import settings_of
 from basrelief.shading.intersection import CameraSample
 from basrelief.shading.picture import Step
+from basrelief.timings import step
 
 Progress = Callable[[float], None]
 _MAX_SIDE = 1 << 15
@@ -82,7 +83,8 @@ def render(
     width, height = check_picture(size, samples)
     scene.check_camera()
     engine = engine_of(device)
-    return _Drawing(scene, (width, height), samples, engine, progress).frame()
+    with step("draw"):
+        return _Drawing(scene, (width, height), samples, engine, progress).frame()
 
 
 def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:
@@ -205,5 +207,5 @@ class _Drawing:
             for sample, position in enumerate(self.positions):
                 for number, (program, values) in enumerate(self.objects):
                     view = CameraSample(values["sample"].camera, Vec2(*position))
-                    step = Step(number, layers, sample, samples)
-                    yield program, {**values, "sample": view, "step": step}, rows
+                    position_of_run = Step(number, layers, sample, samples)
+                    yield program, {**values, "sample": view, "step": position_of_run}, rows

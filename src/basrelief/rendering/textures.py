@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +31,22 @@ _UNIT = 65535
 _DEFAULT_COLOR = 0.6
 """Default for a missing colour, as in `shading.surfaces.standard.base_color_of`."""
 _cache: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
+
+
+def made(
+    material: Material, makers: Mapping[str, Callable[[], Texture | HeightField | None]]
+) -> dict[str, Texture | HeightField]:
+    """The textures that functions make, without missing ones; a material's first are made on
+    several threads."""
+    is_new = material not in _cache
+    _cache.setdefault(material, {})
+    if is_new:
+        with ThreadPoolExecutor() as pool:
+            textures = [*pool.map(lambda make: make(), makers.values())]
+    else:
+        textures = [make() for make in makers.values()]
+    named = zip(makers, textures, strict=True)
+    return {name: texture for name, texture in named if texture is not None}
 
 
 def height_field(material: Material, edge: Edge, filter: Filter = "sharp") -> HeightField | None:
@@ -95,13 +112,13 @@ def normal(material: Material, edge: Edge, scale: float, engine: Engine) -> Text
     height = material.height
     if height is None or scale <= 0.0:
         return None
-    latest = _cache.setdefault(height, {})
+    cache = _cache.setdefault(height, {})
     parameters = (edge, scale, engine.rounding)
-    if latest.get("normal parameters") != parameters:
-        heights = height.linear()[:, :, 0]
-        latest["normal"] = _texture(_normals_of(heights, scale, edge, engine), edge)
-        latest["normal parameters"] = parameters
-    return latest["normal"]
+    cached_parameters, texture = cache.get("normal", (None, None))
+    if cached_parameters != parameters:
+        texture = _texture(_normals_of(height.linear()[:, :, 0], scale, edge, engine), edge)
+        cache["normal"] = parameters, texture
+    return texture
 
 
 def response(material: Material, edge: Edge) -> Texture | None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from basrelief.errors import InputError, new_name, suggestion
-from basrelief.images import write_whole
+from basrelief.images import write_bytes
 from basrelief.images.files import check_writable
 from basrelief.material import MAPS, Map, Material, load
 from basrelief.material.options import ReadOptions, is_path
@@ -219,7 +219,7 @@ class Preset:
         target = Path(path)
         check_preset_file(target)
         text = self.to_toml()
-        write_whole(target, lambda partial: partial.write_text(text, "utf-8", newline="\n"))
+        write_bytes(target, lambda: text.encode())
         return target
 
     # --- within
