@@ -11,7 +11,7 @@ import weakref
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 import basrelief.engine
 import basrelief.lang
 from basrelief.engine import cache
-from basrelief.engine.engine import Planes, pack_buffer, pack_uniforms, value_of
+from basrelief.engine.engine import PlaneBuffer, Planes, pack_buffer, pack_uniforms, value_of
 from basrelief.lang.layout import header
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
 from basrelief.timings import step
 
+_T = TypeVar("_T")
 _ROWS_PER_TASK = 8
 """Rows in a task: enough to outweigh scheduling, few enough to balance the cores."""
 
@@ -170,6 +171,11 @@ class CpuCanvas:
         planes = self.planes[index : index + count, :, : self.width]
         return planes.view(np.float32) if self.kinds[index][1] is float else planes
 
+    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
+        """The plane of a scalar as a buffer; see `Canvas.buffer`."""
+        plane = self.planes[[known for known, _ in self.kinds].index(name)]
+        return PlaneBuffer(record, plane.shape, plane)
+
 
 # --- compiling -----------------------------------------------------------------------------------
 
@@ -250,6 +256,12 @@ class _ResourceLayout:
     """A resource in memory as compiled code reads it: data, and a header that points to it."""
 
     def __init__(self, value: HeightField | Texture | Buffer[Any]) -> None:
-        self.data = pack_buffer(value) if isinstance(value, Buffer) else value.storage
+        match value:
+            case PlaneBuffer():
+                self.data = value.stored
+            case Buffer():
+                self.data = pack_buffer(value)
+            case _:
+                self.data = value.storage
         self.header = header(value, self.data.ctypes.data)
         self.address = self.header.ctypes.data

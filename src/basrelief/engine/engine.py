@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,27 @@ Planes = dict[str, NDArray[Any]]
 or int32 for ints and bools."""
 
 Words = NDArray[np.int32]
+_T = TypeVar("_T")
+
+
+class PlaneBuffer(Buffer[_T]):
+    """A plane of a canvas as a buffer, row by row, for the programs of the engine that made it.
+
+    A record of four scalars has four words of the plane: the size to which a GPU aligns records.
+
+    Attributes
+    ----------
+    shape
+        Number of rows, and of words from one row to the next; their product is divisible by 4.
+    stored
+        The plane, as the engine has it.
+    """
+
+    def __init__(self, record: type[_T], shape: tuple[int, int], stored: Any) -> None:
+        self.record, self.shape, self.stored = record, shape, stored
+
+    def __len__(self) -> int:
+        return self.shape[0] * self.shape[1] // 4
 
 
 class Canvas(Protocol):
@@ -34,6 +55,10 @@ class Canvas(Protocol):
     def read(self, name: str, count: int = 1) -> NDArray[Any]:
         """The plane of a scalar, by its dotted name, and the next ones: (count, H, W), as in
         `Planes`. The array may be a view of the canvas."""
+
+    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
+        """The plane of a scalar as a buffer of records of four such scalars. What is drawn on the
+        canvas later may change it."""
 
 
 class Engine(Protocol):

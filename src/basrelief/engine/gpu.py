@@ -15,12 +15,12 @@ import weakref
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any, TypeVar, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine.engine import Planes, value_of
+from basrelief.engine.engine import PlaneBuffer, Planes, value_of
 from basrelief.errors import DeviceError
 from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN, Binding, bindings
 from basrelief.lang.layout import pack, pack_list
@@ -29,6 +29,7 @@ from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.timings import step
 
+_T = TypeVar("_T")
 _LIMITS = (
     "max-storage-buffer-binding-size",
     "max-buffer-size",
@@ -288,11 +289,32 @@ class GpuEngine:
     def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
         """Texture view or buffer of a resource on the GPU, uploaded once in its lifetime."""
         if value not in self._uploaded:
-            if isinstance(value, Buffer):
+            if isinstance(value, PlaneBuffer):
+                self._uploaded[value] = self._copied_plane(value)
+            elif isinstance(value, Buffer):
                 self._uploaded[value] = self.buffer(pack_list(value), "STORAGE")
             else:
                 self._uploaded[value] = self._texture(value)
         return self._uploaded[value]
+
+    def _copied_plane(self, value: PlaneBuffer[Any]) -> Any:
+        """A plane of a canvas, after its count, in a buffer of its own on the GPU."""
+        import wgpu
+
+        canvas, index = value.stored
+        usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
+        head = np.array([len(value), 0, 0, 0], np.int32)
+        row = 4 * value.shape[1]
+        buffer = self.gpu.create_buffer(size=head.nbytes + value.shape[0] * row, usage=usage)
+        self.gpu.queue.write_buffer(buffer, 0, head)
+        encoder = self.gpu.create_command_encoder()
+        for first, last, planes in canvas.bands:
+            start = index * canvas.rows * row
+            encoder.copy_buffer_to_buffer(
+                planes, start, buffer, head.nbytes + first * row, (last - first) * row
+            )
+        self.gpu.queue.submit([encoder.finish()])
+        return buffer
 
     def buffer(self, data: NDArray[Any], *usage: str) -> Any:
         """Buffer on the GPU with a copy of the data."""
@@ -378,6 +400,12 @@ class GpuCanvas:
             for first, last, planes in self.bands
         ]
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
+        """The plane of a scalar as a buffer; see `Canvas.buffer`."""
+        width, height = self.size
+        index = [known for known, _ in self.kinds].index(name)
+        return PlaneBuffer(record, (height, width), (self, index))
 
     def _words(self, planes: Any, index: int, count: int, rows: int) -> NDArray[np.int32]:
         """The words of `count` planes of a band, from a plane on."""

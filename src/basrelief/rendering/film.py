@@ -17,23 +17,25 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.images import WRITABLE, check_target, check_writable, encode_light, write_whole
+from basrelief.images import WRITABLE, check_target, check_writable, takes_codes, write_whole
 from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
-from basrelief.scene import BACKGROUND, Object, Scene
+from basrelief.rendering.video import video_picture
+from basrelief.scene import Object, Scene
 from basrelief.scene.motion import Moment, Motion, Orbiting, apply_motions
 from basrelief.timings import step
 
 __all__ = ["FILMS", "FilmFiles", "check_film", "frames", "write_film"]
 
+_T = TypeVar("_T")
 _MAX_FRAMES = 100_000
 """Almost an hour at 30 frames a second."""
 _MAX_FPS = 240.0
@@ -146,12 +148,14 @@ class FilmFiles:
 class _FilmFormat:
     """A film format: its codec, its writer and its limits.
 
-    `codec` is FFmpeg's name. `write` takes the file, the pictures, their size, the frame rate, and
-    the quality, 1 to 100. `even` tells whether the sides must be even.
+    `codec` is FFmpeg's name. `picture` reads of a frame what `write` takes: the file, the pictures,
+    their size, the frame rate, and the quality, 1 to 100. `even` tells whether the sides must be
+    even.
     """
 
     codec: str
-    write: Callable[[Path, Iterator[Frame], tuple[int, int], Fraction, int], None]
+    picture: Callable[[Frame], NDArray[np.uint8]]
+    write: Callable[[Path, Iterator[NDArray[np.uint8]], tuple[int, int], Fraction, int], None]
     longest_side: int
     max_fps: float = _MAX_FPS
     even: bool = False
@@ -212,14 +216,14 @@ def write_film(
     first = next(remaining, None)
     if first is None:
         raise InputError(f"{path}: a film of no frames; give one or more")
-    size = (first.distance.shape[1], first.distance.shape[0])
+    size = first.size
     check_film(path, total or _MAX_FRAMES, fps, size, bits=bits, quality=quality)
-    remaining = _drawn_ahead(itertools.chain([first], remaining))
+    remaining = itertools.chain([first], remaining)
     format = _film_for(path, total)
     if format is None:
         files = _write_numbered(path, remaining, total, bits=bits, quality=quality)
         return FilmFiles(files, first.device)
-    pictures = _pictures(remaining, size, path)
+    pictures = _pictures(format, remaining, size, path)
     write_whole(path, lambda partial: _write_with_av(format, partial, pictures, size, fps, quality))
     return FilmFiles((path,), first.device)
 
@@ -287,31 +291,33 @@ def _check_av(path: Path, format: _FilmFormat) -> None:
         )
 
 
-def _drawn_ahead(remaining: Iterator[Frame]) -> Iterator[Frame]:
-    """The frames; each is drawn on another thread while the one before it is encoded."""
+def _drawn_ahead(remaining: Iterator[Frame], read: Callable[[Frame], _T]) -> Iterator[_T]:
+    """What `read` reads of each frame; the next is drawn and read on another thread meanwhile."""
+
+    def next_read() -> tuple[_T] | None:
+        frame = next(remaining, None)
+        return None if frame is None else (read(frame),)
+
     with ThreadPoolExecutor(1) as pool:
-        following = pool.submit(_next_drawn, remaining)
-        while (frame := following.result()) is not None:
-            following = pool.submit(_next_drawn, remaining)
-            yield frame
-
-
-def _next_drawn(remaining: Iterator[Frame]) -> Frame | None:
-    """The next frame, with its codes read from the device."""
-    frame = next(remaining, None)
-    if frame is not None:
-        _ = frame.codes
-    return frame
+        following = pool.submit(next_read)
+        while (result := following.result()) is not None:
+            following = pool.submit(next_read)
+            yield result[0]
 
 
 def _write_numbered(
     path: Path, remaining: Iterator[Frame], count: int, *, bits: int | None, quality: int
 ) -> tuple[Path, ...]:
     """Write each frame to a picture; several are written at once, while the next is drawn."""
+
+    def read(frame: Frame) -> Frame:
+        _ = frame.codes if takes_codes(path, bits) else frame.color
+        return frame
+
     files: list[Path] = []
     with ThreadPoolExecutor(_WRITERS) as pool:
         writing: deque[Future[Path]] = deque()
-        for number, frame in enumerate(remaining, 1):
+        for number, frame in enumerate(_drawn_ahead(remaining, read), 1):
             if len(writing) == _WRITERS:
                 files.append(writing.popleft().result())
             target = _numbered(path, number, count)
@@ -328,18 +334,23 @@ def _numbered(path: Path, number: int, count: int) -> Path:
     return path.with_name(f"{path.stem}-{number:0{digits}d}{path.suffix}")
 
 
-def _pictures(remaining: Iterator[Frame], size: tuple[int, int], path: Path) -> Iterator[Frame]:
-    """The frames, which must be of one size."""
-    for frame in remaining:
-        if frame.distance.shape != (size[1], size[0]):
+def _pictures(
+    format: _FilmFormat, remaining: Iterator[Frame], size: tuple[int, int], path: Path
+) -> Iterator[NDArray[np.uint8]]:
+    """The pictures that a format takes of the frames, which must be of one size."""
+
+    def read(frame: Frame) -> NDArray[np.uint8]:
+        if frame.size != size:
             raise InputError(f"{path}: frames of unequal size make no film")
-        yield frame
+        return format.picture(frame)
+
+    return _drawn_ahead(remaining, read)
 
 
 def _write_with_av(
     format: _FilmFormat,
     partial: Path,
-    pictures: Iterator[Frame],
+    pictures: Iterator[NDArray[np.uint8]],
     size: tuple[int, int],
     fps: float,
     quality: int,
@@ -359,14 +370,16 @@ _BT709, _SRGB = 1, 13
 """Code points of the primaries and the matrix, and of the transfer function.
 
 ITU-T H.273, Coding-independent code points, tables 2 to 4."""
-_LIMITED, _FULL = 1, 2
-"""FFmpeg's AVColorRange: luma 16 to 235, and 0 to 255."""
-_EXACT_SCALING = 0x4 | 0x4000 | 0x40000
-"""Flags of swscale: SWS_BICUBIC, SWS_FULL_CHR_H_INP (chroma from every pixel), SWS_ACCURATE_RND."""
+_LIMITED = 1
+"""FFmpeg's AVColorRange of luma from 16 to 235."""
 
 
 def _write_mp4(
-    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path,
+    pictures: Iterator[NDArray[np.uint8]],
+    size: tuple[int, int],
+    rate: Fraction,
+    quality: int,
 ) -> None:
     import av
 
@@ -381,26 +394,11 @@ def _write_mp4(
         codec.color_primaries = codec.colorspace = _BT709
         codec.color_trc, codec.color_range = _SRGB, _LIMITED
         for number, picture in enumerate(pictures):
-            frame = _frame(_opaque_codes(picture), number, rate, codec.time_base)
             with step("encode"):
-                # set the range explicitly: swscale does not infer it for YUV
-                coded = frame.reformat(
-                    format="yuv420p", dst_colorspace=_BT709, interpolation=_EXACT_SCALING,
-                    src_color_range=_FULL, dst_color_range=_LIMITED,
-                )  # fmt: skip
-                file.mux(stream.encode(coded))
+                frame = _frame(picture, "yuv420p", number, rate, codec.time_base)
+                file.mux(stream.encode(frame))
         with step("encode"):
             file.mux(stream.encode(None))
-
-
-def _opaque_codes(picture: Frame) -> NDArray[np.uint8]:
-    """The codes of the picture composited over the default background."""
-    codes = picture.codes
-    if (codes[:, :, 3] == 255).all():
-        return codes[:, :, :3]
-    alpha = picture.color[:, :, 3:]
-    behind = np.array(BACKGROUND, np.float32) * (1 - alpha)
-    return encode_light(picture.color[:, :, :3] * alpha + behind)
 
 
 # --- GIF -----------------------------------------------------------------------------------------
@@ -410,7 +408,11 @@ _HUNDREDTH = Fraction(1, 100)
 
 
 def _write_gif(
-    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path,
+    pictures: Iterator[NDArray[np.uint8]],
+    size: tuple[int, int],
+    rate: Fraction,
+    quality: int,
 ) -> None:
     """Write a GIF in two passes, palette and coding; between them the pictures are on disk."""
     import av
@@ -430,14 +432,13 @@ def _write_gif(
 
 
 def _palette(
-    pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
+    pictures: Iterator[NDArray[np.uint8]], size: tuple[int, int], rate: Fraction, spool: IO[bytes]
 ) -> Any:
     """Palette of 256 colours for all pictures, by median cut; copies the pictures to `spool`."""
     graph, (source,) = _filter_graph(size, "palettegen")
     for number, picture in enumerate(pictures):
-        codes = picture.codes
-        spool.write(codes.tobytes())
-        source.push(_frame(codes, number, rate, _HUNDREDTH))
+        spool.write(picture.tobytes())
+        source.push(_frame(picture, "rgba", number, rate, _HUNDREDTH))
         # nothing is available yet, but pulling makes the filter consume and release the picture
         list(_available_frames(graph))
     source.push(None)
@@ -457,7 +458,7 @@ def _with_palette(
     colors.push(palette)
     colors.push(None)
     for number, codes in enumerate(frame_bytes):
-        source.push(_frame(codes, number, rate, _HUNDREDTH))
+        source.push(_frame(codes, "rgba", number, rate, _HUNDREDTH))
         yield from _available_frames(graph)
     source.push(None)
     yield from _available_frames(graph)
@@ -507,7 +508,11 @@ _THOUSANDTH = Fraction(1, 1000)
 
 
 def _write_webp(
-    path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: Fraction, quality: int
+    path: Path,
+    pictures: Iterator[NDArray[np.uint8]],
+    size: tuple[int, int],
+    rate: Fraction,
+    quality: int,
 ) -> None:
     import av
 
@@ -518,7 +523,7 @@ def _write_webp(
         stream.codec_context.time_base = _THOUSANDTH
         for number, picture in enumerate(pictures):
             with step("encode"):
-                frame = _frame(picture.codes, number, rate, _THOUSANDTH)
+                frame = _frame(picture, "rgba", number, rate, _THOUSANDTH)
                 file.mux(stream.encode(frame.reformat(format="bgra")))
         with step("encode"):
             file.mux(stream.encode(None))
@@ -527,16 +532,21 @@ def _write_webp(
 # --- shared by all formats -----------------------------------------------------------------------
 
 
-def _frame(codes: NDArray[Any], number: int, rate: Fraction, tick: Fraction) -> Any:
-    """An FFmpeg frame of an sRGB picture, (height, width, 3 or 4), with its time in ticks."""
+def _frame(
+    picture: NDArray[np.uint8], layout: str, number: int, rate: Fraction, tick: Fraction
+) -> Any:
+    """An FFmpeg frame of a picture in a pixel format of that name, with its time in ticks."""
     import av
 
-    layout = {3: "rgb24", 4: "rgba"}[codes.shape[2]]
-    frame: Any = av.VideoFrame.from_ndarray(np.ascontiguousarray(codes), layout)
+    frame: Any = av.VideoFrame.from_ndarray(picture, layout)
     frame.time_base = tick
     frame.pts = round(number / rate / tick)
     frame.duration = round((number + 1) / rate / tick) - frame.pts
     return frame
+
+
+def _codes(frame: Frame) -> NDArray[np.uint8]:
+    return frame.codes
 
 
 def _ffmpeg_path(path: Path) -> str:
@@ -545,9 +555,9 @@ def _ffmpeg_path(path: Path) -> str:
 
 
 FILMS = {
-    ".mp4": _FilmFormat("libx264", _write_mp4, longest_side=16384, even=True),
+    ".mp4": _FilmFormat("libx264", video_picture, _write_mp4, longest_side=16384, even=True),
     # browsers slow down GIFs whose pictures last less than two hundredths of a second
-    ".gif": _FilmFormat("gif", _write_gif, longest_side=65535, max_fps=50.0),
-    ".webp": _FilmFormat("libwebp_anim", _write_webp, longest_side=16383),
+    ".gif": _FilmFormat("gif", _codes, _write_gif, longest_side=65535, max_fps=50.0),
+    ".webp": _FilmFormat("libwebp_anim", _codes, _write_webp, longest_side=16383),
 }
 """Film formats by suffix."""

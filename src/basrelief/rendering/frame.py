@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from basrelief.engine import Canvas
+from basrelief.engine import Canvas, Engine, PlaneBuffer
 from basrelief.images import encode_light, encode_png, takes_codes, write_codes, write_picture
 from basrelief.lang import Vec4
 from basrelief.timings import step
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +90,10 @@ class Frame:
         Device that drew the frame, and its adapter.
     """
 
-    _planes: Callable[[str, int], NDArray[Any]]
-    """Planes of scalars from the device, by the name of the first, and how many."""
+    _engine: Engine
+    _canvas: Canvas
+    _prefix: str
+    _opaque = False
 
     def __init__(
         self,
@@ -106,12 +109,30 @@ class Frame:
         self.device = device
 
     @classmethod
-    def drawn(cls, canvas: Canvas, prefix: str, device: str) -> Frame:
-        """The frame whose planes a canvas holds, under their names after a prefix."""
+    def drawn(cls, engine: Engine, canvas: Canvas, prefix: str, *, opaque: bool) -> Frame:
+        """The frame whose planes a canvas holds, under their names after a prefix.
+
+        `opaque` says that every pixel is covered."""
         frame = cls.__new__(cls)
-        frame._planes = step("draw")(lambda name, count: canvas.read(f"{prefix}{name}", count))
-        frame.size, frame.device = canvas.size, device
+        frame._canvas, frame._prefix, frame._opaque = canvas, prefix, opaque
+        frame._engine = engine
+        frame.size, frame.device = canvas.size, f"{engine.name}: {engine.adapter}"
         return frame
+
+    @step("draw")
+    def _planes(self, name: str, count: int) -> NDArray[Any]:
+        """Planes of scalars from the device, by the name of the first, and how many."""
+        return self._canvas.read(f"{self._prefix}{name}", count)
+
+    def codes_on_device(self, record: type[_T]) -> tuple[Engine, PlaneBuffer[_T]] | None:
+        """The engine that drew the frame, and the codes as its buffer of records.
+
+        None for a frame of arrays, one whose colour was read, since it may have been changed, and a
+        transparent one.
+        """
+        if not self._opaque or "color" in self.__dict__:
+            return None
+        return self._engine, self._canvas.buffer(f"{self._prefix}codes", record)
 
     @functools.cached_property
     def color(self) -> NDArray[np.float32]:

@@ -182,8 +182,8 @@ class _Drawing:
 
     def frame(self) -> Frame:
         """The whole frame: colours averaged over all samples, other planes of the first."""
-        device = f"{self.engine.name}: {self.engine.adapter}"
         if not self.objects:
+            device = f"{self.engine.name}: {self.engine.adapter}"
             return empty_frame(self.size, backdrop_of(self.scene), device)
         canvas = self.engine.canvas(self.objects[0][0], self.size)
         steps = [*self._steps()]
@@ -191,7 +191,8 @@ class _Drawing:
             self.engine.draw(program, values, canvas, rows)
             if self.progress is not None:
                 self.progress((number + 1) / len(steps))
-        return Frame.drawn(canvas, "" if len(self.objects) == 1 else "drawn.", device)
+        prefix = "" if len(self.objects) == 1 else "drawn."
+        return Frame.drawn(self.engine, canvas, prefix, opaque=self.scene.background is not None)
 
     def _steps(self) -> Iterator[tuple[Program, dict[str, Any], tuple[int, int]]]:
         """Programs to run in turn, with their values and rows."""
