@@ -68,6 +68,13 @@ FIGURES = {
         "cpu, 96², bricks, relaxed_cone_map, wall s",
     },
     "memory": {"cpu, most held, GB"},
+    "frame": {
+        "cpu, 96 × 54, 2 samples, kernel, ms",
+        "cpu, 96 × 54, 2 samples, codes, ms",
+        "cpu, 96 × 54, 2 samples, all planes, ms",
+        "cpu, soft shadows, 1 threads, codes, ms",
+    },
+    "film": {"cpu, mp4, frames a second", "cpu, png, frames a second"},
 }
 """Figures above 0 that each command stores, not all of them."""
 ZERO = {

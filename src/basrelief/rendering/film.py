@@ -374,6 +374,10 @@ _LIMITED = 1
 """FFmpeg's AVColorRange of luma from 16 to 235."""
 
 
+_PRESET = "medium"
+"""Preset of x264: how much time it takes to find a smaller film."""
+
+
 def _write_mp4(
     path: Path,
     pictures: Iterator[NDArray[np.uint8]],
@@ -384,7 +388,7 @@ def _write_mp4(
     import av
 
     # constant rate factor of x264, at worst 51; about 17, at the default of 95, looks lossless
-    options = {"crf": f"{51.0 - 0.36 * quality:g}"}
+    options = {"crf": f"{51.0 - 0.36 * quality:g}", "preset": _PRESET}
     # the index precedes the pictures, so that a browser can play the film while it loads
     with av.open(_ffmpeg_path(path), "w", format="mp4", options={"movflags": "+faststart"}) as file:
         stream: Any = file.add_stream("libx264", rate=rate, options=options)
