@@ -1,7 +1,7 @@
 """Films as users write them: frames a second by format and device, and where the time goes.
 
-The films are of 1920 × 1080 with 4 samples a pixel. A thread draws while others encode, so the steps
-of a film add up to more than the whole.
+The films are of 1920 × 1080 with 4 samples a pixel. A thread draws while others encode, so the
+steps of a film add up to more than the whole.
 """
 
 from __future__ import annotations
