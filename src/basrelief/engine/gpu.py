@@ -40,6 +40,8 @@ _LIMITS = (
 _FEATURES = ("timestamp-query", "float32-filterable")
 """Features that benchmarks use if the adapter has them; programs need none of them."""
 
+_MAX_UNIFORMS = 256
+"""Number of records that stay on the GPU."""
 _MAX_PLANE_BYTES = 1 << 28
 """Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
 _MAX_CANVAS_BYTES = 1 << 30
@@ -117,6 +119,7 @@ class GpuEngine:
         # end of its list of them; storage buffers are not affected
         self.avoids_uniform_buffers = adapter.info["device"].startswith("llvmpipe")
         self._pipelines: dict[str, _Pipeline] = {}
+        self._uniforms: dict[bytes, Any] = {}
         self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
 
@@ -297,6 +300,19 @@ class GpuEngine:
                 self._uploaded[value] = self._texture(value)
         return self._uploaded[value]
 
+    def uniform(self, words: NDArray[np.int32]) -> Any:
+        """Buffer of a record; those of the latest records are kept, since most of them are the same
+        from one picture to the next."""
+        key = words.tobytes()
+        with self._lock:
+            buffer = self._uniforms.pop(key, None)
+            if buffer is None:
+                buffer = self.buffer(words, "UNIFORM", "STORAGE")
+            self._uniforms[key] = buffer
+            if len(self._uniforms) > _MAX_UNIFORMS:
+                del self._uniforms[next(iter(self._uniforms))]
+        return buffer
+
     def _copied_plane(self, value: PlaneBuffer[Any]) -> Any:
         """A plane of a canvas, after its count, in a buffer of its own on the GPU."""
         import wgpu
@@ -456,9 +472,7 @@ class Job:
                 return self.engine.edge_sampler(program.edge)
             case "uniform":
                 value = value_of(program, name, values)
-                buffer = self.engine.buffer(pack(value, binding.type), "UNIFORM", "STORAGE")
-                self._buffers.append(buffer)
-                return _whole_buffer(buffer)
+                return _whole_buffer(self.engine.uniform(pack(value, binding.type)))
             case "map":
                 return self.engine.resident(value_of(program, name, values))
             case "buffer":

@@ -7,6 +7,8 @@ multiple of 16 bytes (W3C, WebGPU Shading Language, 2024, §14.4).
 
 from __future__ import annotations
 
+import functools
+import struct
 from collections.abc import Iterator
 from enum import IntEnum
 from typing import Any
@@ -70,10 +72,17 @@ def words(t: Any, start: int = 0) -> Iterator[int]:
 
 def pack(value: Any, t: Any) -> NDArray[np.int32]:
     """A value of type t as 32-bit words in this layout."""
-    packed = np.zeros(align_and_size(t)[1] // 4, np.int32)
-    for word, leaf in zip(words(t), leaf_values(value, t), strict=True):
-        packed[word] = leaf.view(np.int32) if isinstance(leaf, np.float32) else leaf
-    return packed
+    return np.frombuffer(_packing(t).pack(*leaf_values(value, t)), np.int32)
+
+
+@functools.cache
+def _packing(t: Any) -> struct.Struct:
+    """The layout of a type for Python's `struct`; gaps are zeros."""
+    form, end = "<", 0
+    for word, (_, kind) in zip(words(t), leaves(t), strict=True):
+        form += f"{4 * (word - end)}x{'f' if kind is float else 'i'}"
+        end = word + 1
+    return struct.Struct(f"{form}{align_and_size(t)[1] - 4 * end}x")
 
 
 def pack_list(buffer: Buffer[Any]) -> NDArray[np.int32]:
