@@ -42,6 +42,8 @@ _FEATURES = ("timestamp-query", "float32-filterable")
 
 _MAX_UNIFORMS = 256
 """Number of records that stay on the GPU."""
+_MAX_STAGING_BYTES = 1 << 26
+"""Largest buffer for reading that is kept; all planes of a 1920 × 1080 picture fit."""
 _MAX_PLANE_BYTES = 1 << 28
 """Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
 _MAX_CANVAS_BYTES = 1 << 30
@@ -120,6 +122,7 @@ class GpuEngine:
         self.avoids_uniform_buffers = adapter.info["device"].startswith("llvmpipe")
         self._pipelines: dict[str, _Pipeline] = {}
         self._uniforms: dict[bytes, Any] = {}
+        self._staging: Any = None
         self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
 
@@ -191,17 +194,29 @@ class GpuEngine:
         takes twice as long."""
         import wgpu
 
-        usage = wgpu.BufferUsage.MAP_READ | wgpu.BufferUsage.COPY_DST
         with self._lock:
-            staging = self.gpu.create_buffer(size=size, usage=usage)
+            staging = self._staging_buffer(size)
             encoder = self.gpu.create_command_encoder()
             encoder.copy_buffer_to_buffer(buffer, start, staging, 0, size)
             self.gpu.queue.submit([encoder.finish()])
-            staging.map_sync(wgpu.MapMode.READ)
+            staging.map_sync(wgpu.MapMode.READ, 0, size)
             try:
-                yield staging.read_mapped(copy=False)
+                yield staging.read_mapped(0, size, copy=False)
             finally:
-                staging.destroy()
+                staging.unmap()
+
+    def _staging_buffer(self, size: int) -> Any:
+        """Buffer of at least `size` bytes that the processor can read; one of usual size is kept,
+        since a new one takes as long as what it is read for."""
+        import wgpu
+
+        if self._staging is not None and self._staging.size >= size:
+            return self._staging
+        usage = wgpu.BufferUsage.MAP_READ | wgpu.BufferUsage.COPY_DST
+        staging = self.gpu.create_buffer(size=size, usage=usage)
+        if size <= _MAX_STAGING_BYTES:
+            self._staging = staging
+        return staging
 
     def max_rows(
         self, planes: int, width: int, height: int, most_bytes: int = _MAX_PLANE_BYTES

@@ -118,14 +118,14 @@ class Program:
         its shaders read."""
         identity = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
         cached = _keys.get(identity)
-        if cached is None or any(s.find(name) is not value for s, name, value in cached.names):
+        if cached is None or not cached.is_current():
             contents = _Contents(self)
             contents.visit(self.entry)
             digest = hashlib.sha256()
             for part in contents.parts:
                 digest.update(len(part).to_bytes(8, "little"))
                 digest.update(part)
-            cached = _Key(digest.hexdigest(), contents.names)
+            cached = _Key.of(digest.hexdigest(), contents.names)
             if len(_keys) >= _MAX_KEYS:
                 _keys.pop(next(iter(_keys)), None)
             _keys[identity] = cached
@@ -133,10 +133,30 @@ class Program:
 
 
 class _Key(NamedTuple):
-    """Key of a program, and the values of the global names in its shaders."""
+    """Key of a program, and the values that the names in its shaders had: global ones, by the
+    dictionary of their module, and others."""
 
     text: str
-    names: list[tuple[Shader[..., Any], str, Any]]
+    global_names: list[tuple[dict[str, Any], str, Any]]
+    other_names: list[tuple[Shader[..., Any], str, Any]]
+
+    @classmethod
+    def of(cls, text: str, names: list[tuple[Shader[..., Any], str, Any]]) -> _Key:
+        """The key with names by their shaders, sorted so that they are checked fast."""
+        global_names, other_names = [], []
+        for shader, name, value in names:
+            scope, enclosing = shader.function.__globals__, shader.function.__code__.co_freevars
+            if name in scope and name not in enclosing:
+                global_names.append((scope, name, value))
+            else:
+                other_names.append((shader, name, value))
+        return cls(text, global_names, other_names)
+
+    def is_current(self) -> bool:
+        """Whether all names still have these values."""
+        return all(scope.get(name) is value for scope, name, value in self.global_names) and all(
+            shader.find(name) is value for shader, name, value in self.other_names
+        )
 
 
 _keys: dict[Any, _Key] = {}

@@ -374,8 +374,9 @@ _LIMITED = 1
 """FFmpeg's AVColorRange of luma from 16 to 235."""
 
 
-_PRESET = "medium"
-"""Preset of x264: how much time it takes to find a smaller film."""
+_PRESET = "faster"
+"""Preset of x264. On rendered materials "medium" takes 1.7 times as long, for films of 93 to 102 %
+of the size."""
 
 
 def _write_mp4(

@@ -154,6 +154,8 @@ class Scene:
         """The objects by falling distance of their centres, in the order of compositing."""
         import numpy as np
 
+        if len(self.objects) == 1:
+            return [*self.objects]
         eye = np.array([*self.shader_camera(size).position], np.float64)
         distances = [float(np.linalg.norm(obj.transform[:3, 3] - eye)) for obj in self.resolved]
         order = sorted(range(len(distances)), key=lambda index: -distances[index])
