@@ -7,7 +7,6 @@ import struct
 import sys
 import types
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -301,9 +300,7 @@ def test_a_demo_in_a_folder_that_cannot_be_made(place: str, out: Path) -> None:
 @pytest.fixture
 def no_device_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
     """Do not use engines that an earlier test has made."""
-    choose: Callable[[str], Any] = choose_device.__wrapped__
-    monkeypatch.setattr("basrelief.engine.select.choose_device", choose)
-    monkeypatch.setattr("basrelief.cli.demo.choose_device", choose)
+    monkeypatch.setattr("basrelief.engine.select._engines", {})
 
 
 @pytest.mark.usefixtures("no_device_is_cached", "small_demo")

@@ -11,13 +11,14 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import basrelief
 from basrelief.cli import main
-from basrelief.engine import choose_device, cpu, gpu
+from basrelief.engine import choose_device, cpu, gpu, select
 from basrelief.images import read_picture, srgb_encode, write_data
 from basrelief.material import describe, report
 from basrelief.scene import Layer, Tiling, placed, rotated
@@ -517,8 +518,9 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
 
 
 def fresh_choice(name: str) -> Any:
-    """`choose_device` without its cache."""
-    return choose_device.__wrapped__(name)
+    """`choose_device` without the engines of earlier calls."""
+    with mock.patch.dict(select._engines, clear=True):
+        return choose_device(name)
 
 
 # --- info, techniques, help -----------------------------------------------------------------------

@@ -36,6 +36,7 @@ class CpuEngine:
     name = "cpu"
     rounding = "IEEE 754"
     """The same on every processor and for any number of lanes: see `CONVENTIONS.md`."""
+    is_lost = False
 
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
         self.lanes = lanes or _native_lanes()

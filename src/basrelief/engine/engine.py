@@ -72,11 +72,15 @@ class Engine(Protocol):
         The processor or graphics card.
     rounding
         Identifies the arithmetic: engines with the same value compute the same planes, bit for bit.
+    is_lost
+        Whether the device was lost. Such an engine raises DeviceError, and so do canvases on it
+        that were not read.
     """
 
     name: str
     adapter: str
     rounding: str
+    is_lost: bool
 
     def compile(self, program: Program) -> None:
         """Compile the program, or load it from the cache."""

@@ -120,6 +120,7 @@ class GpuEngine:
         # Mesa's software driver inlines uniforms that branches depend on, and 22.3 writes past the
         # end of its list of them; storage buffers are not affected
         self.avoids_uniform_buffers = adapter.info["device"].startswith("llvmpipe")
+        self.is_lost = False
         self._pipelines: dict[str, _Pipeline] = {}
         self._uniforms: dict[bytes, Any] = {}
         self._staging: Any = None
@@ -128,7 +129,29 @@ class GpuEngine:
 
     def compile(self, program: Program) -> None:
         """Compile the program; only the driver caches it on disk."""
-        self._pipeline_of(program)
+        with self.in_use():
+            self._pipeline_of(program)
+
+    @contextlib.contextmanager
+    def in_use(self) -> Iterator[None]:
+        """A context of one thread at a time, in which errors of the driver become DeviceError."""
+        import wgpu
+
+        with self._lock:
+            try:
+                yield
+            except wgpu.GPUOutOfMemoryError:
+                raise DeviceError(
+                    "the GPU has no memory left; draw smaller pictures, keep fewer frames whose "
+                    "planes are not read, or use --device cpu"
+                ) from None
+            except wgpu.GPUError as error:
+                if "lost" not in str(error):
+                    raise
+                self.is_lost = True
+                raise DeviceError(
+                    "the GPU was lost, and with it the frames on it; draw them again"
+                ) from None
 
     def run(
         self,
@@ -138,7 +161,7 @@ class GpuEngine:
         rows: tuple[int, int] | None = None,
     ) -> Planes:
         """Run a program over a picture of (width, height); see `Engine.run`."""
-        with self._lock:
+        with self.in_use():
             return self._run(program, values, size[0], rows or (0, size[1]))
 
     def _run(
@@ -162,7 +185,8 @@ class GpuEngine:
 
     def canvas(self, program: Program, size: tuple[int, int]) -> GpuCanvas:
         """New planes for the results of a program; see `Engine.canvas`."""
-        return GpuCanvas(self, program.planes, size)
+        with self.in_use():
+            return GpuCanvas(self, program.planes, size)
 
     def draw(
         self,
@@ -174,7 +198,7 @@ class GpuEngine:
         """Run a program over rows of a canvas; see `Engine.draw`."""
         top, bottom = rows or (0, canvas.size[1])
         size = (canvas.size[0], canvas.rows)
-        with self._lock:
+        with self.in_use():
             pipeline = self._pipeline_of(program)
             for first, last, planes in canvas.bands:
                 if first < bottom and top < last:
@@ -194,7 +218,7 @@ class GpuEngine:
         takes twice as long."""
         import wgpu
 
-        with self._lock:
+        with self.in_use():
             staging = self._staging_buffer(size)
             encoder = self.gpu.create_command_encoder()
             encoder.copy_buffer_to_buffer(buffer, start, staging, 0, size)
@@ -227,7 +251,8 @@ class GpuEngine:
 
     def prepare(self, program: Program, values: Mapping[str, Any], size: tuple[int, int]) -> Job:
         """Job that runs a program on pictures of at most a size, (width, height)."""
-        return Job(self, self._pipeline_of(program), program, values, size)
+        with self.in_use():
+            return Job(self, self._pipeline_of(program), program, values, size)
 
     def prepare_text(
         self,
@@ -273,14 +298,13 @@ class GpuEngine:
 
     @step("compile")
     def _pipeline_of(self, program: Program) -> _Pipeline:
-        with self._lock:
-            if program.key not in self._pipelines:
-                code = print_wgsl(program.module, program.edge)
-                resource_bindings = bindings(program.module.entry)
-                self._pipelines[program.key] = self._pipeline(
-                    code, resource_bindings, program.entry.name
-                )
-            return self._pipelines[program.key]
+        if program.key not in self._pipelines:
+            code = print_wgsl(program.module, program.edge)
+            resource_bindings = bindings(program.module.entry)
+            self._pipelines[program.key] = self._pipeline(
+                code, resource_bindings, program.entry.name
+            )
+        return self._pipelines[program.key]
 
     def _pipeline(self, code: str, resource_bindings: list[Binding], label: str) -> _Pipeline:
         import wgpu
@@ -319,13 +343,12 @@ class GpuEngine:
         """Buffer of a record; those of the latest records are kept, since most of them are the same
         from one picture to the next."""
         key = words.tobytes()
-        with self._lock:
-            buffer = self._uniforms.pop(key, None)
-            if buffer is None:
-                buffer = self.buffer(words, "UNIFORM", "STORAGE")
-            self._uniforms[key] = buffer
-            if len(self._uniforms) > _MAX_UNIFORMS:
-                del self._uniforms[next(iter(self._uniforms))]
+        buffer = self._uniforms.pop(key, None)
+        if buffer is None:
+            buffer = self.buffer(words, "UNIFORM", "STORAGE")
+        self._uniforms[key] = buffer
+        if len(self._uniforms) > _MAX_UNIFORMS:
+            del self._uniforms[next(iter(self._uniforms))]
         return buffer
 
     def _copied_plane(self, value: PlaneBuffer[Any]) -> Any:

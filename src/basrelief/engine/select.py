@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import functools
+import threading
 
 from basrelief.engine.engine import Engine
 from basrelief.errors import DeviceError
@@ -10,7 +10,10 @@ from basrelief.errors import DeviceError
 DEVICES = ("auto", "cpu", "gpu")
 
 
-@functools.cache
+_engines: dict[str, Engine] = {}
+_lock = threading.Lock()
+
+
 def choose_device(name: str = "auto") -> Engine:
     """Choose the engine for a device.
 
@@ -23,26 +26,33 @@ def choose_device(name: str = "auto") -> Engine:
     Returns
     -------
     Engine
-        The same object for the same name.
+        The same object for the same name, until its device is lost.
 
     Raises
     ------
     DeviceError
         For another name, and for "gpu" if no GPU can be used.
     """
-    if name == "cpu":
-        from basrelief.engine.cpu import CpuEngine
-
-        return CpuEngine()
-    if name == "gpu":
-        from basrelief.engine.gpu import GpuEngine
-
-        return GpuEngine()
+    if name not in DEVICES:
+        raise DeviceError(f"no device is called {name!r}; use one of {', '.join(DEVICES)}")
     if name == "auto":
         from basrelief.engine.gpu import has_hardware_gpu
 
         return choose_device("gpu" if has_hardware_gpu() else "cpu")
-    raise DeviceError(f"no device is called {name!r}; use one of {', '.join(DEVICES)}")
+    with _lock:
+        if name not in _engines or _engines[name].is_lost:
+            _engines[name] = _new_engine(name)
+        return _engines[name]
+
+
+def _new_engine(name: str) -> Engine:
+    if name == "cpu":
+        from basrelief.engine.cpu import CpuEngine
+
+        return CpuEngine()
+    from basrelief.engine.gpu import GpuEngine
+
+    return GpuEngine()
 
 
 def engine_of(device: str | Engine) -> Engine:

@@ -68,7 +68,8 @@ class Frame:
     """A rendered frame: planes of equal size, row 0 at the top.
 
     All planes but the colour are those of the first sample, at the centre of the pixel. The planes
-    of a frame that was drawn stay on the device until they are used for the first time.
+    of a frame that was drawn stay on the device until they are used for the first time; if the
+    device is lost before, that raises DeviceError.
 
     Attributes
     ----------
