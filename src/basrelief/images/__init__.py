@@ -1,6 +1,6 @@
 """Picture files and colour encoding."""
 
-from basrelief.images.color import encode_light, srgb_decode, srgb_encode, srgb_thresholds
+from basrelief.images.color import encode_light, look_up, srgb_decode, srgb_encode, srgb_thresholds
 from basrelief.images.files import check_writable, write_bytes, write_whole
 from basrelief.images.read import (
     LOSSY,
@@ -22,7 +22,7 @@ from basrelief.images.write import (
 
 __all__ = [
     "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_target", "check_writable",
-    "encode_light", "encode_png", "picture_size", "read_picture", "srgb_decode", "srgb_encode",
-    "srgb_thresholds", "takes_codes", "write_bytes", "write_codes", "write_data", "write_picture",
-    "write_whole",
+    "encode_light", "encode_png", "look_up", "picture_size", "read_picture", "srgb_decode",
+    "srgb_encode", "srgb_thresholds", "takes_codes", "write_bytes", "write_codes", "write_data",
+    "write_picture", "write_whole",
 ]  # fmt: skip

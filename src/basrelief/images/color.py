@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import functools
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+_Number = TypeVar("_Number", bound=np.generic)
 
 
 def srgb_encode(linear: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -33,6 +35,18 @@ def srgb_thresholds() -> NDArray[np.float32]:
     rounded = exact.astype(np.float32)
     least = np.where(rounded < exact, np.nextafter(rounded, np.float32(2)), rounded)
     return np.concatenate([[-1.0], least, [2.0]]).astype(np.float32)
+
+
+def look_up(table: NDArray[_Number], codes: NDArray[Any]) -> NDArray[_Number]:
+    """`table[codes]` of codes (h, …), some rows at a time: NumPy makes indices of 64 bits."""
+    values = np.empty(codes.shape, table.dtype)
+    for first in range(0, len(codes), _ROWS):
+        values[first : first + _ROWS] = table[codes[first : first + _ROWS]]
+    return values
+
+
+_ROWS = 64
+"""Rows that are looked up at once."""
 
 
 def encode_light(linear: NDArray[np.floating], bits: int = 8) -> NDArray[Any]:

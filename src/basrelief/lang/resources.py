@@ -11,7 +11,7 @@ import copy
 import dataclasses
 import itertools
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import (
     Any,
     Generic,
@@ -56,20 +56,27 @@ class Map:
                 raise ValueError(
                     f"level {k} is {level.shape[:2]}; it must be half of the level before"
                 )
-        count = sum((level.shape[0] + 2) * (level.shape[1] + 2) for level in levels)
-        self.storage = np.empty((count, *levels[0].shape[2:]), levels[0].dtype)
-        self.offsets: list[int] = []
-        self._end = 0
-        self.levels = tuple(self._store(level) for level in levels)
+        self._allocate([level.shape for level in levels], levels[0].dtype)
+        for number, level in enumerate(levels):
+            self.levels[number][:] = level
+            self._fill_border(number)
 
-    def _store(self, level: NDArray[Any]) -> NDArray[Any]:
-        height, width = level.shape[:2]
-        stride = width + 2
-        start = self._end
-        self._end += (height + 2) * stride
-        self.offsets.append(start + stride + 1)
-        block = self.storage[start : self._end].reshape(height + 2, stride, *level.shape[2:])
-        block[1:-1, 1:-1] = level
+    def _allocate(self, shapes: Sequence[tuple[int, ...]], dtype: Any) -> None:
+        """Make the storage of levels of these shapes, which stay to be filled."""
+        sizes = [(height + 2) * (width + 2) for height, width, *_ in shapes]
+        ends = list(itertools.accumulate(sizes))
+        self.storage = np.empty((ends[-1], *shapes[0][2:]), dtype)
+        self.offsets = [
+            end - size + shape[1] + 3 for end, size, shape in zip(ends, sizes, shapes, strict=True)
+        ]
+        self._blocks = [
+            self.storage[end - size : end].reshape(shape[0] + 2, shape[1] + 2, *shape[2:])
+            for end, size, shape in zip(ends, sizes, shapes, strict=True)
+        ]
+        self.levels = tuple(block[1:-1, 1:-1] for block in self._blocks)
+
+    def _fill_border(self, number: int) -> None:
+        """Fill the border of a level from its texels."""
         match self.edge:
             case "wrap":
                 before, after = -2, 1
@@ -77,9 +84,9 @@ class Map:
                 before, after = 1, -2
             case _:
                 assert_never(self.edge)
+        block = self._blocks[number]
         block[0], block[-1] = block[before], block[after]
         block[:, 0], block[:, -1] = block[:, before], block[:, after]
-        return block[1:-1, 1:-1]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -135,6 +142,29 @@ class Texture(Map):
         if any(level.dtype != np.uint16 or level.shape[2:] != (4,) for level in levels):
             raise ValueError("a texture's levels are uint16 arrays of shape (H, W, 4)")
         super().__init__(levels, edge)
+
+    @classmethod
+    def with_mips(
+        cls,
+        shape: tuple[int, int],
+        edge: Edge,
+        fill: Callable[[NDArray[Any]], object],
+        halved: Callable[[NDArray[Any]], NDArray[Any]],
+    ) -> Texture:
+        """A texture with all levels down to 1 × 1: `fill` writes the first in place, and `halved`
+        makes each of the one before. None is in memory twice."""
+        texture = cls.__new__(cls)
+        texture.edge = edge
+        height, width = shape
+        count = max(shape).bit_length()
+        shapes = [(max(height >> k, 1), max(width >> k, 1), 4) for k in range(count)]
+        texture._allocate(shapes, np.uint16)
+        fill(texture.levels[0])
+        texture._fill_border(0)
+        for number in range(1, count):
+            texture.levels[number][:] = halved(texture.levels[number - 1])
+            texture._fill_border(number)
+        return texture
 
 
 class Buffer(Generic[_T]):

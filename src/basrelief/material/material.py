@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.errors import InputError
-from basrelief.images import srgb_decode
+from basrelief.images import look_up, srgb_decode
 from basrelief.material.options import MAPS
 
 _MAX_CODES = {"uint8": 255, "uint16": 65535}
@@ -109,8 +109,7 @@ class Map:
             return values.astype(np.float32)
         codes = np.arange(max_code + 1, dtype=np.float64) / max_code
         table = (srgb_decode(codes) if self.srgb else codes).astype(np.float32)
-        linear: NDArray[np.float32] = table[self.pixels]
-        return linear
+        return look_up(table, self.pixels)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ that draws, and are cached by its rounding.
 
 from __future__ import annotations
 
+import functools
 import weakref
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +21,7 @@ from basrelief import baking
 from basrelief.baking.levels import halved, levels_of
 from basrelief.baking.tables import table
 from basrelief.engine import Engine
-from basrelief.images import srgb_decode
+from basrelief.images import look_up, srgb_decode
 from basrelief.images.resize import resized
 from basrelief.lang.resources import Edge, Filter, HeightField, Texture
 from basrelief.material.material import Map, Material
@@ -36,12 +37,13 @@ _cache: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictiona
 def made(
     material: Material, makers: Mapping[str, Callable[[], Texture | HeightField | None]]
 ) -> dict[str, Texture | HeightField]:
-    """The textures that functions make, without missing ones; a material's first are made on
-    several threads."""
+    """The textures that functions make, without missing ones; a material's first are made on two
+    threads."""
     is_new = material not in _cache
     _cache.setdefault(material, {})
     if is_new:
-        with ThreadPoolExecutor() as pool:
+        # more at once would take more memory than drawing does
+        with ThreadPoolExecutor(2) as pool:
             textures = [*pool.map(lambda make: make(), makers.values())]
     else:
         textures = [make() for make in makers.values()]
@@ -230,7 +232,7 @@ def _fractions(map: Map) -> NDArray[np.uint16]:
     count = 256 if pixels.dtype == np.uint8 else 65536
     codes = np.linspace(0.0, 1.0, count)
     table = srgb_decode(codes) if map.srgb else codes
-    return np.rint(table * _UNIT).astype(np.uint16)[pixels]
+    return look_up(np.rint(table * _UNIT).astype(np.uint16), pixels)
 
 
 def _largest(*maps: Map | None) -> tuple[int, int]:
@@ -249,15 +251,15 @@ def _texture(channels: list[Any], edge: Edge, *, cut_out: bool = False) -> Textu
 
     With `cut_out` the fourth channel is opacity, by which the colours are weighted.
     """
-    height, width = channels[0].shape
-    first = np.full((height, width, 4), _UNIT, np.uint16)
-    for index, channel in enumerate(channels):
-        if channel is not None:
-            first[:, :, index] = channel
-    levels = [first]
-    while max(levels[-1].shape[:2]) > 1:
-        levels.append(_next_level(levels[-1], cut_out=cut_out))
-    return Texture(levels, edge)
+
+    def fill(first: NDArray[np.uint16]) -> None:
+        first[:] = _UNIT
+        for index, channel in enumerate(channels):
+            if channel is not None:
+                first[:, :, index] = channel
+
+    halved = functools.partial(_next_level, cut_out=cut_out)
+    return Texture.with_mips(channels[0].shape, edge, fill, halved)
 
 
 def _next_level(level: NDArray[np.uint16], *, cut_out: bool) -> NDArray[np.uint16]:
