@@ -13,8 +13,6 @@ times in any case; on the CPU at most 2 times as long as 32 steps in the mean.
 from __future__ import annotations
 
 import math
-import re
-import statistics
 import time
 from typing import Any
 
@@ -128,6 +126,12 @@ def programs(steps: int) -> dict[str, tuple[Program, Any]]:
     }
 
 
+def programs_of_gpu(steps: int) -> dict[str, tuple[Program, Any]]:
+    """The same, and the march with the filter of the hardware, which has 8-bit weights."""
+    march = Program(kernel, {displace: parallax_occlusion}, sampling="hardware")
+    return {**programs(steps), "filter": (march, March(steps, steps))}
+
+
 def main() -> None:
     parser = option_parser(__doc__)
     parser.add_argument("--large", action="store_true")
@@ -161,6 +165,8 @@ def against_steps(
 ) -> dict[str, float]:
     """The nine cases; on a GPU also the march with the hardware filter."""
     print(f"{engine.adapter}, {size[0]} × {size[1]}, map {texels}², {steps} steps")
+    if engine.filtered_format is not None:
+        print(f"the hardware filters heights of {engine.filtered_format}")
     figures: dict[str, float] = {}
     ratios: dict[str, list[float]] = {}
     for name, heights in maps(texels).items():
@@ -177,10 +183,8 @@ def against_steps(
                 "field": field,
                 "baked": baked,
             }
-            by_clock = timed(engine, programs(steps), values, size, runs)
-            if engine.name == "gpu":
-                march = programs(steps)["march"]
-                by_clock["timestamps"]["filter"] = filtered(engine, march, values, size, runs)
+            compared_programs = programs_of_gpu if engine.name == "gpu" else programs
+            by_clock = timed(engine, compared_programs(steps), values, size, runs)
             for clock, times in by_clock.items():
                 shown = ", ".join(f"{what} {t * 1000:.4f} ms" for what, t in times.items())
                 ratio = times["exact"] / times["march"]
@@ -269,46 +273,6 @@ class TimedEngine:
                     self.engine.seconds(job, rows_per_dispatch) * (last - first) / rows_per_dispatch
                 )
         return self.engine.run(program, values, size, rows)
-
-
-def filtered(
-    engine: Any,
-    march: tuple[Program, Any],
-    values: dict[str, Any],
-    size: tuple[int, int],
-    runs: int,
-) -> float:
-    """Seconds of the march with the hardware filter, which has 8-bit weights."""
-    from basrelief.engine import gpu
-    from basrelief.lang.targets.wgsl import print_wgsl
-
-    program, settings = march
-    text = print_wgsl(program.module, program.edge)
-    head = re.search(r"fn sharp\(.*?\{\n", text)
-    assert head is not None
-    end = text.index("\n}", head.end())
-    read = "  return textureSampleLevel(field, edge_sampler, uv, 0.0).x;"
-    text = text[: head.end()] + read + text[end:]
-    entry, sampler = gpu._layout_entry, engine.edge_sampler
-
-    def filtering(number: int, binding: Any, avoids_uniform_buffers: bool) -> dict[str, Any]:
-        layout = entry(number, binding, avoids_uniform_buffers)
-        if binding.kind == "sampler":
-            layout["sampler"] = {"type": "filtering"}
-        if binding.type is HeightField:
-            layout["texture"]["sample_type"] = "float"
-        return layout
-
-    try:
-        gpu._layout_entry = filtering
-        engine.edge_sampler = lambda edge: engine.gpu.create_sampler(
-            address_mode_u="repeat", address_mode_v="repeat", min_filter="linear",
-            mag_filter="linear",
-        )  # fmt: skip
-        with engine.prepare_text(text, program, {**values, "settings": settings}, size) as job:
-            return statistics.median(engine.seconds(job, size[1], 8) for _ in range(runs))
-    finally:
-        gpu._layout_entry, engine.edge_sampler = entry, sampler
 
 
 def timed(

@@ -135,8 +135,8 @@ TABLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
     ]),
 }  # fmt: skip
 
-RESOURCES = {"corners", "texel", "stored", "size", "levels", "len"}
-"""Intrinsics that `test_map_reads.py` tests."""
+RESOURCES = {"corners", "sampled", "texel", "stored", "size", "levels", "len"}
+"""Intrinsics that `test_map_reads.py` tests, and `engine/test_hardware_filter.py`."""
 
 
 def table_module(folder, table, leave_out=(), records=INPUTS):

@@ -137,7 +137,7 @@ def test_a_material_without_heights_is_refused(tmp_path) -> None:
 
 KEYS = {
     "format", "version", "basrelief", "material", "texels", "scale", "device", "size", "samples",
-    "time", "angles", "visible", "techniques", "results", "advice",
+    "time", "angles", "visible", "techniques", "results", "advice", "filter", "filtered_format",
 }  # fmt: skip
 RESULT = {
     "angle", "technique", "pixels", "missed", "passed", "short", "wrong_light", "uv_error",
@@ -154,6 +154,7 @@ def test_the_json_has_all_keys_and_numbers(comparison, tmp_path) -> None:
     assert read["basrelief"] == basrelief.__version__
     assert (read["texels"], read["size"], read["angles"]) == ([32, 32], [48, 27], [0.0, 60.0])
     assert read["time"] == {"size": [48, 27], "by": "clock", "runs": 1}
+    assert (read["filter"], read["filtered_format"]) == ("texel", None)
     assert len(read["results"]) == len(comparison.results) == 10
     for entry, result in zip(read["results"], comparison.results, strict=True):
         assert set(entry) == RESULT
@@ -168,6 +169,35 @@ def test_the_json_has_all_keys_and_numbers(comparison, tmp_path) -> None:
         "name", "technique", "settings", "reference_height", "projection", "command",
     }  # fmt: skip
     assert read["advice"]["technique"] in comparison.objects
+
+
+@pytest.mark.gpu
+def test_the_filter_of_the_heights_is_reported(waves, tmp_path) -> None:
+    """By the page, the summary and the JSON; `exact` and the truth read texels."""
+    tiny = {"angles": [60], "size": SIZE, "samples": 1, "device": "gpu", "runs": 1, "scale": 0.2}
+    by_texels, by_filter = (
+        compare(waves, ["relief"], filter=filter, **tiny) for filter in ("texel", "hardware")
+    )
+    assert by_filter.filter_text == (
+        "Heights are filtered by the graphics card (r32float), except by exact, which reads texels."
+    )
+    assert by_filter.summary().endswith(f"ms a picture). {by_filter.filter_text}")
+    assert "filtered" not in by_texels.summary()
+    read = by_filter.to_dict()
+    assert (read["filter"], read["filtered_format"]) == ("hardware", "r32float")
+    commands = {entry["name"]: entry["command"] for entry in read["techniques"]}
+    assert "--filter hardware" in commands["relief"]
+    assert "--filter" not in commands["exact"]
+    page = " ".join(by_filter.save(tmp_path / "hardware").read_text("utf-8").split())
+    assert by_filter.filter_text in page
+    page = " ".join(by_texels.save(tmp_path / "texel").read_text("utf-8").split())
+    assert "Heights are read as texels and interpolated by the shaders." in page
+    (texels, filtered), (exact, also_exact) = (
+        (*by_texels.of(name), *by_filter.of(name)) for name in ("relief", "exact")
+    )
+    assert texels.errors.missed == pytest.approx(filtered.errors.missed, abs=0.01)
+    assert exact.errors == also_exact.errors
+    np.testing.assert_array_equal(exact.picture, also_exact.picture)
 
 
 def test_the_page_is_self_contained(comparison, tmp_path) -> None:
@@ -313,6 +343,7 @@ def test_debug_pictures_of_an_exact_frame_are_dark(waves) -> None:
 # --- examples of the documentation ----------------------------------------------------------------
 
 
+@pytest.mark.gpu
 @pytest.mark.parametrize(
     "page", ["README.md", "docs/compare.md", "docs/command-line.md", "docs/write-a-technique.md"]
 )
@@ -329,13 +360,15 @@ def test_commands_that_pages_show(page, tmp_path, monkeypatch) -> None:
         words = shlex.split(line.replace("sample:cobbles", "FOLDER"))[1:]
         if words[0] not in ("compare", "tune"):
             continue
-        words += ["--size", "16x9", "--device", "cpu"]
+        words += ["--size", "16x9"]
+        # what needs a GPU says so
+        words += [] if "--device" in words else ["--device", "cpu"]
         if "--technique" not in words:
             words += ["--technique", "exact", "--technique", "flat"]
         if words[0] == "compare":
             words += ["--samples", "1", "--angles", "60"]
         output = done(*words)
-        written = re.search(r"^(\S+)  \(cpu", output, flags=re.MULTILINE)
+        written = re.search(r"^(\S+)  \([cg]pu", output, flags=re.MULTILINE)
         assert written is not None
         assert (tmp_path / written[1]).is_file()
         ran += 1

@@ -56,6 +56,21 @@ def test_the_cheapest_technique_that_passes_is_chosen() -> None:
     assert result.nearest is None or result.nearest.candidate.name == "flat"
 
 
+@pytest.mark.gpu
+def test_the_filter_of_the_heights_is_kept() -> None:
+    """In the report, the command and the preset."""
+    ground = level_ground(0.37)
+    options = {**SMALL, "device": "gpu", "techniques": ["steep"], "missed": 0.0}
+    result = tune(ground, filter="hardware", **options)
+    assert result.settings == tune(ground, **options).settings
+    assert (result.filter, result.filtered_format) == ("hardware", "r32float")
+    assert result.report().endswith(
+        "Heights are filtered by the graphics card (r32float), except by exact, which reads texels."
+    )
+    assert "--filter hardware" in result.command
+    assert result.preset.values["object"]["filter"] == "hardware"
+
+
 def test_the_bound_holds_over_a_range_of_angles() -> None:
     """B5: settings for 30 degrees fail at 75, and the report has the worst angle."""
     ground = Material("waves", height=map_of(noise(7, (32, 32), 1)))

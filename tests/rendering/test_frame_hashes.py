@@ -147,11 +147,14 @@ def menu_values(record: type) -> dict[str, set[Any]]:
 
 def test_every_value_of_the_librarys_menus_is_drawn() -> None:
     drawn_records = {Scene: [scene_of(case) for case in CASES], Object: objects()}
+    # the cases are drawn by the CPU, which has no filter of its own
+    of_gpus = {("filter", "hardware")}
     for record, names in ((Object, {"projection", "edge"}), (Scene, {"fog_mode", "shadows"})):
         allowed = menu_values(record)
         assert names <= set(allowed)
         for name, values in allowed.items():
             missing = values - {getattr(one, name) for one in drawn_records[record]}
+            missing = {value for value in missing if (name, value) not in of_gpus}
             assert not missing, f"{name}: {missing} in no case"
 
 

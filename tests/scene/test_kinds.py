@@ -39,6 +39,7 @@ OF_OBJECT = {
     "shape": kinds.ShapeKind,
     "projection": Projection,
     "heights": kinds.HeightsKind,
+    "filter": kinds.FilterKind,
     "edge": kinds.EdgeKind,
     "mapping": kinds.MappingKind,
     "alpha": kinds.AlphaKind,
@@ -151,7 +152,7 @@ def test_menus_are_the_fields_of_literal_type() -> None:
         expected = {name: get_args(kind) for name, kind in wanted.items()}
         declared = settings_of(owner)
         assert {name: s.choices for name, s in declared.items() if s.choices} == expected
-    assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on"}
+    assert set(MENUS) == set(OPTIONS) - {"casts", "shadows_on", "filter"}
     assert kinds.either(["a", "b", "c"]) == "a, b or c"
 
 

@@ -55,6 +55,7 @@ def scenes() -> dict[str, Scene]:
             tiling=(2.0, -3.0), shift=(-0.25, 0.5),
             camera=LookAt((0.5, 0.9, 1.1), field_of_view=50.0),
         ),
+        "filtered heights": scene(technique="relief", filter="hardware", shadows="hard"),
         "a surface": scene(
             shape="box", mapping="triplanar", alpha="mask",
             surface_parameters={"base_color": (1.0, 0.5, 0.25), "roughness": 0.3},
@@ -99,6 +100,7 @@ NAMES = (
     "defaults",
     "a technique",
     "heights",
+    "filtered heights",
     "a surface",
     "a landscape",
     "a stretched shape",
@@ -110,6 +112,14 @@ NAMES = (
 )
 
 
+DRAWN = [pytest.param(n, marks=pytest.mark.gpu) if n == "filtered heights" else n for n in NAMES]
+
+
+def device_of(drawn: Scene) -> str:
+    """The device that draws a scene: the CPU, where it can."""
+    return "gpu" if any(obj.filter == "hardware" for obj in drawn.objects) else "cpu"
+
+
 @pytest.fixture(autouse=True)
 def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -117,14 +127,15 @@ def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def color(drawn: Scene) -> np.ndarray:
     """The linear colour of the frame of a scene."""
-    return basrelief.render(drawn, device="cpu", **DRAWING).color
+    return basrelief.render(drawn, device=device_of(drawn), **DRAWING).color
 
 
 def drawn_by_command(command: str, *more: str) -> np.ndarray:
     """The pixels of the picture that a command line draws."""
     program, *arguments = shlex.split(command, comments=True)
     assert program == "basrelief"
-    done(*arguments, "-o", "again.png", "--device", "cpu", *more)
+    device = "gpu" if "--filter hardware" in command else "cpu"
+    done(*arguments, "-o", "again.png", "--device", device, *more)
     return read_picture(Path("again.png")).pixels
 
 
@@ -137,27 +148,27 @@ def drawn_by_python(line: str) -> np.ndarray:
 
 def saved_pixels(drawn: Scene) -> np.ndarray:
     """The pixels of the picture file of a scene."""
-    basrelief.render(drawn, device="cpu", **DRAWING).save("once.png")
+    basrelief.render(drawn, device=device_of(drawn), **DRAWING).save("once.png")
     return read_picture(Path("once.png")).pixels
 
 
 # --- every setting --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_the_command_draws_the_same_picture(name: str) -> None:
     command = Recipe(scenes()[name], DRAWING).command
     assert "#" not in command
     np.testing.assert_array_equal(drawn_by_command(command), saved_pixels(scenes()[name]))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_the_python_draws_the_same_picture(name: str) -> None:
-    line = Recipe(scenes()[name], {**DRAWING, "device": "cpu"}).python
+    line = Recipe(scenes()[name], {**DRAWING, "device": device_of(scenes()[name])}).python
     assert np.abs(drawn_by_python(line) - color(scenes()[name])).max() < 1e-5
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n != "no background"])
+@pytest.mark.parametrize("name", [n for n in DRAWN if n != "no background"])
 def test_the_preset_draws_the_same_picture(name: str) -> None:
     file = Recipe(scenes()[name]).preset("again").save("again.toml")
     again = preset(file).scene(load(STONE, **preset(file).maps))

@@ -638,8 +638,12 @@ def explain(
 
         xy, pixels = arguments.pixel(pixel), arguments.size(size)
         preset, maps = _preset_and_maps(values)
-        explanation = explain_pixel(_scene(path, preset, maps, values), pixel=xy, size=pixels)
+        scene = _scene(path, preset, maps, values)
+        explanation = explain_pixel(scene, pixel=xy, size=pixels)
         drawing = None if output is None else explanation.save(output)
+    if any(obj.filter == "hardware" for obj in scene.objects):
+        note = "note: heights are read as texels here, not by the filter of the graphics card"
+        print(note, file=sys.stderr)
     print(explanation.summary)
     if table or drawing is None:
         print(explanation.table())

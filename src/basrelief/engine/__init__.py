@@ -4,7 +4,15 @@
 `Engine`, and compute the same planes within the tolerances that the tests state.
 """
 
-from basrelief.engine.engine import Canvas, Engine, PlaneBuffer, Planes
+from basrelief.engine.engine import Canvas, Engine, PlaneBuffer, Planes, check_sampling
 from basrelief.engine.select import choose_device, engine_of
 
-__all__ = ["Canvas", "Engine", "PlaneBuffer", "Planes", "choose_device", "engine_of"]
+__all__ = [
+    "Canvas",
+    "Engine",
+    "PlaneBuffer",
+    "Planes",
+    "check_sampling",
+    "choose_device",
+    "engine_of",
+]

@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 import basrelief.engine
 import basrelief.lang
 from basrelief.engine import cache
-from basrelief.engine.engine import PlaneBuffer, Planes, pack_buffer, pack_uniforms, value_of
+from basrelief.engine.engine import (
+    PlaneBuffer,
+    Planes,
+    check_sampling,
+    pack_buffer,
+    pack_uniforms,
+    value_of,
+)
 from basrelief.lang.layout import header
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
@@ -37,6 +44,7 @@ class CpuEngine:
     rounding = "IEEE 754"
     """The same on every processor and for any number of lanes: see `CONVENTIONS.md`."""
     is_lost = False
+    filtered_format = None
 
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
         self.lanes = lanes or _native_lanes()
@@ -127,6 +135,7 @@ class CpuEngine:
 
     @step("compile")
     def _compiled_program(self, program: Program) -> _Compiled:
+        check_sampling(program.sampling, self)
         with self._lock:
             if program.key not in self._compiled:
                 self._compiled[program.key] = self._load(program)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import DeviceError
 from basrelief.lang.program import Program
-from basrelief.lang.resources import Buffer, HeightField, Texture, buffer_record
+from basrelief.lang.resources import Buffer, HeightField, Sampling, Texture, buffer_record
 from basrelief.lang.types import leaf_values, leaves, type_name
 
 Planes = dict[str, NDArray[Any]]
@@ -82,6 +82,11 @@ class Engine(Protocol):
     rounding: str
     is_lost: bool
 
+    @property
+    def filtered_format(self) -> str | None:
+        """WebGPU's name of the format of heights that the device's own filter reads; None for a
+        device without such a filter."""
+
     def compile(self, program: Program) -> None:
         """Compile the program, or load it from the cache."""
 
@@ -132,6 +137,12 @@ class Engine(Protocol):
         DeviceError
             For a missing value, or one of another type.
         """
+
+
+def check_sampling(sampling: Sampling, engine: Engine) -> None:
+    """Raise DeviceError for reads by the filter of a GPU on an engine that has none."""
+    if sampling == "hardware" and engine.filtered_format is None:
+        raise DeviceError("filter hardware needs a GPU: use --device gpu, or --filter texel")
 
 
 def value_of(program: Program, name: str, values: Mapping[str, Any]) -> Any:

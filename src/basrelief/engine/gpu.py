@@ -22,7 +22,15 @@ from numpy.typing import NDArray
 
 from basrelief.engine.engine import PlaneBuffer, Planes, value_of
 from basrelief.errors import DeviceError
-from basrelief.lang.bindings import GROUP, MAP_FORMATS, RUN, Binding, bindings
+from basrelief.lang.bindings import (
+    FILTERED_FORMATS,
+    GROUP,
+    MAP_FORMATS,
+    RUN,
+    Binding,
+    MapFormat,
+    bindings,
+)
 from basrelief.lang.layout import pack, pack_list
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, Edge, HeightField, Texture
@@ -38,7 +46,8 @@ _LIMITS = (
 )
 
 _FEATURES = ("timestamp-query", "float32-filterable")
-"""Features that benchmarks use if the adapter has them; programs need none of them."""
+"""Features to use if the adapter has them: for times, and for `sampled` to read heights of 32 bits.
+"""
 
 _MAX_UNIFORMS = 256
 """Number of records that stay on the GPU."""
@@ -121,10 +130,11 @@ class GpuEngine:
         # end of its list of them; storage buffers are not affected
         self.avoids_uniform_buffers = adapter.info["device"].startswith("llvmpipe")
         self.is_lost = False
+        self.filtered_format = "r32float" if "float32-filterable" in features else "r16float"
         self._pipelines: dict[str, _Pipeline] = {}
         self._uniforms: dict[bytes, Any] = {}
         self._staging: Any = None
-        self._uploaded: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
+        self._uploaded: weakref.WeakKeyDictionary[Any, dict[str, Any]] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
 
     def compile(self, program: Program) -> None:
@@ -328,16 +338,24 @@ class GpuEngine:
         )
         return _Pipeline(pipeline, layout, resource_bindings)
 
-    def resident(self, value: HeightField | Texture | Buffer[Any]) -> Any:
-        """Texture view or buffer of a resource on the GPU, uploaded once in its lifetime."""
-        if value not in self._uploaded:
+    def resident(
+        self, value: HeightField | Texture | Buffer[Any], *, filtered: bool = False
+    ) -> Any:
+        """Texture view or buffer of a resource on the GPU, uploaded once in its lifetime, in each
+        format that programs read; `filtered` are heights for `sampled`."""
+        uploaded = self._uploaded.setdefault(value, {})
+        if isinstance(value, Buffer):
+            if uploaded:
+                return uploaded["buffer"]
             if isinstance(value, PlaneBuffer):
-                self._uploaded[value] = self._copied_plane(value)
-            elif isinstance(value, Buffer):
-                self._uploaded[value] = self.buffer(pack_list(value), "STORAGE")
+                uploaded["buffer"] = self._copied_plane(value)
             else:
-                self._uploaded[value] = self._texture(value)
-        return self._uploaded[value]
+                uploaded["buffer"] = self.buffer(pack_list(value), "STORAGE")
+            return uploaded["buffer"]
+        form = FILTERED_FORMATS[self.filtered_format] if filtered else MAP_FORMATS[type(value)]
+        if form.texels not in uploaded:
+            uploaded[form.texels] = self._texture(value, form)
+        return uploaded[form.texels]
 
     def uniform(self, words: NDArray[np.int32]) -> Any:
         """Buffer of a record; those of the latest records are kept, since most of them are the same
@@ -381,11 +399,18 @@ class GpuEngine:
 
     def edge_sampler(self, edge: Edge) -> Any:
         """Sampler that applies the edge of maps, without filtering."""
-        modes: dict[Edge, str] = {"wrap": "repeat", "clamp": "clamp-to-edge"}
-        mode = modes[edge]
+        mode = _ADDRESS_MODES[edge]
         return self.gpu.create_sampler(address_mode_u=mode, address_mode_v=mode)
 
-    def _texture(self, value: HeightField | Texture) -> Any:
+    def filter_sampler(self, edge: Edge) -> Any:
+        """Sampler of `sampled`, which filters, and applies the edge of maps."""
+        mode = _ADDRESS_MODES[edge]
+        return self.gpu.create_sampler(
+            address_mode_u=mode, address_mode_v=mode,
+            min_filter="linear", mag_filter="linear", mipmap_filter="linear",
+        )  # fmt: skip
+
+    def _texture(self, value: HeightField | Texture, form: MapFormat) -> Any:
         import wgpu
 
         height, width = value.shape
@@ -395,7 +420,6 @@ class GpuEngine:
                 f"a map of {width} × {height} is larger than this GPU takes ({limit}); "
                 "use --device cpu, or a smaller map"
             )
-        form = MAP_FORMATS[type(value)]
         texture = self.gpu.create_texture(
             size=(width, height, 1),
             format=form.texels,
@@ -406,13 +430,17 @@ class GpuEngine:
             rows, columns = level.shape[:2]
             self.gpu.queue.write_texture(
                 {"texture": texture, "mip_level": number},
-                np.ascontiguousarray(level),
+                np.ascontiguousarray(level, form.numpy),
                 {"bytes_per_row": columns * form.texel_bytes, "rows_per_image": rows},
                 (columns, rows, 1),
             )
             # submit each level, since pending uploads are in memory twice
             self.gpu.queue.submit([])
         return texture.create_view()
+
+
+_ADDRESS_MODES: dict[Edge, str] = {"wrap": "repeat", "clamp": "clamp-to-edge"}
+"""WebGPU's address modes of the edges."""
 
 
 def _rounding(info: Mapping[str, Any]) -> str:
@@ -507,12 +535,15 @@ class Job:
             case "planes":
                 return _whole_buffer(self.planes)
             case "sampler":
-                return self.engine.edge_sampler(program.edge)
+                engine = self.engine
+                sampler = engine.filter_sampler if binding.filtered else engine.edge_sampler
+                return sampler(program.edge)
             case "uniform":
                 value = value_of(program, name, values)
                 return _whole_buffer(self.engine.uniform(pack(value, binding.type)))
             case "map":
-                return self.engine.resident(value_of(program, name, values))
+                value = value_of(program, name, values)
+                return self.engine.resident(value, filtered=binding.filtered)
             case "buffer":
                 return _whole_buffer(self.engine.resident(value_of(program, name, values)))
             case _:

@@ -42,6 +42,8 @@ def _of_ray(obj: ResolvedObject) -> Iterator[str]:
     if obj.heights != "sharp":
         yield f"{obj.heights} heights"
         yield from _numbers(obj.smoothing)
+    if obj.filter == "hardware":
+        yield "heights filtered by the graphics card"
     if obj.fade is not None:
         yield "fades from {:g} to {:g}".format(*obj.fade)
 

@@ -8,7 +8,7 @@ on such a condition are split in the same way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from basrelief.lang import tree
 
@@ -16,6 +16,22 @@ Terminates = bool | tree.Condition
 """Whether every path through a block leaves it, or the static condition under which it does."""
 _TRUE, _FALSE = tree.Literal(bool, True), tree.Literal(bool, False)
 _T = TypeVar("_T")
+
+
+def decided(condition: tree.Condition, value_of: Callable[[str], Any]) -> bool | tree.Condition:
+    """The value of a static condition, or what is left of it to decide; `value_of` gives the value
+    of a static field by its name, None for one that remains undecided."""
+    match condition:
+        case ("not", a):
+            rest = decided(a, value_of)
+            return not rest if isinstance(rest, bool) else ("not", rest)
+        case ("and", a, b):
+            return conjunction(decided(a, value_of), decided(b, value_of))
+        case ("or", a, b):
+            return disjunction(decided(a, value_of), decided(b, value_of))
+    name, values = condition
+    value = value_of(name)
+    return condition if value is None else value in values
 
 
 def conjunction(a: Terminates, b: Terminates) -> Terminates:

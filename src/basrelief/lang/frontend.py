@@ -77,13 +77,15 @@ def analyse(
     return specialize(_resolve_slot(entry, bindings), functions, bindings, types, static_value)
 
 
-def analyse_library(shaders: Iterable[Shader[..., Any]]) -> dict[Shader[..., Any], tree.Function]:
+def analyse_library(
+    shaders: Iterable[Shader[..., Any]], static_value: Callable[[str], Any] = lambda name: None
+) -> dict[Shader[..., Any], tree.Function]:
     """Typed functions of shaders and of all their callees, unspecialized.
 
-    A slot becomes a function of its own name without a body. Type slots, static conditions and
-    unread parameters remain.
+    A slot becomes a function of its own name without a body. Type slots, unread parameters, and
+    static conditions on fields for which `static_value` gives None remain.
     """
-    return library_functions(_reachable(shaders, None))
+    return library_functions(_reachable(shaders, None), static_value)
 
 
 @functools.cache
@@ -94,8 +96,7 @@ def written_functions(edge: Edge | None = None) -> dict[str, tree.Function]:
     """
     found = [*vars(helpers).values(), *vars(elementary).values()]
     functions = _reachable([s for s in found if isinstance(s, Shader)], None)
-    static_value = None if edge is None else lambda name: edge
-    return {f.name: f for f in library_functions(functions, static_value).values()}
+    return {f.name: f for f in library_functions(functions, lambda name: edge).values()}
 
 
 @dataclass(frozen=True)

@@ -370,6 +370,35 @@ def corners(field: HeightField, cell: IVec2, level: int) -> Vec4:
 
 
 @intrinsic(
+    _map_rule(Vec2, float, result=float, kind=HeightField),
+    wgsl=Text("textureSampleLevel({0}, filter_sampler, {1}, {2}).x"),
+    glsl=Text("textureLod({0}, {1}, {2}).x"),
+)
+def sampled(field: HeightField, uv: Vec2, lod: float) -> float:
+    """Height at texture coordinates, by the filter of the GPU: bilinear in a mip level, and linear
+    between the two levels around `lod`, which is clamped to those of the map.
+
+    Coordinates outside the tile are those of the edge. This function has exact weights; a GPU has
+    weights of 8 bits or more, and perhaps heights of 16 bits. The CPU engine has no such filter.
+    """
+    clamped = min(max(_f32(lod), _f32(0)), _f32(len(field.levels) - 1))
+    level = int(np.floor(clamped))
+    finer, lower = (_bilinear(field, uv, k) for k in (level, level + 1))
+    return mix(finer, lower, clamped - _f32(level))
+
+
+def _bilinear(field: HeightField, uv: Vec2, level: int) -> Any:
+    """The bilinear surface of a level, at any texture coordinates."""
+    extent = size(field, level)
+    tile = fract(uv) if field.edge == "wrap" else saturate(uv)
+    at = tile * Vec2(float(extent.x), float(extent.y)) - _f32(0.5)
+    first = floor(at)
+    four = corners(field, IVec2(int(first.x), int(first.y)), level)
+    part = at - first
+    return mix(mix(four.x, four.y, part.x), mix(four.z, four.w, part.x), part.y)
+
+
+@intrinsic(
     _map_rule(IVec2, int, result=Vec4, kind=Texture),
     wgsl=Written("texel"),
     glsl=Written("texel"),

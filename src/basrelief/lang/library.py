@@ -27,6 +27,11 @@ NAME = "\ue004"
 """Delimiter on both sides of the name of a piece or slot where it is used."""
 
 
+_PAGE_FIELDS = {"map.sampling": "texel"}
+"""Static fields that are the same in all programs of a library: pages read texels, so that they
+draw the same in every browser."""
+
+
 @dataclass
 class Library:
     """WGSL texts to link, with marks for static conditions, which are numbered, and names.
@@ -99,9 +104,10 @@ class _LibraryBuilder:
     ) -> None:
         self.options = {slot: list(shaders) for slot, shaders in options.items()}
         every = [*entries, *self.options, *(s for bound in self.options.values() for s in bound)]
-        self.functions = analyse_library(every)
+        self.functions = analyse_library(every, _PAGE_FIELDS.get)
         tops = [self.functions[entry] for entry in entries]
         self.check_slots()
+        self.check_reads()
         self.printer = _Printer(list(self.functions.values()), tops)
         self.types = self.bound_records()
         for slot, records in self.types.items():
@@ -121,6 +127,16 @@ class _LibraryBuilder:
                     f"the slot {shader.name} has no options; list the shaders that it can be bound "
                     "to"
                 )
+
+    def check_reads(self) -> None:
+        """Raise ShaderError for a read by the filter of the GPU."""
+        for shader, function in self.functions.items():
+            for node in tree.expressions(function.body):
+                if isinstance(node, tree.IntrinsicCall) and node.name == "sampled":
+                    raise shader.error(
+                        f"{shader.name} reads by the filter of the GPU (sampled), which a page "
+                        "does not; read by height_under"
+                    )
 
     def bound_records(self) -> dict[type, list[type]]:
         """Records that each type slot can be replaced by."""

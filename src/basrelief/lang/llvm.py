@@ -29,7 +29,7 @@ from basrelief.lang.frontend import written_functions
 from basrelief.lang.intrinsics import INTRINSICS, Written
 from basrelief.lang.layout import HeaderWord
 from basrelief.lang.resources import is_handle
-from basrelief.lang.types import SCALARS, VECTORS, fields_of, leaves
+from basrelief.lang.types import SCALARS, VECTORS, ShaderError, fields_of, leaves
 from basrelief.lang.values import Mat3
 
 Leaves = list[str]
@@ -819,6 +819,13 @@ def _stored(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
     )
 
 
+def _sampled(p: _FunctionPrinter, node: tree.IntrinsicCall) -> Leaves:
+    raise ShaderError(
+        f"{p.function.location}: sampled reads by the filter of a GPU; run the program there, or "
+        "interpolate texels as height_under does"
+    )
+
+
 _INTRINSICS: dict[str, Any] = {
     "fract": _componentwise(_fraction),
     "minimum": _componentwise(_minimum),
@@ -845,6 +852,7 @@ _INTRINSICS: dict[str, Any] = {
     "levels": _count,
     "size": _size,
     "corners": _corners,
+    "sampled": _sampled,
     "texel": _texel,
     "stored": _stored,
 }

@@ -19,6 +19,7 @@ from basrelief.lang.intrinsics import intrinsic_of
 from basrelief.lang.resources import (
     Edge,
     Filter,
+    Sampling,
     buffer_record,
     condition_fields,
     flatten_parameters,
@@ -50,6 +51,9 @@ class Program:
         The edge of all maps and the filter of all height fields.
     variant
         The value of the static record that the entry takes, None if it takes none.
+    sampling
+        Whether height fields are interpolated in shaders ("texel") or by the filter of the GPU
+        ("hardware").
     """
 
     entry: Shader[..., Any]
@@ -57,6 +61,7 @@ class Program:
     edge: Edge = "wrap"
     filter: Filter = "sharp"
     variant: Any = None
+    sampling: Sampling = "texel"
 
     def __post_init__(self) -> None:
         parameters, result = self.entry.signature
@@ -96,6 +101,8 @@ class Program:
                 return self.edge
             case "map.filter":
                 return self.filter
+            case "map.sampling":
+                return self.sampling
         return getattr(self.variant, name)
 
     @functools.cached_property
@@ -116,7 +123,9 @@ class Program:
     def key(self) -> str:
         """Digest of the program: code, numbers, types, bindings, and the fields of the variant that
         its shaders read."""
-        identity = (self.entry, *self.bindings.items(), self.edge, self.filter, self.variant)
+        identity = (
+            self.entry, *self.bindings.items(), self.edge, self.filter, self.sampling, self.variant,
+        )  # fmt: skip
         cached = _keys.get(identity)
         if cached is None or not cached.is_current():
             contents = _Contents(self)

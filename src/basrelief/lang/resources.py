@@ -1,6 +1,6 @@
 """Resource handles: the maps and buffers that a program reads, as NumPy arrays.
 
-Shaders read them by intrinsics (`corners`, `texel`, `size`, `levels`), and a `Buffer` by
+Shaders read them by intrinsics (`corners`, `sampled`, `texel`, `size`, `levels`), and a `Buffer` by
 `len(buffer)` and `buffer[index]`. Engines use the arrays without conversion. `@resources` makes a
 group of handles, which shaders pass on as one.
 """
@@ -29,6 +29,7 @@ from basrelief.lang.types import ShaderError, StaticField, from_leaves, is_stati
 
 Edge = Literal["wrap", "clamp"]
 Filter = Literal["sharp", "smooth", "mip", "columns"]
+Sampling = Literal["texel", "hardware"]
 _T = TypeVar("_T")
 _MEMBERS = "__members__"
 
@@ -118,15 +119,21 @@ class Map:
 class HeightField(Map):
     """Heights, 0 to 1, as float32: levels of shape (H, W).
 
-    `filter` says how the shaders of `techniques.height` read them, and is static too. A compiled
-    program has a filter of its own; the field's is for shaders that run as plain Python.
+    `filter` says which levels the shaders of `techniques.height` read, and `sampling` whether they
+    interpolate texels themselves ("texel") or by `sampled` ("hardware"). Both are static too. A
+    compiled program has its own; the field's are for shaders that run as plain Python.
     """
 
     def __init__(
-        self, levels: Sequence[NDArray[Any]], edge: Edge = "wrap", filter: Filter = "sharp"
+        self,
+        levels: Sequence[NDArray[Any]],
+        edge: Edge = "wrap",
+        filter: Filter = "sharp",
+        sampling: Sampling = "texel",
     ) -> None:
         super().__init__([np.asarray(level, np.float32) for level in levels], edge)
         self.filter: Filter = filter
+        self.sampling: Sampling = sampling
 
     def with_filter(self, filter: Filter) -> HeightField:
         """The same heights with another filter."""
@@ -199,7 +206,11 @@ _EDGE = {"edge": StaticField("map.edge", str, get_args(Edge))}
 _STATIC_FIELDS: dict[Any, dict[str, StaticField]] = {
     Map: _EDGE,
     Texture: _EDGE,
-    HeightField: {**_EDGE, "filter": StaticField("map.filter", str, get_args(Filter))},
+    HeightField: {
+        **_EDGE,
+        "filter": StaticField("map.filter", str, get_args(Filter)),
+        "sampling": StaticField("map.sampling", str, get_args(Sampling)),
+    },
 }
 
 

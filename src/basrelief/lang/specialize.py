@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from basrelief.lang import tree
+from basrelief.lang import conditions, tree
 from basrelief.lang.resources import flatten_parameter, flatten_parameters
 from basrelief.lang.shader import Shader, accepted_parameters
 from basrelief.lang.types import ShaderError, is_type_slot
@@ -45,14 +45,13 @@ def specialize(
 
 
 def library_functions(
-    functions: Functions, static_value: Callable[[str], Any] | None = None
+    functions: Functions, static_value: Callable[[str], Any]
 ) -> dict[Shader[..., Any], tree.Function]:
     """The same functions with their slots, type slots and parameters.
 
-    Static conditions stay undecided, unless `static_value` gives the values of all fields.
+    Static conditions stay undecided on fields for which `static_value` gives None.
     """
-    specializer = _LibrarySpecializer(functions, {}, {}, static_value or (lambda name: None))
-    specializer.decides = static_value is not None
+    specializer = _LibrarySpecializer(functions, {}, {}, static_value)
     return {shader: specializer.function(shader) for shader in functions}
 
 
@@ -113,8 +112,8 @@ class _Specializer:
         )
         return function, (by_name[name] for name, inner in pairs if inner in function.parameters)
 
-    def evaluate(self, condition: tree.Condition) -> bool | None:
-        """Value of a static condition; None where it remains undecided."""
+    def evaluate(self, condition: tree.Condition) -> bool | tree.Condition:
+        """Value of a static condition, or what is left of it to decide."""
         return tree.holds(condition, self.static_value)
 
     def type_of(self, t: Any) -> Any:
@@ -130,15 +129,14 @@ class _LibrarySpecializer(_Specializer):
     """Keeps everything, for functions that any program may link."""
 
     keeps_everything = True
-    decides = False
 
     def resolve_call(
         self, shader: Shader[..., Any], arguments: tuple[tree.Expression, ...]
     ) -> tuple[tree.Function, Iterator[tree.Expression]]:
         return self.function(shader), iter(arguments)
 
-    def evaluate(self, condition: tree.Condition) -> bool | None:
-        return super().evaluate(condition) if self.decides else None
+    def evaluate(self, condition: tree.Condition) -> bool | tree.Condition:
+        return conditions.decided(condition, self.static_value)
 
     def type_of(self, t: Any) -> Any:
         return t
@@ -196,13 +194,13 @@ class _BodySpecializer:
                     self.uses.setdefault(name, []).append(path)
                     self.assignments.setdefault(name, []).append((path, assignment))
                     output.append(assignment)
-            case tree.If(tree.Static(_, condition) as test, body, otherwise):
+            case tree.If(tree.Static(_, condition), body, otherwise):
                 decided = self.program.evaluate(condition)
-                if decided is None:
-                    b, a = self.inner(otherwise, path), self.inner(body, path)
-                    output.append(tree.If(test, a, b))
-                else:
+                if isinstance(decided, bool):
                     self.add(body if decided else otherwise, path)
+                else:
+                    b, a = self.inner(otherwise, path), self.inner(body, path)
+                    output.append(tree.If(tree.Static(bool, decided), a, b))
             case tree.If(test, body, otherwise):
                 b, a = self.inner(otherwise, path), self.inner(body, path)
                 if keeps_everything or a.statements or b.statements:
@@ -246,10 +244,12 @@ class _BodySpecializer:
                 return tree.Call(function.result, function, tuple(map(self.expression, passed)))
             case tree.Static(_, condition):
                 decided = self.program.evaluate(condition)
-                return node if decided is None else tree.Literal(bool, decided)
+                if isinstance(decided, bool):
+                    return tree.Literal(bool, decided)
+                return tree.Static(bool, decided)
             case tree.Select(_, tree.Static(_, condition), then, otherwise):
                 decided = self.program.evaluate(condition)
-                if decided is not None:
+                if isinstance(decided, bool):
                     return self.expression(then if decided else otherwise)
         return tree.map_children(node, self.expression)
 

@@ -6,7 +6,7 @@ them too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -264,3 +264,20 @@ def contains(block: Block, *kinds: type[Statement]) -> bool:
                 if inner and contains(body, *inner):
                     return True
     return False
+
+
+def expressions(node: Any) -> Iterator[Expression]:
+    """All expressions in a block, statement or expression, each before its operands."""
+    # a stack, since generators within generators are slow
+    stack = [node]
+    while stack:
+        node = stack.pop()
+        match node:
+            case tuple() | list():
+                stack += reversed(node)
+            case Block():
+                stack += reversed(node.statements)
+            case Expression() | Statement():
+                if isinstance(node, Expression):
+                    yield node
+                stack += [getattr(node, name) for name in reversed(node.__match_args__)]

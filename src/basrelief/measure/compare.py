@@ -25,11 +25,11 @@ from basrelief.measure.advice import VISIBLE, advice
 from basrelief.measure.errors import errors, flip, has_flip, uv_error
 from basrelief.measure.light import light_of
 from basrelief.measure.report import write
-from basrelief.measure.results import Result, Results, settings_of
+from basrelief.measure.results import Result, Results, filter_of, settings_of
 from basrelief.measure.timing import RUNS, Timing, seconds_of, timing_on
 from basrelief.measure.truth import truth
 from basrelief.measure.views import ANGLES, SET_BY_MEASURE, at_angle
-from basrelief.rendering.render import check_picture, render
+from basrelief.rendering.render import check_device, check_picture, render
 from basrelief.scene import ResolvedObject, Scene, technique_named
 from basrelief.scene.presets import scene_of
 from basrelief.scene.recipe import Recipe
@@ -60,6 +60,8 @@ class Candidate:
         own: dict[str, Any] = {"technique": self.technique, "settings": self.settings}
         if options.get("heights", "sharp") not in self.technique.takes_heights:
             own["heights"] = "sharp"
+        if self.technique.solves_cells:
+            own["filter"] = "texel"
         return Recipe(scene_of(material, {**options, **own}))
 
 
@@ -77,6 +79,10 @@ class Comparison(Results):
         Height range as a fraction of a tile's width.
     device : str
         Engine and adapter that ran the shaders.
+    filter : {"texel", "hardware"}
+        Filter of the heights.
+    filtered_format : str or None
+        WebGPU's name of the format of the heights that the graphics card filters; None for texels.
     size : (int, int)
         Width and height of the pictures, in pixels.
     samples : int
@@ -96,8 +102,10 @@ class Comparison(Results):
     """
 
     def summary(self) -> str:
-        """The recommended technique, in one or two sentences of plain text."""
-        return advice(self).sentence(max(self.angles))
+        """The recommended technique, and a filter other than that of texels, in a few sentences of
+        plain text."""
+        text = advice(self).sentence(max(self.angles))
+        return text if self.filter == "texel" else f"{text} {self.filter_text}"
 
     @property
     def recipe(self) -> Recipe:
@@ -114,6 +122,8 @@ class Comparison(Results):
             "texels": list(self.texels),
             "scale": self.scale,
             "device": self.device,
+            "filter": self.filter,
+            "filtered_format": self.filtered_format,
             "size": list(self.size),
             "samples": self.samples,
             "time": {"size": list(self.timing.size), "by": self.timing.by, "runs": self.runs},
@@ -225,6 +235,8 @@ def compare(
         }
         for angle in angles
     }  # fmt: skip
+    first = views[angles[0]]
+    check_device(first["exact"], engine)
     timing = timing_on(engine, size)
     results: list[Result] = []
     for number, (angle, scenes) in enumerate(views.items()):
@@ -233,7 +245,6 @@ def compare(
             progress(f"measuring {material.name} at {angle:g}°", (number + share) / len(views))
 
         results += _at_one_angle(angle, scenes, size, samples, timing, runs, engine, report)
-    first = views[angles[0]]
     cost = {
         name: float(np.mean([result.seconds for result in results if result.technique == name]))
         for name in first
@@ -246,6 +257,7 @@ def compare(
         texels=(height.width, height.height),
         scale=first["exact"].resolved[0].scale,
         device=f"{engine.name}: {engine.adapter}",
+        **filter_of(first["exact"], engine),
         size=size,
         samples=samples,
         timing=timing,

@@ -95,6 +95,8 @@ def explain(
 ) -> Explanation:
     """Trace the view ray of one pixel in Python and record each read of the technique.
 
+    Heights are read as texels, also for the filter "hardware".
+
     Parameters
     ----------
     what : Scene, Object, Material or path

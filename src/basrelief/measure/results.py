@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
+from basrelief.engine import Engine
 from basrelief.lang import Vec3
 from basrelief.lang.types import fields_of
 from basrelief.measure.errors import Errors
 from basrelief.measure.timing import Timing
-from basrelief.scene import ResolvedObject
+from basrelief.scene import ResolvedObject, Scene
 from basrelief.scene.recipe import Recipe
+from basrelief.settings.kinds import FilterKind
 from basrelief.techniques import flat
 
 
@@ -57,6 +59,8 @@ class Results:
     texels: tuple[int, int]
     scale: float
     device: str
+    filter: FilterKind
+    filtered_format: str | None
     size: tuple[int, int]
     samples: int
     timing: Timing
@@ -66,6 +70,11 @@ class Results:
     recipes: Mapping[str, Recipe]
     results: tuple[Result, ...]
 
+    @property
+    def filter_text(self) -> str:
+        """The filter of the heights, in a sentence."""
+        return filter_sentence(self.filter, self.filtered_format)
+
     def at(self, angle: float) -> list[Result]:
         """Results at one angle."""
         return [result for result in self.results if result.angle == angle]
@@ -73,6 +82,28 @@ class Results:
     def of(self, technique: str) -> list[Result]:
         """Results of one technique, by angle."""
         return [result for result in self.results if result.technique == technique]
+
+
+def filter_of(scene: Scene, engine: Engine) -> dict[str, Any]:
+    """The filter of the heights of a scene of one object, and the format in which the device
+    filters them, by the names of fields of `Results`."""
+    filter = scene.objects[0].filter
+    is_hardware = filter == "hardware"
+    return {"filter": filter, "filtered_format": engine.filtered_format if is_hardware else None}
+
+
+def filter_sentence(filter: FilterKind, filtered_format: str | None) -> str:
+    """The filter of the heights, in a sentence."""
+    match filter:
+        case "texel":
+            return "Heights are read as texels and interpolated by the shaders."
+        case "hardware":
+            return (
+                f"Heights are filtered by the graphics card ({filtered_format}), except by exact, "
+                "which reads texels."
+            )
+        case _:
+            assert_never(filter)
 
 
 def settings_of(obj: ResolvedObject) -> dict[str, Any]:

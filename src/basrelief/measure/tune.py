@@ -25,16 +25,17 @@ from basrelief.measure.compare import Candidate, Progress, candidates, check_mea
 from basrelief.measure.errors import flip as flip_of
 from basrelief.measure.errors import has_flip, missed, wrong_light
 from basrelief.measure.light import light_of
-from basrelief.measure.results import settings_of
+from basrelief.measure.results import filter_of, filter_sentence, settings_of
 from basrelief.measure.timing import Timing, seconds_of, timing_on
 from basrelief.measure.truth import Truth, truth
 from basrelief.measure.views import at_angle
 from basrelief.rendering.frame import Frame
-from basrelief.rendering.render import check_picture, render
+from basrelief.rendering.render import check_device, check_picture, render
 from basrelief.scene import Scene
 from basrelief.scene.presets import Preset
 from basrelief.scene.recipe import Recipe
 from basrelief.settings import settings_of as settings_of_record
+from basrelief.settings.kinds import FilterKind
 from basrelief.techniques import Technique
 
 __all__ = ["Trial", "TuneResult", "tune"]
@@ -98,6 +99,10 @@ class TuneResult:
         All settings of the chosen technique.
     device : str
         Engine and adapter that ran the shaders.
+    filter : {"texel", "hardware"}
+        Filter of the heights.
+    filtered_format : str or None
+        WebGPU's name of the format of the heights that the graphics card filters; None for texels.
     """
 
     chosen: Trial
@@ -109,6 +114,8 @@ class TuneResult:
     recipe: Recipe
     settings: Mapping[str, Any]
     device: str
+    filter: FilterKind
+    filtered_format: str | None
 
     @property
     def command(self) -> str:
@@ -154,6 +161,8 @@ class TuneResult:
                 f"{_with_settings(o)} ({o.seconds * 1e3:.3g} ms)" for o in self.others[:3]
             )
             lines.append(f"also under the bound: {alternatives}")
+        if self.filter != "texel":
+            lines.append(filter_sentence(self.filter, self.filtered_format))
         return "\n".join(lines)
 
     def _error_text(self, trial: Trial) -> str:
@@ -275,6 +284,7 @@ def tune(
         recipe=best.candidate.recipe(material, options if drawn is None else drawn),
         settings=settings_of(scene.resolved[0]),
         device=f"{engine.name}: {engine.adapter}",
+        **filter_of(scene, engine),
     )
 
 
@@ -320,6 +330,7 @@ class _Evaluator:
         self.engine, self.options, self.bound = engine, options, bound
         self.samples = _SAMPLES[measure]
         (exact,) = candidates(["exact"], {})
+        check_device(self.scene(exact, angles[0]), engine)
         self.reference: dict[float, Truth | Frame] = {}
         for angle in angles:
             scene = self.scene(exact, angle)

@@ -12,7 +12,7 @@ from basrelief.images import srgb_thresholds
 from basrelief.lang import Buffer, HeightField, Shader, Texture, Vec2, Vec3, Vec4
 from basrelief.lang.frontend import Bindings
 from basrelief.lang.program import Program
-from basrelief.lang.resources import Edge, Filter, members_of
+from basrelief.lang.resources import Edge, Filter, Sampling, members_of
 from basrelief.material import Material
 from basrelief.rendering import textures
 from basrelief.rendering.textures import TextureSource
@@ -78,7 +78,9 @@ def frame_program_of(obj: ResolvedObject, scene: Scene) -> Program:
 
 def _program(obj: ResolvedObject, variant: Variant, entry: Shader[..., Any] = pixel) -> Program:
     bindings: Bindings = {displace: effective_technique(obj), surface_at: SURFACES[obj.surface]}
-    return Program(entry, bindings, map_edge(obj), height_filter(obj), variant)
+    return Program(
+        entry, bindings, map_edge(obj), height_filter(obj), variant, height_sampling(obj)
+    )
 
 
 def variant_of(obj: ResolvedObject, scene: Scene) -> Variant:
@@ -145,6 +147,16 @@ def effective_technique(obj: ResolvedObject) -> Technique[..., Any]:
 def height_filter(obj: ResolvedObject) -> Filter:
     """The filter of an object's height field."""
     return "columns" if effective_technique(obj).columns else obj.heights
+
+
+def height_sampling(obj: ResolvedObject) -> Sampling:
+    """Whether an object's heights are interpolated in shaders or by the filter of the GPU.
+
+    A technique that solves whole cells reads texels, and so do its self-shadows, which are those of
+    the same surface.
+    """
+    reads_texels = not obj.has_relief or obj.technique.solves_cells
+    return "texel" if reads_texels else obj.filter
 
 
 def map_edge(obj: ResolvedObject) -> Edge:

@@ -9,7 +9,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from basrelief.engine import Engine, engine_of
+from basrelief.engine import Engine, check_sampling, engine_of
 from basrelief.errors import InputError, new_name
 from basrelief.lang import Vec2
 from basrelief.lang.program import Program
@@ -77,14 +77,21 @@ def render(
     InputError
         For unknown options, values out of range, and a camera inside an object.
     DeviceError
-        For a device that cannot be used.
+        For a device that cannot be used, and for the CPU with the filter "hardware".
     """
     scene = scene_of(what, {**options, "preset": preset})
     width, height = check_picture(size, samples)
     scene.check_camera()
     engine = engine_of(device)
+    check_device(scene, engine)
     with step("draw"):
         return _Drawing(scene, (width, height), samples, engine, progress).frame()
+
+
+def check_device(scene: Scene, engine: Engine) -> None:
+    """Raise DeviceError for a scene that an engine cannot draw."""
+    for obj in scene.objects:
+        check_sampling(obj.filter, engine)
 
 
 def check_picture(size: Any, samples: int = 1) -> tuple[int, int]:

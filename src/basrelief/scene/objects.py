@@ -17,6 +17,7 @@ from basrelief.settings.kinds import (
     AlphaKind,
     CastsKind,
     EdgeKind,
+    FilterKind,
     HeightsKind,
     LayerOffsetKind,
     MappingKind,
@@ -61,6 +62,10 @@ class Object:
     heights : {"sharp", "smooth", "mip"}, default "sharp"
         Levels of the heights to read: the finest (sharp), a blend set by `smoothing` (smooth), or
         the one whose texels match the pixel's footprint (mip).
+    filter : {"texel", "hardware"}, default "texel"
+        Filter of the heights: texels that the shader interpolates (texel), or that of the graphics
+        card, as in a game engine, on a GPU only (hardware). Techniques that solve whole cells read
+        texels in any case.
     smoothing : record or mapping, optional
         Parameters of smooth heights, or the fields of them to change.
     fade : (float, float), optional
@@ -134,6 +139,7 @@ class Object:
         group="Relief",
     )
     heights: HeightsKind = setting(default="sharp", group="Relief")
+    filter: FilterKind = setting(default="texel", group="Relief")
     smoothing: Any = setting(factory=dict, kind="numbers", group="Relief")
     fade: tuple[float, float] | None = setting(
         default=None, low=0.0, high=FAR, control={"high": 20.0, "step": 0.05},

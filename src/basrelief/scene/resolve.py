@@ -29,6 +29,7 @@ from basrelief.settings.kinds import (
     AlphaKind,
     CastsKind,
     EdgeKind,
+    FilterKind,
     HeightsKind,
     LayerOffsetKind,
     MappingKind,
@@ -85,6 +86,7 @@ class ResolvedObject:
     projection: Projection
     bias: float
     heights: HeightsKind
+    filter: FilterKind
     smoothing: Any
     fade: tuple[float, float] | None
     edge: EdgeKind
@@ -175,6 +177,7 @@ def resolve(obj: Object) -> ResolvedObject:
         projection=obj.projection or technique.projection,
         bias=obj.bias,
         heights=_heights(obj, technique),
+        filter=obj.filter,
         smoothing=settings_record(Smoothing, obj.smoothing, "the smoothing"),
         fade=_fade(obj),
         edge=obj.edge,

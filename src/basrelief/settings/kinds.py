@@ -13,6 +13,7 @@ from typing import Literal
 # --- of an object
 ShapeKind = Literal["plane", "box", "sphere", "cylinder"]
 HeightsKind = Literal["sharp", "smooth", "mip"]
+FilterKind = Literal["texel", "hardware"]
 EdgeKind = Literal["wrap", "clamp", "clip"]
 MappingKind = Literal["planar", "noise", "triplanar"]
 LayerOffsetKind = Literal["scaled", "unscaled", "none"]

@@ -3,7 +3,8 @@
 A technique reads the surface below its ray with `height_under`. The field's `filter` decides how:
 "sharp" reads the finest level, exactly; "smooth" and "mip" read lower mip levels, which removes
 small features that a few steps would hit at one pixel and miss at the next; "columns" is one flat
-column per texel.
+column per texel. The field's `sampling` says whether the shaders read four texels and interpolate
+them ("texel"), or the filter of the GPU does ("hardware"); whole cells are always read as texels.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from basrelief.lang import (
     corners,
     floor,
     mix,
+    sampled,
     saturate,
     setting,
     shader,
@@ -96,6 +98,8 @@ def smooth(field: HeightField, uv: Vec2, lod: float, fade: float) -> float:
 @shader
 def lod_height(field: HeightField, uv: Vec2, lod: float) -> float:
     """The height interpolated between the two mip levels around `lod`."""
+    if field.sampling == "hardware":
+        return sampled(field, uv, lod)
     finer = floor(lod)
     height = level_height(field, uv, int(finer))
     return mix(height, level_height(field, uv, int(finer) + 1), lod - finer)
@@ -104,6 +108,8 @@ def lod_height(field: HeightField, uv: Vec2, lod: float) -> float:
 @shader
 def sharp(field: HeightField, uv: Vec2) -> float:
     """The bilinear surface of the finest level; texel centres lie at (i + ½) ÷ N."""
+    if field.sampling == "hardware":
+        return sampled(field, uv, 0.0)
     # level 0 as a literal: a GPU then reads all four texels at once
     cell = cell_at(field, uv, size(field, 0))
     return interpolated(corners(field, cell.corner, 0), cell.x, cell.y)
@@ -112,6 +118,8 @@ def sharp(field: HeightField, uv: Vec2) -> float:
 @shader
 def level_height(field: HeightField, uv: Vec2, level: int) -> float:
     """The bilinear surface of any mip level."""
+    if field.sampling == "hardware":
+        return sampled(field, uv, float(level))
     cell = cell_at(field, uv, size(field, level))
     return interpolated(corners(field, cell.corner, level), cell.x, cell.y)
 

@@ -92,6 +92,11 @@ class Technique(Shader[P, R]):
         return ("sharp", "smooth", "mip")
 
     @property
+    def solves_cells(self) -> bool:
+        """Whether it solves whole cells or columns, which it reads as texels with any filter."""
+        return self.exact or self.columns
+
+    @property
     def settings(self) -> Any:
         """The record of its settings."""
         parameters, _ = self.signature

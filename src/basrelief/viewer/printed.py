@@ -27,8 +27,8 @@ MENUS: dict[str, tuple[str, ...]] = {
     name: declared.choices
     for record in (Object, Scene)
     for name, declared in settings_of(record).items()
-    # shadows between objects need several objects; a page has one
-    if declared.choices and name not in ("casts", "shadows_on")
+    # shadows between objects need several objects, of which a page has one; it reads texels
+    if declared.choices and name not in ("casts", "shadows_on", "filter")
 }
 """Values of the menus of a page, by the fields of `Object` and `Scene`."""
 AnyShader = Shader[..., Any]

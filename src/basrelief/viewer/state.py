@@ -334,3 +334,7 @@ def check_drawable(scene: Scene) -> None:
         raise InputError("the scene has no object to show")
     if len(scene.objects) > 1:
         raise InputError("the scene has further objects, which the page does not draw; remove them")
+    if scene.objects[0].filter == "hardware":
+        raise InputError(
+            "a page reads heights as texels, to draw the same in every browser; use --filter texel"
+        )

@@ -2,7 +2,8 @@
 
 Height fields are `sampler2D`, other maps `usampler2D` of 16-bit fractions. Both are read texel by
 texel (`texelFetch`) at level 0, and interpolated by the shaders, so that the host's filters and
-mips do not matter. The text has no `main`, no uniforms and no `#version`.
+mips do not matter; `sampled` (`textureLod`) alone uses them. The text has no `main`, no uniforms
+and no `#version`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """WGSL: a child of the C-like base, with its resources and its entry point.
 
 Maps are textures read texel by texel: heights as `texture_2d<f32>`, other maps as `texture_2d<u32>`
-of 16-bit fractions. The shaders interpolate, so that all engines filter alike. Records are uniform
-buffers; a `Buffer` is a storage buffer that starts with its count. `bindings.py` describes them.
+of 16-bit fractions. The shaders interpolate, so that all engines filter alike; `sampled`
+alone leaves it to the GPU. Records are uniform buffers; a `Buffer` is a storage buffer that starts
+with its count. `bindings.py` describes them.
 """
 
 from __future__ import annotations
@@ -182,7 +183,7 @@ class WgslPrinter(ModulePrinter):
                 case "planes":
                     yield f"{where}<storage, read_write> planes: array<u32>;"
                 case "sampler":
-                    yield f"{where} edge_sampler: sampler;"
+                    yield f"{where} {binding.variable}: sampler;"
                 case "uniform":
                     if is_record(binding.type):
                         align_and_size(binding.type)  # refuses a bool
