@@ -1,6 +1,6 @@
 """Time and error of every technique, as a table in Markdown.
 
-    python benchmarks/techniques.py [--device cpu|gpu]
+    python benchmarks/techniques.py [--device cpu|gpu] [--filter texel|hardware]
 
 Two samples of 512 × 512 texels, bricks (walls) and gravel (round), seen from 60, 75 and 85 degrees:
 `basrelief.compare` with each technique's own settings. Times are shares of that of parallax
@@ -21,6 +21,7 @@ SCALE = 0.08
 def main() -> None:
     parser = option_parser(__doc__)
     parser.add_argument("--device", default="cpu")
+    parser.add_argument("--filter", default="texel")
     options = parser.parse_args()
     texels, overrides = 512, {}
     if options.quick:
@@ -38,10 +39,11 @@ def main() -> None:
             angles=ANGLES,
             device=options.device,
             scale=SCALE,
+            filter=options.filter,
             **overrides,
         )
         usual = mean([each.seconds for each in comparison.of("parallax_occlusion")])
-        print(f"\n{name}, scale {SCALE}, {comparison.device}\n")
+        print(f"\n{name}, scale {SCALE}, {comparison.device}. {comparison.filter_text}\n")
         print("| technique | time | reads | missed at 60°, 75°, 85° |", end="")
         print(" uv error at 75°, texels: half, 99 %, worst | FLIP at 75° |")
         print("|---|---|---|---|---|---|")
@@ -59,6 +61,7 @@ def main() -> None:
                  f"{uv.median:.3g}, {uv.percentile_99:.3g}, {uv.worst:.3g} | {flip} |")
             )  # fmt: skip
             case = f"{options.device}, {name}, {technique}"
+            case += "" if options.filter == "texel" else f", filter {options.filter}"
             figures |= {
                 f"{case}, time ÷ parallax_occlusion": time,
                 f"{case}, reads": reads,
