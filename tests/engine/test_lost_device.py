@@ -27,16 +27,16 @@ def drawn(stones: Material, engine: GpuEngine, **options) -> Frame:
 
 def test_frames_of_a_lost_device(stones: Material) -> None:
     engine = GpuEngine()
-    read, unread = drawn(stones, engine), drawn(stones, engine)
-    codes = read.codes.copy()
+    used, unused = drawn(stones, engine), drawn(stones, engine)
+    codes = used.codes.copy()
     assert not engine.is_lost
     engine.gpu.destroy()
-    assert (read.codes == codes).all()
+    assert (used.codes == codes).all()
     with pytest.raises(DeviceError, match="the GPU was lost, and with it the frames on it"):
-        _ = unread.codes
+        _ = unused.codes
     assert engine.is_lost
     with pytest.raises(DeviceError, match="the GPU was lost"):
-        _ = read.distance
+        _ = used.distance
     with pytest.raises(DeviceError, match="the GPU was lost"):
         drawn(stones, engine)
 
@@ -56,7 +56,7 @@ def test_no_memory_left(stones: Material, monkeypatch: pytest.MonkeyPatch) -> No
     import wgpu
 
     engine = GpuEngine()
-    kept = drawn(stones, engine)
+    frame = drawn(stones, engine)
     create = engine.gpu.create_buffer
 
     def full(*, size: int, **options):
@@ -69,7 +69,7 @@ def test_no_memory_left(stones: Material, monkeypatch: pytest.MonkeyPatch) -> No
         drawn(stones, engine)
     monkeypatch.undo()
     assert not engine.is_lost
-    assert (kept.codes == drawn(stones, engine).codes).all()
+    assert (frame.codes == drawn(stones, engine).codes).all()
 
 
 def test_two_engines_at_once(stones: Material) -> None:

@@ -292,7 +292,7 @@ def _check_av(path: Path, format: _FilmFormat) -> None:
 
 
 def _drawn_ahead(remaining: Iterator[Frame], read: Callable[[Frame], _T]) -> Iterator[_T]:
-    """What `read` reads of each frame; the next is drawn and read on another thread meanwhile."""
+    """The results of `read` for each frame, which is called on another thread, one frame ahead."""
 
     def next_read() -> tuple[_T] | None:
         frame = next(remaining, None)
