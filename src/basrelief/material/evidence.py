@@ -72,14 +72,23 @@ def slope_correlation(height: NDArray[Any], normal: NDArray[Any]) -> SlopeCorrel
 
 def _block_means(values: NDArray[Any], rows: int, columns: int) -> NDArray[np.float64]:
     """Means over nearly equal blocks of texels, (rows, columns)."""
-    row_starts = np.arange(rows) * values.shape[0] // rows
-    column_starts = np.arange(columns) * values.shape[1] // columns
-    sums = np.add.reduceat(values, row_starts, axis=0, dtype=np.float64)
-    sums = np.add.reduceat(sums, column_starts, axis=1)
-    row_counts = np.diff(np.append(row_starts, values.shape[0]))
-    column_counts = np.diff(np.append(column_starts, values.shape[1]))
-    means: NDArray[np.float64] = sums / (row_counts[:, None] * column_counts)
-    return means
+    return _row_means(_row_means(values, rows).T, columns).T
+
+
+def _row_means(values: NDArray[Any], count: int) -> NDArray[np.float64]:
+    """Means over `count` nearly equal blocks of rows."""
+    height = len(values)
+    if height % count:
+        starts = np.arange(count) * height // count
+        sums = np.add.reduceat(values, starts, axis=0, dtype=np.float64)
+        sizes = np.diff(np.append(starts, height))
+        return sums / sizes[:, None]
+    size = height // count
+    # ten times as fast as reduceat
+    total = values[::size].astype(np.float64)
+    for row in range(1, size):
+        total += values[row::size]
+    return total / size
 
 
 def _correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float | None:
