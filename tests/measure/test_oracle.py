@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from basrelief.measure import oracle
 from basrelief.measure.oracle import intersect_height_field
 
 
@@ -146,6 +147,34 @@ def test_invalid_height_maps_and_rays_are_refused() -> None:
             intersect_height_field(heights, [[0, 0]], [[0, 0]])
     with pytest.raises(ValueError):
         intersect_height_field([[0.5]], [[0, np.inf]], [[0, 0]])
+
+
+@settings(max_examples=60)
+@given(
+    st.integers(1, 9), st.integers(1, 9), st.integers(0, 10_000),
+    st.sampled_from(["wrap", "clamp"]), st.sampled_from([0.0, 0.1, 2.0, 1e4]),
+    st.sampled_from([0.0, 0.01, 2.0]),
+)  # fmt: skip
+def test_cells_below_a_ray_and_chunks_change_no_hit(h, w, seed, edge, start, bend) -> None:
+    """Bit for bit the hits of a traversal that solves the quadratic of every cell, all at once."""
+    random = np.random.default_rng(seed)
+    heights = random.random((h, w)) ** 3
+    uv, travel = rays(seed, 50, 2.0)
+    travel[:5], travel[5:10, 0], travel[10:15, 1] = 0.0, 0.0, -0.0
+    coefficients = {
+        "height": random.uniform(0.5, 1.2, 50),
+        "drop": random.uniform(-0.5, 1.0, 50),
+        "bend": random.uniform(-bend, bend, 50),
+    }
+    hits = intersect_height_field(heights, uv + start, travel, edge, **coefficients)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(oracle, "_CHUNK", 7)
+        chunked = intersect_height_field(heights, uv + start, travel, edge, **coefficients)
+        patch.setattr(oracle, "_TEXELS_A_RAY", 0)
+        solved = intersect_height_field(heights, uv + start, travel, edge, **coefficients)
+    for other in (chunked, solved):
+        for name, values in vars(hits).items():
+            assert values.tobytes() == getattr(other, name).tobytes()
 
 
 # --- segments: parts of a ray, rising and bent ones --------------------------------------------

@@ -65,9 +65,12 @@ def test_planted_import_is_found(copy: Path, module: str, planted: str, broken: 
 
 
 def test_top_level_modules_are_few() -> None:
-    """Besides packages there are only errors, lazy imports, the version and `__main__`."""
+    """Besides packages there are only errors, lazy imports, threads, timings, the version and
+    `__main__`."""
     loose = {path.stem for path in (REPOSITORY / "src" / "basrelief").glob("*.py")}
-    assert loose == {"__init__", "__main__", "_version", "errors", "lazy", "timings"}
+    assert loose == {
+        "__init__", "__main__", "_version", "errors", "lazy", "threads", "timings"
+    }  # fmt: skip
 
 
 def test_folders_of_tests_are_those_of_the_source() -> None:

@@ -30,6 +30,7 @@ from basrelief.engine.engine import (
 from basrelief.lang.layout import header
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Buffer, HeightField, Texture, is_handle
+from basrelief.threads import core_count
 from basrelief.timings import step
 
 _T = TypeVar("_T")
@@ -48,7 +49,7 @@ class CpuEngine:
 
     def __init__(self, lanes: int | None = None, threads: int | None = None) -> None:
         self.lanes = lanes or _native_lanes()
-        self.threads = threads or _core_count()
+        self.threads = threads or core_count()
         self.adapter = f"{_host()[0]}, {self.lanes} lanes, {self.threads} threads"
         self._compiled: dict[str, _Compiled] = {}
         self._layouts: weakref.WeakKeyDictionary[Any, _ResourceLayout] = weakref.WeakKeyDictionary()
@@ -209,12 +210,6 @@ def _host() -> tuple[str, str]:
 
 def _native_lanes() -> int:
     return 16 if "+avx512f" in _host()[1] else 8
-
-
-def _core_count() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _target_machine() -> Any:

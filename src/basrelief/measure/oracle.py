@@ -1,8 +1,9 @@
 """The exact first hits of rays on the bilinear surface of a height map, in float64.
 
 It shares no code with the shaders. Rays traverse the grid cell by cell (J. Amanatides and A. Woo,
-A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), all of them at once in NumPy. Along a ray a
-bilinear patch is a quadratic, which is solved in each cell.
+A Fast Voxel Traversal Algorithm for Ray Tracing, 1987), thousands of them at once in NumPy. Along a
+ray a bilinear patch is a quadratic, which is solved in each cell unless the ray stays above the
+highest of the cell's corners.
 
 A ray is a segment with t from 0 to 1. Its texture coordinates are `uv + travel · t`, its height is
 the parabola `height − drop · t − bend · t (1 − t)`. By default it falls straight from height 1 to
@@ -17,10 +18,19 @@ from typing import Literal, assert_never, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from basrelief.threads import mapped
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Edge = Literal["wrap", "clamp"]
 """Continuation beyond the map: repeat it, or extend its border."""
+_CHUNK = 1 << 14
+"""Rays that a thread traces at once: their state fits in the processor's cache."""
+_MARGIN = 1e-9
+"""Clearance above a cell, as a share of the largest coordinate or height, from which on rounding
+can hide no hit in it: a million times the rounding of 64 bits."""
+_TEXELS_A_RAY = 1 << 11
+"""Texels whose cells are compared with their neighbours in the time that this saves a ray."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +93,9 @@ def intersect_height_field(
     ----------
     J. Amanatides and A. Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
     """
-    field = np.asarray(heights, np.float64)
+    field = np.asarray(heights)
+    # 32 bits store the heights of pictures exactly, in half the memory
+    field = field if field.dtype == np.float32 else field.astype(np.float64, copy=False)
     start, moved = (np.atleast_2d(np.asarray(v, np.float64)) for v in (uv, travel))
     coefficients = [
         np.broadcast_to(np.asarray(v, np.float64), len(start)) for v in (height, drop, bend)
@@ -95,101 +107,169 @@ def intersect_height_field(
     if edge not in get_args(Edge):
         raise ValueError(f"edge is {edge!r}: use {' or '.join(get_args(Edge))}")
     texels = np.array(field.shape[::-1], np.float64)
-    traversal = _Traversal(field, start * texels - 0.5, moved * texels, edge, *coefficients)
-    t_hit = traversal.first_hits()
+    surface = _Surface(field, edge, len(start))
+
+    def chunk_hits(first: int) -> Floats:
+        chunk = slice(first, first + _CHUNK)
+        rays = _Rays.at_start(
+            start[chunk] * texels - 0.5, moved[chunk] * texels, *(v[chunk] for v in coefficients)
+        )
+        return _first_hits(rays, surface)
+
+    chunks = mapped(chunk_hits, range(0, len(start), _CHUNK))
+    t_hit = np.concatenate([np.empty(0), *chunks])
     t = np.where(np.isnan(t_hit), 1.0, t_hit)
-    return Hits(
-        t, start + moved * t[:, None], traversal.height_at(np.arange(len(t)), t), ~np.isnan(t_hit)
-    )
+    return Hits(t, start + moved * t[:, None], _ray_height(t, *coefficients), ~np.isnan(t_hit))
 
 
-class _Traversal:
-    """Traversal state of rays, in texels: cell (i, j) lies between texel centres i and i + 1."""
+class _Surface:
+    """The bilinear surface; cell (i, j) lies between texel centres i and i + 1, j and j + 1."""
 
-    def __init__(
-        self, field: Floats, start: Floats, travel: Floats, edge: Edge,
-        height: Floats, drop: Floats, bend: Floats,
-    ) -> None:  # fmt: skip
-        self.field = field
-        self.edge: Edge = edge
-        self.start, self.travel = start, travel
-        self.height, self.drop, self.bend = height, drop, bend
-        count = len(start)
-        self.cell: Ints = np.floor(start).astype(np.int64)
-        self.t = np.zeros(count)
-        # the side of a cell through which each ray leaves it
-        self.sign: Ints = np.sign(travel).astype(np.int64)
-        self.t_hit = np.full(count, np.nan)
+    def __init__(self, field: NDArray[np.floating], edge: Edge, ray_count: int) -> None:
+        self.field, self.edge = field, edge
+        # of each cell, row by row; for a few rays they would cost more than they save
+        self.highest = self._highest_corners() if ray_count * _TEXELS_A_RAY > field.size else None
 
-    def first_hits(self) -> Floats:
-        """The t of each ray's first hit, NaN where there is none."""
-        active = np.arange(len(self.t))
-        while len(active):
-            active = self._cross_cell(active)
-        return self.t_hit
-
-    def height_at(self, rays: Ints, t: Floats) -> Floats:
-        """Heights of rays at t."""
-        descent: Floats = t * (self.drop[rays] + self.bend[rays] * (1.0 - t))
-        height: Floats = self.height[rays] - descent
-        return height
-
-    def _cross_cell(self, rays: Ints) -> Ints:
-        """Move rays through one cell each; returns the rays that continue."""
-        t_enter = self.t[rays]
-        t_exit, axis = self._cell_exits(rays)
-        t_hit = self._patch_hits(rays, t_enter, t_exit)
-        hit = ~np.isnan(t_hit)
-        self.t_hit[rays[hit]] = t_hit[hit]
-        going = ~hit & (t_exit < 1.0)
-        self.t[rays[going]] = t_exit[going]
-        self.cell[rays[going], axis[going]] += self.sign[rays[going], axis[going]]
-        return rays[going]
-
-    def _cell_exits(self, rays: Ints) -> tuple[Floats, Ints]:
-        """The t at which each ray leaves its cell, at most 1, and the axis of that wall."""
-        travel, sign = self.travel[rays], self.sign[rays]
-        wall = self.cell[rays] + (sign > 0)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            times = np.where(sign == 0, np.inf, (wall - self.start[rays]) / travel)
-        axis = np.argmin(times, axis=1)
-        t_exit = np.take_along_axis(times, axis[:, None], 1)[:, 0]
-        return np.maximum(np.minimum(t_exit, 1.0), self.t[rays]), axis
-
-    def _patch_hits(self, rays: Ints, t_enter: Floats, t_exit: Floats) -> Floats:
-        """The first t in a cell at which a ray is not above the patch, NaN without one."""
-        h00, h10, h01, h11 = self._corners(rays)
-        x, y = (self.start[rays] + self.travel[rays] * t_enter[:, None] - self.cell[rays]).T
-        dx, dy = self.travel[rays].T
-        right, down, twist = h10 - h00, h01 - h00, h11 - h10 - h01 + h00
-        # clearance(s) = a s² + b s + c for s = t − t_enter: the ray's height less the patch's
-        a = self.bend[rays] - twist * dx * dy
-        slope = self.drop[rays] + self.bend[rays] * (1.0 - 2.0 * t_enter)
-        b = -slope - (right * dx + down * dy + twist * (x * dy + y * dx))
-        c = self.height_at(rays, t_enter) - (h00 + right * x + down * y + twist * x * y)
-        s = _first_root(a, b, c)
-        span = t_exit - t_enter
-        ends_below = c + span * (b + span * a) <= 0.0
-        within = s <= span
-        # where rounding hides the root of a ray that ends below the patch, take the exit
-        t_hit = np.where(within, t_enter + s, np.where(ends_below, t_exit, np.nan))
-        return np.where(c <= 0.0, t_enter, t_hit)
-
-    def _corners(self, rays: Ints) -> tuple[Floats, Floats, Floats, Floats]:
-        height, width = self.field.shape
-        i, j = self.cell[rays].T
+    def _highest_corners(self) -> NDArray[np.floating]:
         match self.edge:
             case "wrap":
-                columns, rows = (i % width, (i + 1) % width), (j % height, (j + 1) % height)
+                padded = np.pad(self.field, (0, 1), "wrap")
             case "clamp":
-                columns = (np.clip(i, 0, width - 1), np.clip(i + 1, 0, width - 1))
-                rows = (np.clip(j, 0, height - 1), np.clip(j + 1, 0, height - 1))
+                padded = np.pad(self.field, 1, "edge")
             case _:
                 assert_never(self.edge)
-        upper, lower = rows
-        left, right = columns
-        field = self.field
-        return field[upper, left], field[upper, right], field[lower, left], field[lower, right]
+        highest = np.maximum(padded[:, :-1], padded[:, 1:])
+        return np.maximum(highest[:-1], highest[1:])
+
+    def are_below(self, cell: Floats, height: Floats) -> NDArray[np.bool_]:
+        """Whether cells, (2, n), are sure to be below heights, (n,)."""
+        if self.highest is None:
+            return np.zeros(height.shape, np.bool_)
+        # border texels continue beyond the map: there is one more row and one more column of cells
+        first = 1 if self.edge == "clamp" else 0
+        (i, j), (rows, columns) = cell.astype(np.int64) + first, self.highest.shape
+        index = self._inside(j, rows) * columns + self._inside(i, columns)
+        below: NDArray[np.bool_] = self.highest.ravel()[index] < height
+        return below
+
+    def corner_heights(self, cell: Floats) -> list[Floats]:
+        """Heights at (i, j), (i + 1, j), (i, j + 1) and (i + 1, j + 1) of cells, (2, n)."""
+        (i, j), (height, width) = cell.astype(np.int64), self.field.shape
+        columns = self._inside(i, width), self._inside(i + 1, width)
+        rows = self._inside(j, height), self._inside(j + 1, height)
+        return [self.field[row, column].astype(np.float64) for row in rows for column in columns]
+
+    def _inside(self, index: Ints, count: int) -> Ints:
+        """Indices along an axis within the map."""
+        match self.edge:
+            case "wrap":
+                # the remainder, by a division that NumPy vectorizes
+                return index - index // count * count
+            case "clamp":
+                return np.clip(index, 0, count - 1)
+            case _:
+                assert_never(self.edge)
+
+
+@dataclass(eq=False)
+class _Rays:
+    """Rays on their way from cell to cell; coordinates, (2, n), are in texels, x before y.
+
+    `ahead` leads from a cell to the wall through which its ray leaves it: 0 or 1, infinite for a
+    ray that does not move along that axis. `t` is the point of entry, `level` the height there.
+    """
+
+    number: Ints
+    start: Floats
+    travel: Floats
+    height: Floats
+    drop: Floats
+    bend: Floats
+    cell: Floats
+    step: Floats
+    ahead: Floats
+    t: Floats
+    level: Floats
+
+    @classmethod
+    def at_start(
+        cls, start: Floats, travel: Floats, height: Floats, drop: Floats, bend: Floats
+    ) -> _Rays:
+        """Rays in their first cells; `start` and `travel` are (n, 2)."""
+        start, travel = np.ascontiguousarray(start.T), np.ascontiguousarray(travel.T)
+        ahead = np.where(travel == 0.0, np.copysign(np.inf, travel), travel > 0.0)
+        t = np.zeros(len(height))
+        return cls(
+            np.arange(len(t)), start, travel, height, drop, bend,
+            np.floor(start), np.sign(travel), ahead, t, _ray_height(t, height, drop, bend),
+        )  # fmt: skip
+
+    def take(self, which: Ints) -> _Rays:
+        """Some of the rays."""
+        return _Rays(*(value.take(which, axis=-1) for value in vars(self).values()))
+
+    def cell_exits(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """The t at which rays leave their cells, at most 1, and whether through a wall of x."""
+        with np.errstate(over="ignore"):
+            x, y = (self.cell + self.ahead - self.start) / self.travel
+        return np.maximum(np.minimum(np.minimum(x, y), 1.0), self.t), x <= y
+
+    def cross(self, t: Floats, level: Floats, through_x: NDArray[np.bool_]) -> None:
+        """Move the rays into their next cells."""
+        self.cell[0] += self.step[0] * through_x
+        self.cell[1] += self.step[1] * ~through_x
+        self.t, self.level = t, level
+
+
+def _first_hits(rays: _Rays, surface: _Surface) -> Floats:
+    """The t of each ray's first hit, NaN where there is none."""
+    t_hit = np.full(len(rays.number), np.nan)
+    sizes = [np.abs(v).max() for v in (rays.start, rays.travel, rays.height, rays.drop, rays.bend)]
+    margin, is_bent = _MARGIN * max(1.0, *sizes), rays.bend.any()
+    while len(rays.number):
+        finished = np.zeros(len(rays.number), np.bool_)
+        # dropping rays costs as much as several cells
+        while 8 * np.count_nonzero(finished) <= len(finished):
+            t_exit, through_x = rays.cell_exits()
+            level = _ray_height(t_exit, rays.height, rays.drop, rays.bend)
+            lowest = np.minimum(rays.level, level)
+            if is_bent:
+                # a parabola is below its chord by at most bend ÷ 4 · (length of the chord)²
+                lowest -= 0.25 * np.abs(rays.bend) * (t_exit - rays.t) ** 2
+            near = np.flatnonzero(~(surface.are_below(rays.cell, lowest - margin) | finished))
+            hits = _patch_hits(rays.take(near), t_exit[near], surface)
+            t_hit[rays.number[near]] = hits
+            finished[near] = ~np.isnan(hits)
+            finished |= t_exit >= 1.0
+            rays.cross(t_exit, level, through_x)
+        rays = rays.take(np.flatnonzero(~finished))
+    return t_hit
+
+
+def _ray_height(t: Floats, height: Floats, drop: Floats, bend: Floats) -> Floats:
+    """Heights of rays at t."""
+    level: Floats = height - t * (drop + bend * (1.0 - t))
+    return level
+
+
+def _patch_hits(rays: _Rays, t_exit: Floats, surface: _Surface) -> Floats:
+    """The first t in a cell at which a ray is not above the patch, NaN without one."""
+    h00, h10, h01, h11 = surface.corner_heights(rays.cell)
+    x, y = rays.start + rays.travel * rays.t - rays.cell
+    dx, dy = rays.travel
+    right, down, twist = h10 - h00, h01 - h00, h11 - h10 - h01 + h00
+    # clearance(s) = a s² + b s + c for s = t − t_enter: the ray's height less the patch's
+    a = rays.bend - twist * dx * dy
+    slope = rays.drop + rays.bend * (1.0 - 2.0 * rays.t)
+    b = -slope - (right * dx + down * dy + twist * (x * dy + y * dx))
+    c = rays.level - (h00 + right * x + down * y + twist * x * y)
+    s = _first_root(a, b, c)
+    span = t_exit - rays.t
+    ends_below = c + span * (b + span * a) <= 0.0
+    within = s <= span
+    # where rounding hides the root of a ray that ends below the patch, take the exit
+    t_hit = np.where(within, rays.t + s, np.where(ends_below, t_exit, np.nan))
+    return np.where(c <= 0.0, rays.t, t_hit)
 
 
 def _first_root(a: Floats, b: Floats, c: Floats) -> Floats:

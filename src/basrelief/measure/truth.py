@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine, engine_of
 from basrelief.errors import InputError
-from basrelief.lang.resources import Edge
 from basrelief.measure.light import Points, shown_light, visible_share
 from basrelief.measure.oracle import intersect_height_field
 from basrelief.rendering import textures
@@ -25,8 +24,6 @@ from basrelief.scene import Object, ResolvedObject, Scene
 __all__ = ["Truth", "truth"]
 
 Floats = NDArray[np.float64]
-_CHUNK = 1 << 15
-"""Rays that the oracle traces at once: their state fits in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +100,8 @@ def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine =
     )
     heights = _heights(obj)
     uv, height = np.zeros_like(start), np.zeros(meets.shape)
-    uv[meets], height[meets] = _true_hits(heights, start[meets], travel[meets], map_edge(obj))
+    hits = intersect_height_field(heights, start[meets], travel[meets], map_edge(obj))
+    uv[meets], height[meets] = hits.uv, hits.height
     distance = rays["distance"] + (1.0 - height) * rays["length"].astype(float)
     there = meets & (distance > 0.0)
     if obj.edge == "clip":
@@ -164,14 +162,3 @@ def _heights(obj: ResolvedObject) -> NDArray[np.float32]:
     assert field is not None
     heights: NDArray[np.float32] = field.levels[0]
     return heights
-
-
-def _true_hits(
-    heights: NDArray[np.float32], start: Floats, travel: Floats, edge: Edge
-) -> tuple[Floats, Floats]:
-    uv, height = np.empty_like(start), np.empty(len(start))
-    for first in range(0, len(start), _CHUNK):
-        chunk = slice(first, first + _CHUNK)
-        hits = intersect_height_field(heights, start[chunk], travel[chunk], edge)
-        uv[chunk], height[chunk] = hits.uv, hits.height
-    return uv, height
