@@ -18,10 +18,12 @@ def core_count() -> int:
     return os.cpu_count() or 1
 
 
-def mapped(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
-    """Results of a function for items, in their order, computed on one thread for each core.
+def mapped(
+    function: Callable[[T], R], items: Iterable[T], threads: int | None = None
+) -> Iterator[R]:
+    """Results of a function for items, in their order, computed on threads; one for each core.
 
     An error that the function raises is raised here; items whose turn has not come are dropped.
     """
-    with ThreadPoolExecutor(core_count()) as pool:
+    with ThreadPoolExecutor(threads or core_count()) as pool:
         yield from pool.map(function, items)

@@ -71,6 +71,35 @@ def test_every_technique_is_compared(waves) -> None:
     assert exact.flip == 0.0
 
 
+def test_times_are_measured_while_nothing_else_runs(waves, monkeypatch) -> None:
+    """An error in one of the threads that evaluate pictures reaches the caller."""
+    running: list[str] = []
+
+    def tracked(function, name):
+        def call(*args, **kwargs):
+            assert not (name == "seconds_of" and running)
+            running.append(name)
+            try:
+                return function(*args, **kwargs)
+            finally:
+                running.remove(name)
+
+        return call
+
+    for name in ("seconds_of", "truth", "render", "errors", "flip"):
+        function = getattr(sys.modules["basrelief.measure.compare"], name)
+        monkeypatch.setattr(f"basrelief.measure.compare.{name}", tracked(function, name))
+    options = {"size": (16, 9), "samples": 1, "device": "cpu", "runs": 1}
+    compare(waves, CHOSEN, angles=[0, 30, 60], **options)
+
+    def fail(*args):
+        raise InputError("the disc is full")
+
+    monkeypatch.setattr("basrelief.measure.compare.errors", fail)
+    with pytest.raises(InputError, match="the disc is full"):
+        compare(waves, CHOSEN, angles=[0, 30, 60], **options)
+
+
 def test_numbers_are_those_computed_directly(waves, comparison) -> None:
     """B4: each result, computed again from the library's parts."""
     assert {result.technique for result in comparison.results} == {

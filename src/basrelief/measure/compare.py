@@ -34,6 +34,7 @@ from basrelief.scene import ResolvedObject, Scene, technique_named
 from basrelief.scene.presets import scene_of
 from basrelief.scene.recipe import Recipe
 from basrelief.techniques import TECHNIQUES, Technique, exact
+from basrelief.threads import mapped
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 
@@ -293,16 +294,18 @@ def _at_one_angle(
 ) -> Iterable[Result]:
     """Results of all techniques at one angle, whose reliefs fill the same space: one truth."""
     progress(0.0)
+    # nothing else runs meanwhile
+    seconds = seconds_of(scenes, timing, engine, runs)
+    progress(0.3)
     true = truth(scenes["exact"], size, device=engine)
     reference = render(scenes["exact"], size=size, samples=samples, device=engine)
     progress(0.5)
-    seconds = seconds_of(scenes, timing, engine, runs)
-    for number, (name, scene) in enumerate(scenes.items()):
-        is_reference = name == "exact"
-        frame = (
-            reference if is_reference else render(scene, size=size, samples=samples, device=engine)
-        )
-        yield Result(
+
+    def result_of(name: str) -> Result:
+        scene, frame = scenes[name], reference
+        if name != "exact":
+            frame = render(scene, size=size, samples=samples, device=engine)
+        return Result(
             angle=angle,
             technique=name,
             errors=errors(frame, true, light_of(scene, size, engine)),
@@ -311,7 +314,11 @@ def _at_one_angle(
             picture=frame.color[:, :, :3].astype(np.float16),
             off=uv_error(frame, true).astype(np.float16),
         )
-        progress(0.6 + 0.4 * (number + 1) / len(scenes))
+
+    # a frame is drawn while another is compared with the truth
+    for number, result in enumerate(mapped(result_of, scenes, threads=2), 1):
+        yield result
+        progress(0.5 + 0.5 * number / len(scenes))
 
 
 # --- candidates ----------------------------------------------------------------------------------

@@ -83,16 +83,17 @@ def errors(frame: Frame, truth: Truth, light: Floats | None = None) -> Errors:
 
     `light` is the share of each light in the picture, as `measure.light.shown_light` gives it.
     """
-    is_missed = missed(frame, truth)
+    difference = _uv_difference(frame, truth)
+    off = _length(difference, truth)
+    is_missed, behind = _is_missed(off, truth), _along_ray(difference, truth) > 0.0
     count = max(int(truth.there.sum()), 1)
-    behind = overshoot(frame, truth) > 0.0
     drawn = frame.hit & truth.there
     return Errors(
         pixels=int(truth.there.sum()),
         missed=float(is_missed.sum() / count),
         passed=float((is_missed & drawn & behind).sum() / count),
         short=float((is_missed & drawn & ~behind).sum() / count),
-        uv=_spread(uv_error(frame, truth)[drawn]),
+        uv=_spread(off[drawn]),
         depth=_spread(np.abs(depth_error(frame, truth)[drawn])),
         reads=frame.mean_reads,
         wrong_light=None if light is None else float(wrong_light(light, truth).sum() / count),
@@ -101,10 +102,7 @@ def errors(frame: Frame, truth: Truth, light: Floats | None = None) -> Errors:
 
 def missed(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
     """Mask of missed hits, (height, width): off by more than a texel, or not drawn."""
-    _check(frame, truth)
-    is_off = np.nan_to_num(uv_error(frame, truth), nan=np.inf) > MISS_TOLERANCE
-    is_missed: NDArray[np.bool_] = truth.there & is_off
-    return is_missed
+    return _is_missed(uv_error(frame, truth), truth)
 
 
 def wrong_light(light: Floats, truth: Truth) -> NDArray[np.bool_]:
@@ -132,11 +130,7 @@ def uv_error(frame: Frame, truth: Truth) -> Floats:
 
     The shortest distance where the map repeats. NaN where there is no object, or it is not drawn.
     """
-    difference = _uv_difference(frame, truth)
-    if truth.wraps:
-        difference = difference - np.rint(difference)
-    length: Floats = np.linalg.norm(difference * truth.texels, axis=-1)
-    return length
+    return _length(_uv_difference(frame, truth), truth)
 
 
 def overshoot(frame: Frame, truth: Truth) -> Floats:
@@ -145,11 +139,7 @@ def overshoot(frame: Frame, truth: Truth) -> Floats:
     Measured along the ray over the map; below 0 the ray stopped short. 0 for a ray along the
     normal, which does not move over the map. NaN where there is no object, or it is not drawn.
     """
-    travel = truth.travel * truth.texels
-    length = np.linalg.norm(travel, axis=-1, keepdims=True)
-    unit = travel / np.where(length > 0.0, length, 1.0)
-    along: Floats = (_uv_difference(frame, truth) * truth.texels * unit).sum(-1)
-    return along
+    return _along_ray(_uv_difference(frame, truth), truth)
 
 
 def depth_error(frame: Frame, truth: Truth) -> Floats:
@@ -167,12 +157,14 @@ def flip(reference: Image | Frame, picture: Image | Frame) -> float:
     """Mean FLIP error between two pictures that alternate on a screen, 0 to 1.
 
     P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, 2020, by NVIDIA's own
-    code at its default of 67 pixels a degree. Raises InputError where that is not installed.
+    code at its default of 67 pixels a degree; 0 for equal pictures, which it need not look at.
+    Raises InputError where that is not installed.
     """
     evaluate = _evaluator()
-    _, mean, _ = evaluate(
-        _display_colors(reference), _display_colors(picture), "LDR", applyMagma=False
-    )
+    colors = _display_colors(reference), _display_colors(picture)
+    if np.array_equal(*colors):
+        return 0.0
+    _, mean, _ = evaluate(*colors, "LDR", applyMagma=False)
     return float(mean)
 
 
@@ -207,6 +199,29 @@ def _uv_difference(frame: Frame, truth: Truth) -> Floats:
     both = _is_drawn(frame, truth)
     difference: Floats = np.where(both[:, :, None], frame.uv.astype(np.float64) - truth.uv, np.nan)
     return difference
+
+
+def _length(difference: Floats, truth: Truth) -> Floats:
+    """Lengths of differences of texture coordinates in texels, the shortest where a map repeats."""
+    if truth.wraps:
+        difference = difference - np.rint(difference)
+    length: Floats = np.linalg.norm(difference * truth.texels, axis=-1)
+    return length
+
+
+def _along_ray(difference: Floats, truth: Truth) -> Floats:
+    """Parts of differences of texture coordinates along the rays over the map, in texels."""
+    travel = truth.travel * truth.texels
+    length = np.linalg.norm(travel, axis=-1, keepdims=True)
+    unit = travel / np.where(length > 0.0, length, 1.0)
+    along: Floats = (difference * truth.texels * unit).sum(-1)
+    return along
+
+
+def _is_missed(off: Floats, truth: Truth) -> NDArray[np.bool_]:
+    """Mask of missed hits from uv errors."""
+    is_missed: NDArray[np.bool_] = truth.there & (np.nan_to_num(off, nan=np.inf) > MISS_TOLERANCE)
+    return is_missed
 
 
 def _is_drawn(frame: Frame, truth: Truth) -> NDArray[np.bool_]:
