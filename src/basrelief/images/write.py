@@ -49,6 +49,10 @@ _QUICK_PNG = {"png:compressionLevel": 1, "png:filter": 0x40}
 rendered material of 1920 × 1080 takes 56 ms in place of 345, and 8 % more bytes; maps, which are
 kept and sent, take the usual ones."""
 
+_WEBP_METHOD = 4
+"""The usual effort of libwebp, of 0 to 6; 6, OpenImageIO's, takes twice as long for files of equal
+quality that are 0.2 % smaller."""
+
 WRITABLE = tuple(_FORMATS)
 """Suffixes that `write_picture` supports."""
 
@@ -204,6 +208,7 @@ def _encode(
         lossless = lossy == "webp" and quality == 100
         attributes["compression"] = "lossless" if lossless else f"{lossy}:{quality}"
         attributes["jpeg:subsampling"] = "4:4:4"
+        attributes["webp:method"] = _WEBP_METHOD
     if suffix == ".png":
         attributes |= png_options
     with step("encode"):
