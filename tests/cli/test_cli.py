@@ -495,9 +495,9 @@ def test_device_auto_chooses_only_a_hardware_gpu(
     class GpuEngine(cpu.CpuEngine):
         name = "gpu"
 
-    monkeypatch.setattr(gpu, "_has_device_file", lambda: True)
-    monkeypatch.setattr(gpu, "_request_adapter", Adapter)
-    monkeypatch.setattr(gpu, "has_hardware_gpu", gpu.has_hardware_gpu.__wrapped__)
+    monkeypatch.setattr(select, "_has_device_file", lambda: True)
+    monkeypatch.setattr(gpu, "request_adapter", Adapter)
+    monkeypatch.setattr(select, "has_hardware_gpu", select.has_hardware_gpu.__wrapped__)
     monkeypatch.setattr(gpu, "GpuEngine", GpuEngine)
     monkeypatch.setattr("basrelief.engine.select.choose_device", fresh_choice)
     name = "cpu" if kind == "CPU" else "gpu"
@@ -508,13 +508,13 @@ def test_without_a_device_no_driver_is_started(monkeypatch: pytest.MonkeyPatch) 
     def started() -> Any:
         raise AssertionError("a driver was started")
 
-    monkeypatch.setattr(gpu, "_request_adapter", started)
-    monkeypatch.setattr(gpu.sys, "platform", "linux")
-    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("no-such-device*",))
-    assert not gpu.has_hardware_gpu.__wrapped__()
-    monkeypatch.setattr(gpu, "_DEVICE_FILES", ("null",))
+    monkeypatch.setattr(gpu, "request_adapter", started)
+    monkeypatch.setattr(select.sys, "platform", "linux")
+    monkeypatch.setattr(select, "_DEVICE_FILES", ("no-such-device*",))
+    assert not select.has_hardware_gpu.__wrapped__()
+    monkeypatch.setattr(select, "_DEVICE_FILES", ("null",))
     with pytest.raises(AssertionError, match="was started"):
-        gpu.has_hardware_gpu.__wrapped__()
+        select.has_hardware_gpu.__wrapped__()
 
 
 def fresh_choice(name: str) -> Any:

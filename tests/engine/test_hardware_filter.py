@@ -380,7 +380,7 @@ def test_the_cpu_refuses_the_filter(name: str, monkeypatch: pytest.MonkeyPatch) 
         render(filtered, size=(8, 8), device="cpu")
     assert str(caught.value) == REFUSAL
     # where auto finds no GPU
-    monkeypatch.setattr(gpu, "has_hardware_gpu", lambda: False)
+    monkeypatch.setattr("basrelief.engine.select.has_hardware_gpu", lambda: False)
     with pytest.raises(DeviceError) as caught:
         render(filtered, size=(8, 8))
     assert str(caught.value) == REFUSAL

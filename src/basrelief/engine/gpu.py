@@ -8,13 +8,11 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import sys
 import tempfile
 import threading
 import weakref
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, TypeVar, assert_never
 
 import numpy as np
@@ -59,7 +57,8 @@ _MAX_CANVAS_BYTES = 1 << 30
 """Largest buffer of a canvas, where the GPU allows it."""
 
 
-def _request_adapter() -> Any:
+def request_adapter() -> Any:
+    """The adapter that WebGPU prefers. Raises DeviceError if there is none."""
     try:
         import wgpu
     except ImportError:
@@ -86,39 +85,13 @@ def _exclude_opengl() -> None:
         set_instance_extras(backends=["Primary"])
 
 
-_DEVICE_FILES = ("dri/renderD*", "nvidia[0-9]*", "nvhost*", "dxg", "kfd", "kgsl*", "mali*")
-"""Device files of graphics cards on Linux, also under WSL and on embedded boards."""
-
-
-def _has_device_file() -> bool:
-    """Whether Linux has a device file of a graphics card; True on other systems.
-
-    Saves a machine without one the second that starting a software driver takes.
-    """
-    if not sys.platform.startswith("linux"):
-        return True
-    return any(next(Path("/dev").glob(pattern), None) for pattern in _DEVICE_FILES)
-
-
-@functools.cache
-def has_hardware_gpu() -> bool:
-    """Whether there is a GPU that is not a software adapter."""
-    if not _has_device_file():
-        return False
-    try:
-        adapter = _request_adapter()
-    except DeviceError:
-        return False
-    return adapter.info["adapter_type"] != "CPU"
-
-
 class GpuEngine:
     """Engine on the adapter that WebGPU prefers. Raises DeviceError if there is none."""
 
     name = "gpu"
 
     def __init__(self) -> None:
-        adapter = _request_adapter()
+        adapter = request_adapter()
         limits = {name: adapter.limits[name] for name in _LIMITS}
         features = [f for f in _FEATURES if f in adapter.features]
         self.adapter_info: dict[str, Any] = dict(adapter.info)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+import sys
 import threading
+from pathlib import Path
 
 from basrelief.engine.engine import Engine
 from basrelief.errors import DeviceError
@@ -36,8 +39,6 @@ def choose_device(name: str = "auto") -> Engine:
     if name not in DEVICES:
         raise DeviceError(f"no device is called {name!r}; use one of {', '.join(DEVICES)}")
     if name == "auto":
-        from basrelief.engine.gpu import has_hardware_gpu
-
         return choose_device("gpu" if has_hardware_gpu() else "cpu")
     with _lock:
         if name not in _engines or _engines[name].is_lost:
@@ -58,3 +59,31 @@ def _new_engine(name: str) -> Engine:
 def engine_of(device: str | Engine) -> Engine:
     """The engine for a device name; an engine is returned unchanged."""
     return choose_device(device) if isinstance(device, str) else device
+
+
+_DEVICE_FILES = ("dri/renderD*", "nvidia[0-9]*", "nvhost*", "dxg", "kfd", "kgsl*", "mali*")
+"""Device files of graphics cards on Linux, also under WSL and on embedded boards."""
+
+
+def _has_device_file() -> bool:
+    """Whether Linux has a device file of a graphics card; True on other systems.
+
+    Saves a machine without one the second that starting a software driver takes.
+    """
+    if not sys.platform.startswith("linux"):
+        return True
+    return any(next(Path("/dev").glob(pattern), None) for pattern in _DEVICE_FILES)
+
+
+@functools.cache
+def has_hardware_gpu() -> bool:
+    """Whether there is a GPU that is not a software adapter."""
+    if not _has_device_file():
+        return False
+    from basrelief.engine.gpu import request_adapter
+
+    try:
+        adapter = request_adapter()
+    except DeviceError:
+        return False
+    return adapter.info["adapter_type"] != "CPU"

@@ -33,7 +33,8 @@ from basrelief.lang.resources import (
     is_handle,
     members_of,
 )
-from basrelief.lang.shader import INT_RANGE, Shader, accepted_parameters
+from basrelief.lang.shader import INT_RANGE, Shader
+from basrelief.lang.slots import Bindings, bound_types
 from basrelief.lang.specialize import library_functions, specialize
 from basrelief.lang.types import (
     SCALARS,
@@ -45,8 +46,6 @@ from basrelief.lang.types import (
     type_name,
 )
 from basrelief.lang.values import Mat3, Vec3, swizzle_indices
-
-Bindings = Mapping[Shader[..., Any], Shader[..., Any]]
 
 _BINARY = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%",
@@ -152,38 +151,6 @@ def _resolve_slot(shader: Shader[..., Any], bindings: Bindings) -> Shader[..., A
             raise shader.error(f"the slot {shader.name} is not bound; pass a shader for it")
         shader = bindings[shader]
     return shader
-
-
-def bound_types(bindings: Bindings) -> dict[type, Any]:
-    """Types of the type slots, from the signatures of the bound shaders.
-
-    Raises ShaderError for a shader that does not fit its slot.
-    """
-    types: dict[type, Any] = {}
-    for slot, shader in bindings.items():
-        parameters, result = slot.signature
-        bound_parameters, bound_result = shader.signature
-        accepted = accepted_parameters(slot, shader)
-        declared = [parameters[name] for name in accepted or ()]
-        pairs = [*zip(declared, bound_parameters.values(), strict=False), (result, bound_result)]
-        fits = accepted is not None
-        for slot_type, t in pairs:
-            if is_type_slot(slot_type) and t is not slot_type:
-                fits = fits and types.setdefault(slot_type, t) is t
-            else:
-                fits = fits and slot_type == t
-        if not fits:
-            raise shader.error(
-                f"{shader.name}{_signature_text(shader)} does not fit the slot {slot.name}; its "
-                f"signature is {_signature_text(slot)}"
-            )
-    return types
-
-
-def _signature_text(shader: Shader[..., Any]) -> str:
-    parameters, result = shader.signature
-    inside = ", ".join(f"{name}: {type_name(t)}" for name, t in parameters.items())
-    return f"({inside}) -> {type_name(result)}"
 
 
 class _FunctionAnalysis:

@@ -15,10 +15,11 @@ from typing import Any
 
 from basrelief.lang import tree
 from basrelief.lang.bindings import Binding, bindings
-from basrelief.lang.frontend import Bindings, analyse_library, bound_types
+from basrelief.lang.frontend import analyse_library
 from basrelief.lang.layout import align_and_size
 from basrelief.lang.resources import flatten_parameter
 from basrelief.lang.shader import Shader, accepted_parameters
+from basrelief.lang.slots import Bindings, bound_types
 from basrelief.lang.targets.wgsl import WgslPrinter
 
 IF, THEN, ELSE, END = "\ue000", "\ue001", "\ue002", "\ue003"

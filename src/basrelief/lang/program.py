@@ -11,10 +11,8 @@ import functools
 import hashlib
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from basrelief.lang import tree
-from basrelief.lang.frontend import analyse, bound_types
 from basrelief.lang.intrinsics import intrinsic_of
 from basrelief.lang.resources import (
     Edge,
@@ -26,6 +24,7 @@ from basrelief.lang.resources import (
     members_of,
 )
 from basrelief.lang.shader import Shader, canonical_code
+from basrelief.lang.slots import bound_types
 from basrelief.lang.types import (
     SCALARS,
     fields_of,
@@ -35,6 +34,9 @@ from basrelief.lang.types import (
     leaves,
 )
 from basrelief.lang.values import IVec2
+
+if TYPE_CHECKING:
+    from basrelief.lang import tree
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,9 @@ class Program:
     @functools.cached_property
     def module(self) -> tree.Module:
         """The specialized typed tree. Raises ShaderError for source outside the subset."""
+        # a program that is in the cache does without
+        from basrelief.lang.frontend import analyse
+
         return analyse(self.entry, self.bindings, self.static_value)
 
     def static_value(self, name: str) -> Any:

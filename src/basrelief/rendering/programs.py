@@ -10,9 +10,9 @@ from typing import Any, assert_never
 from basrelief.engine import Engine
 from basrelief.images import srgb_thresholds
 from basrelief.lang import Buffer, HeightField, Shader, Texture, Vec2, Vec3, Vec4
-from basrelief.lang.frontend import Bindings
 from basrelief.lang.program import Program
 from basrelief.lang.resources import Edge, Filter, Sampling, members_of
+from basrelief.lang.slots import Bindings
 from basrelief.material import Material
 from basrelief.rendering import textures
 from basrelief.rendering.textures import TextureSource

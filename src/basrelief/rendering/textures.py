@@ -228,11 +228,12 @@ def _fractions(map: Map) -> NDArray[np.uint16]:
     if pixels.dtype == np.float32:
         linear = np.clip(map.linear(), 0.0, 1.0)
         return np.rint(linear * np.float32(_UNIT)).astype(np.uint16)
-    # integers by a look-up table, to avoid a float copy of a large map
-    count = 256 if pixels.dtype == np.uint8 else 65536
-    codes = np.linspace(0.0, 1.0, count)
-    table = srgb_decode(codes) if map.srgb else codes
-    return look_up(np.rint(table * _UNIT).astype(np.uint16), pixels)
+    is_byte = pixels.dtype == np.uint8
+    if not map.srgb:
+        return pixels * np.uint16(257) if is_byte else pixels
+    # by a table, to avoid a float copy of a large map
+    codes = np.linspace(0.0, 1.0, 256 if is_byte else 65536)
+    return look_up(np.rint(srgb_decode(codes) * _UNIT).astype(np.uint16), pixels)
 
 
 def _largest(*maps: Map | None) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from basrelief.errors import BasreliefError, InputError
 from basrelief.lang import Shader, Texture
-from basrelief.lang.frontend import bound_types
+from basrelief.lang.slots import bound_types
 from basrelief.lang.types import is_record
 from basrelief.techniques.technique import Technique, displace
 
