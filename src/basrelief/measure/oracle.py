@@ -24,8 +24,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Edge = Literal["wrap", "clamp"]
 """Continuation beyond the map: repeat it, or extend its border."""
-_CHUNK = 1 << 14
-"""Rays that a thread traces at once: their state fits in the processor's cache."""
+_CHUNK = 1 << 15
+"""Rays that a thread traces at once. With fewer, operations of NumPy are so short that threads wait
+for Python's lock; with more, they wait for memory."""
 _MARGIN = 1e-9
 """Clearance above a cell, as a share of the largest coordinate or height, from which on rounding
 can hide no hit in it: a million times the rounding of 64 bits."""

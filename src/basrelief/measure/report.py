@@ -20,6 +20,7 @@ from basrelief.measure.figures import has_matplotlib
 from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.pages import check_overwritable, fill, write_page
+from basrelief.threads import mapped
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
@@ -44,16 +45,21 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
-    for result in comparison.results:
-        picture_file, error_file = (folder / name for name in _file_names(result))
-        write_picture(picture_file, result.picture.astype(np.float32), quality=_QUALITY)
-        write_picture(error_file, error_picture(result.off), quality=_QUALITY)
+    # a result is encoded in sRGB while another is compressed
+    for _ in mapped(lambda result: _write_pictures(folder, result), comparison.results, 2):
+        pass
     write_page(folder / "compare.json", json)
     has_plots = has_matplotlib()
     if has_plots:
         _write_plots(folder, comparison)
     write_page(index, page_html(comparison, has_plots))
     return index
+
+
+def _write_pictures(folder: Path, result: Result) -> None:
+    picture_file, error_file = (folder / name for name in _file_names(result))
+    write_picture(picture_file, result.picture.astype(np.float32), quality=_QUALITY)
+    write_picture(error_file, error_picture(result.off), quality=_QUALITY)
 
 
 def check_folder(folder: Path) -> None:

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any, Literal, assert_never
 
-from basrelief.engine import Engine
+from basrelief.engine import Canvas, Engine
 from basrelief.lang.program import Program
 from basrelief.rendering.programs import frame_program_of, frame_values, values_of
 from basrelief.scene import Scene
@@ -69,14 +69,14 @@ def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> 
             job = stack.enter_context(engine.prepare(program, values, size))
             return lambda: engine.seconds(job, size[1], _DISPATCHES)
         case "clock":
-            return lambda: _clocked(engine, program, values, size)
+            canvas = engine.canvas(program, size)
+            return lambda: _clocked(engine, program, values, canvas)
         case _:
             assert_never(timing.by)
 
 
-def _clocked(
-    engine: Engine, program: Program, values: Mapping[str, Any], size: tuple[int, int]
-) -> float:
+def _clocked(engine: Engine, program: Program, values: Mapping[str, Any], canvas: Canvas) -> float:
     before = time.perf_counter()
-    engine.run(program, values, size)
+    engine.draw(program, values, canvas)
+    canvas.read("reads")  # waits until it is drawn
     return time.perf_counter() - before
