@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import types
 from dataclasses import replace
 
 import numpy as np
@@ -333,15 +334,20 @@ def test_without_flip_the_error_names_what_to_install(monkeypatch) -> None:
 
 
 def test_times_are_taken_in_turn(monkeypatch) -> None:
-    """The median of runs after one to warm up, by a fake clock."""
+    """The median of runs after a row to warm up, by a fake clock."""
     order: list[str] = []
+    drawn: list[tuple[int, int] | None] = []
     now = [0.0]
     takes = {"slow": iter([90.0, 3.0, 5.0, 40.0]), "fast": iter([80.0, 1.0, 9.0, 2.0])}
 
     class Engine:
-        def run(self, program, values, size):
+        def canvas(self, program, size):
+            return types.SimpleNamespace(read=lambda name: None)
+
+        def draw(self, program, values, canvas, rows=None):
             name = "slow" if values["relief"].scale == np.float32(0.3) else "fast"
             order.append(name)
+            drawn.append(rows)
             now[0] += next(takes[name])
 
     monkeypatch.setattr("time.perf_counter", lambda: now[0])
@@ -354,6 +360,7 @@ def test_times_are_taken_in_turn(monkeypatch) -> None:
     seconds = seconds_of(scenes, Timing(SMALL, "clock"), Engine(), runs=3)  # type: ignore[arg-type]
     assert seconds == {"slow": 5.0, "fast": 2.0}
     assert order == ["slow", "fast"] * 4
+    assert drawn == [(0, 1)] * 2 + [None] * 6
 
 
 @pytest.mark.gpu
