@@ -69,9 +69,9 @@ def test_the_mean_over_a_transparent_background_has_straight_alpha() -> None:
     assert values(averaged(Vec4(0.0), 4, clear)) == [0.0, 0.0, 0.0, 0.0]
 
 
-def near_thresholds() -> np.ndarray:
+def near_thresholds(bits: int) -> np.ndarray:
     """Every float32 within two steps of the least light of a code, and light all over the range."""
-    least = srgb_thresholds()[1:256]
+    least = srgb_thresholds(bits)[1:-1]
     around = [least]
     for end in (np.float32(-1.0), np.float32(2.0)):
         step = least
@@ -81,23 +81,25 @@ def near_thresholds() -> np.ndarray:
     return np.concatenate([*around, np.linspace(-0.5, 1.5, 20_011, dtype=np.float32)])
 
 
-def exact_code(light: np.ndarray) -> np.ndarray:
+def exact_code(light: np.ndarray, bits: int) -> np.ndarray:
     """The sRGB code in float64, rounded to the nearest."""
-    return np.floor(srgb_encode(np.clip(light.astype(np.float64), 0, 1)) * 255 + 0.5).astype(int)
+    encoded = srgb_encode(np.clip(light.astype(np.float64), 0, 1))
+    return np.floor(encoded * (2**bits - 1) + 0.5).astype(int)
 
 
-def test_codes_are_those_of_the_exact_curve() -> None:
+@pytest.mark.parametrize(("bits", "every"), [(8, 1), (16, 173)])
+def test_codes_are_those_of_the_exact_curve(bits: int, every: int) -> None:
     """In the shader and for arrays."""
-    light = near_thresholds()
-    wanted = exact_code(light)
-    arrays = encode_light(np.repeat(light[:, None, None], 3, 2))
+    light = near_thresholds(bits)
+    wanted = exact_code(light, bits)
+    arrays = encode_light(np.repeat(light[:, None, None], 3, 2), bits)
     np.testing.assert_array_equal(arrays[:, 0, 0], wanted)
-    thresholds = Buffer([Threshold(float(each)) for each in srgb_thresholds()], Threshold)
-    some = np.r_[: 5 * 255, 5 * 255 : len(light) : 40]
+    thresholds = Buffer([Threshold(float(each)) for each in srgb_thresholds(bits)], Threshold)
+    some = np.r_[: 5 * (2**bits - 1) : every, 5 * (2**bits - 1) : len(light) : 40]
     found = [srgb_code(light[k], thresholds) for k in some]
     np.testing.assert_array_equal(found, wanted[some])
     assert srgb_code(np.float32(np.nan), thresholds) == 0
-    assert srgb_code(np.float32(np.inf), thresholds) == 255
+    assert srgb_code(np.float32(np.inf), thresholds) == 2**bits - 1
 
 
 @pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
@@ -105,6 +107,23 @@ def test_a_frame_has_the_codes_of_its_colours(device: str) -> None:
     for scene in (crowd(), crowd(None), Scene(crowd().objects[:1]), Scene(())):
         frame = render(scene, size=(45, 31), samples=2, device=device)
         np.testing.assert_array_equal(frame.codes, encode_light(frame.color))
+
+
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+def test_a_frame_is_saved_in_16_bits(device: str, tmp_path: Path) -> None:
+    for scene in (crowd(), crowd(None), Scene(crowd().objects[:1]), Scene(())):
+        frame = render(scene, size=(45, 31), samples=2, device=device)
+        stored = read_picture(frame.save(tmp_path / "a.png", bits=16)).pixels
+        assert stored.dtype == np.uint16
+        wanted = encode_light(frame.color, 16)
+        assert (stored == wanted[:, :, : stored.shape[2]]).all()
+        assert stored.shape[2] == 4 or (wanted[:, :, 3] == 65535).all()
+
+
+def test_codes_of_16_bits_leave_the_colours_on_the_device(tmp_path: Path) -> None:
+    frame = render(crowd(), size=(45, 31), samples=1, device="cpu")
+    frame.save(tmp_path / "a.png", bits=16)
+    assert not {"color", "_codes"} & vars(frame).keys()
 
 
 def test_a_changed_colour_is_saved(tmp_path: Path) -> None:

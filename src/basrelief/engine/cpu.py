@@ -182,10 +182,11 @@ class CpuCanvas:
         planes = self.planes[index : index + count, :, : self.width]
         return planes.view(np.float32) if self.kinds[index][1] is float else planes
 
-    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
-        """The plane of a scalar as a buffer; see `Canvas.buffer`."""
-        plane = self.planes[[known for known, _ in self.kinds].index(name)]
-        return PlaneBuffer(record, plane.shape, plane)
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
+        """Planes of scalars as a buffer; see `Canvas.buffer`."""
+        index = [known for known, _ in self.kinds].index(name)
+        rows = self.planes[index : index + count].reshape(-1, self.planes.shape[2])
+        return PlaneBuffer(record, rows.shape, rows)
 
 
 # --- compiling -----------------------------------------------------------------------------------

@@ -22,14 +22,15 @@ _T = TypeVar("_T")
 
 
 class PlaneBuffer(Buffer[_T]):
-    """A plane of a canvas as a buffer, row by row, for the programs of the engine that made it.
+    """Planes of a canvas as a buffer, row by row, for the programs of the engine that made it.
 
-    A record of four scalars has four words of the plane: the size to which a GPU aligns records.
+    A record has four scalars, the size to which a GPU aligns records; so the last record is
+    incomplete, and not in the buffer, unless the number of words is divisible by 4.
 
     Attributes
     ----------
     shape
-        Number of rows, and of words from one row to the next; their product is divisible by 4.
+        Number of rows of all planes, and of words from one row to the next.
     stored
         The plane, as the engine has it.
     """
@@ -56,9 +57,9 @@ class Canvas(Protocol):
         """The plane of a scalar, by its dotted name, and the next ones: (count, H, W), as in
         `Planes`. The array may be a view of the canvas."""
 
-    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
-        """The plane of a scalar as a buffer of records of four such scalars. What is drawn on the
-        canvas later may change it."""
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
+        """The plane of a scalar, and the next ones, as a buffer of records of four such scalars.
+        What is drawn on the canvas later may change it."""
 
 
 class Engine(Protocol):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import os
 import tempfile
 import threading
@@ -321,7 +322,7 @@ class GpuEngine:
             if uploaded:
                 return uploaded["buffer"]
             if isinstance(value, PlaneBuffer):
-                uploaded["buffer"] = self._copied_plane(value)
+                uploaded["buffer"] = self._copied_planes(value)
             else:
                 uploaded["buffer"] = self.buffer(pack_list(value), "STORAGE")
             return uploaded["buffer"]
@@ -342,22 +343,21 @@ class GpuEngine:
             del self._uniforms[next(iter(self._uniforms))]
         return buffer
 
-    def _copied_plane(self, value: PlaneBuffer[Any]) -> Any:
-        """A plane of a canvas, after its count, in a buffer of its own on the GPU."""
+    def _copied_planes(self, value: PlaneBuffer[Any]) -> Any:
+        """Planes of a canvas, after the number of records, in a buffer of their own on the GPU."""
         import wgpu
 
-        canvas, index = value.stored
+        canvas, index, count = value.stored
         usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
         head = np.array([len(value), 0, 0, 0], np.int32)
         row = 4 * value.shape[1]
         buffer = self.gpu.create_buffer(size=head.nbytes + value.shape[0] * row, usage=usage)
         self.gpu.queue.write_buffer(buffer, 0, head)
         encoder = self.gpu.create_command_encoder()
-        for first, last, planes in canvas.bands:
-            start = index * canvas.rows * row
-            encoder.copy_buffer_to_buffer(
-                planes, start, buffer, head.nbytes + first * row, (last - first) * row
-            )
+        for plane, (first, last, planes) in itertools.product(range(count), canvas.bands):
+            start = (index + plane) * canvas.rows * row
+            target = head.nbytes + (plane * canvas.size[1] + first) * row
+            encoder.copy_buffer_to_buffer(planes, start, buffer, target, (last - first) * row)
         self.gpu.queue.submit([encoder.finish()])
         return buffer
 
@@ -456,11 +456,11 @@ class GpuCanvas:
         ]
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
-    def buffer(self, name: str, record: type[_T]) -> PlaneBuffer[_T]:
-        """The plane of a scalar as a buffer; see `Canvas.buffer`."""
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
+        """Planes of scalars as a buffer; see `Canvas.buffer`."""
         width, height = self.size
         index = [known for known, _ in self.kinds].index(name)
-        return PlaneBuffer(record, (height, width), (self, index))
+        return PlaneBuffer(record, (count * height, width), (self, index, count))
 
     def _words(self, planes: Any, index: int, count: int, rows: int) -> NDArray[np.int32]:
         """The words of `count` planes of a band, from a plane on."""

@@ -13,8 +13,8 @@ from basrelief.images.read import (
 from basrelief.images.write import (
     WRITABLE,
     check_target,
+    code_bits,
     encode_png,
-    takes_codes,
     write_codes,
     write_data,
     write_picture,
@@ -22,7 +22,7 @@ from basrelief.images.write import (
 
 __all__ = [
     "LOSSY", "READABLE", "WRITABLE", "Picture", "PictureSize", "check_target", "check_writable",
-    "encode_light", "encode_png", "look_up", "picture_size", "read_picture", "srgb_decode",
-    "srgb_encode", "srgb_thresholds", "takes_codes", "write_bytes", "write_codes", "write_data",
+    "code_bits", "encode_light", "encode_png", "look_up", "picture_size", "read_picture",
+    "srgb_decode", "srgb_encode", "srgb_thresholds", "write_bytes", "write_codes", "write_data",
     "write_picture", "write_whole",
 ]  # fmt: skip

@@ -28,10 +28,10 @@ def srgb_decode(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 @functools.cache
-def srgb_thresholds() -> NDArray[np.float32]:
-    """The least linear light of each 8-bit sRGB code, (257,): below all light for 0, and beyond all
-    light for 256, which no light has."""
-    exact = srgb_decode((np.arange(1, 256) - 0.5) / 255.0)
+def srgb_thresholds(bits: int = 8) -> NDArray[np.float32]:
+    """The least linear light of each sRGB code of 8 or 16 bits, (2^bits + 1,): below all light for
+    0, and beyond all light for the last, which no light has."""
+    exact = srgb_decode((np.arange(1, 2**bits) - 0.5) / (2**bits - 1))
     rounded = exact.astype(np.float32)
     least = np.where(rounded < exact, np.nextafter(rounded, np.float32(2)), rounded)
     return np.concatenate([[-1.0], least, [2.0]]).astype(np.float32)
@@ -55,11 +55,9 @@ def encode_light(linear: NDArray[np.floating], bits: int = 8) -> NDArray[Any]:
     light = np.clip(np.nan_to_num(linear, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
     encoded = light.copy()
     encoded[:, :, :3] = srgb_encode(light[:, :, :3])
-    codes: NDArray[Any] = np.floor(encoded * largest + 0.5).astype(np.uint16)
-    if bits == 16:
-        return codes
+    codes: NDArray[Any] = np.floor(encoded * largest + 0.5).astype(np.int32)
     # the power is rounded: the thresholds are exact
-    colors, thresholds = codes[:, :, :3], srgb_thresholds()
+    colors, thresholds = codes[:, :, :3], srgb_thresholds(bits)
     colors -= light[:, :, :3] < thresholds[colors]
     colors += light[:, :, :3] >= thresholds[colors + 1]
-    return codes.astype(np.uint8)
+    return codes.astype(np.uint8 if bits == 8 else np.uint16)

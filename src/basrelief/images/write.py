@@ -97,19 +97,22 @@ def write_picture(
 
 
 def write_codes(
-    path: str | os.PathLike[str], codes: NDArray[np.uint8], *, quality: int = 95
+    path: str | os.PathLike[str], codes: NDArray[np.uint8 | np.uint16], *, quality: int = 95
 ) -> Path:
-    """Write sRGB codes of 8 bits, (height, width, 3 or 4), as `encode_light` gives them, to PNG,
-    JPEG or WebP. Raises InputError as `write_picture` does."""
+    """Write sRGB codes, (height, width, 3 or 4), as `encode_light` gives them, to PNG, JPEG or
+    WebP. Raises InputError as `write_picture` does."""
     path = Path(path)
     write_bytes(path, _coded_picture(path, codes, quality))
     return path
 
 
-def takes_codes(path: str | os.PathLike[str], bits: int | None) -> bool:
-    """Whether a picture file holds sRGB codes of 8 bits."""
-    file_format = _FORMATS.get(Path(path).suffix.lower())
-    return file_format is not None and file_format.encoded and bits in (None, 8)
+def code_bits(path: str | os.PathLike[str], bits: int | None) -> int | None:
+    """The bits of the sRGB codes in a picture file; None for a format of linear light.
+
+    Raises InputError as `write_picture` does.
+    """
+    file_format, bits = _checked(Path(path), bits)
+    return bits if file_format.encoded else None
 
 
 def check_target(path: str | os.PathLike[str], bits: int | None = None) -> None:
@@ -171,11 +174,13 @@ def _picture(
     return encode
 
 
-def _coded_picture(path: Path, codes: NDArray[np.uint8], quality: int) -> Callable[[], bytes]:
+def _coded_picture(
+    path: Path, codes: NDArray[np.uint8 | np.uint16], quality: int
+) -> Callable[[], bytes]:
     """The function that encodes sRGB codes for a file; the arguments are checked at once."""
-    file_format, _ = _checked(path, 8, quality)
+    file_format, _ = _checked(path, 8 * codes.itemsize, quality)
     pixels = codes[:, :, : file_format.max_channels]
-    return lambda: _encode(path, pixels, "uint8", quality, _QUICK_PNG)
+    return lambda: _encode(path, pixels, str(codes.dtype), quality, _QUICK_PNG)
 
 
 def _checked(path: Path, bits: int | None, quality: int = 95) -> tuple[_Format, int]:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.images import WRITABLE, check_target, check_writable, takes_codes, write_whole
+from basrelief.images import WRITABLE, check_target, check_writable, code_bits, write_whole
 from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
@@ -311,7 +311,11 @@ def _write_numbered(
     """Write each frame to a picture; several are written at once, while the next is drawn."""
 
     def read(frame: Frame) -> Frame:
-        _ = frame.codes if takes_codes(path, bits) else frame.color
+        match code_bits(path, bits):
+            case 8:
+                _ = frame.codes
+            case None:
+                _ = frame.color
         return frame
 
     files: list[Path] = []

@@ -11,11 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from basrelief.engine import Canvas, Engine, PlaneBuffer
-from basrelief.images import encode_light, encode_png, takes_codes, write_codes, write_picture
+from basrelief.images import code_bits, encode_light, encode_png, write_codes, write_picture
 from basrelief.lang import Vec4
+from basrelief.rendering.deep_codes import read_deep_codes
+from basrelief.shading.deep_codes import FourLights
 from basrelief.timings import step
 
 _T = TypeVar("_T")
+_Code = TypeVar("_Code", np.uint8, np.uint16)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +97,8 @@ class Frame:
     _engine: Engine
     _canvas: Canvas
     _prefix: str
-    _opaque = False
+    is_opaque = False
+    """Whether every pixel is known to be covered."""
 
     def __init__(
         self,
@@ -115,7 +119,7 @@ class Frame:
 
         `opaque` says that every pixel is covered."""
         frame = cls.__new__(cls)
-        frame._canvas, frame._prefix, frame._opaque = canvas, prefix, opaque
+        frame._canvas, frame._prefix, frame.is_opaque = canvas, prefix, opaque
         frame._engine = engine
         frame.size, frame.device = canvas.size, f"{engine.name}: {engine.adapter}"
         return frame
@@ -125,15 +129,17 @@ class Frame:
         """Planes of scalars from the device, by the name of the first, and how many."""
         return self._canvas.read(f"{self._prefix}{name}", count)
 
-    def codes_on_device(self, record: type[_T]) -> tuple[Engine, PlaneBuffer[_T]] | None:
-        """The engine that drew the frame, and the codes as its buffer of records.
+    def on_device(
+        self, name: str, record: type[_T], count: int = 1
+    ) -> tuple[Engine, PlaneBuffer[_T]] | None:
+        """The engine that drew the frame, and planes of its colour or codes as its buffer.
 
-        None for a frame of arrays, one whose colour was read, since it may have been changed, and a
-        transparent one.
+        None for a frame of arrays, and for one whose colour was read, since it may have been
+        changed.
         """
-        if not self._opaque or "color" in self.__dict__:
+        if "color" in self.__dict__:
             return None
-        return self._engine, self._canvas.buffer(f"{self._prefix}codes", record)
+        return self._engine, self._canvas.buffer(f"{self._prefix}{name}", record, count)
 
     @functools.cached_property
     def color(self) -> NDArray[np.float32]:
@@ -188,16 +194,28 @@ class Frame:
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the colour as a picture; see `Image.save`."""
-        if takes_codes(path, bits):
-            return write_codes(path, self._codes_for_file(), quality=quality)
+        match code_bits(path, bits):
+            case 8:
+                return write_codes(path, _without_alpha(self.codes), quality=quality)
+            case 16:
+                return write_codes(path, _without_alpha(self._deep_codes()), quality=quality)
         return self.image.save(path, bits=bits, quality=quality)
 
-    def _codes_for_file(self) -> NDArray[np.uint8]:
-        codes = self.codes
-        return codes[:, :, :3] if (codes[:, :, 3] == 255).all() else codes
+    def _deep_codes(self) -> NDArray[np.uint16]:
+        """The colour as `codes`, in 16 bits."""
+        on_device = self.on_device("color.x", FourLights, 4)
+        if on_device is not None:
+            return read_deep_codes(*on_device, self.size)
+        with step("encode"):
+            return encode_light(self.color, 16)
 
     def _repr_png_(self) -> bytes:
-        return encode_png(self._codes_for_file())
+        return encode_png(_without_alpha(self.codes))
+
+
+def _without_alpha(codes: NDArray[_Code]) -> NDArray[_Code]:
+    """Codes (h, w, 4) for a file: without alpha where all of it is opaque."""
+    return codes[:, :, :3] if (codes[:, :, 3] == np.iinfo(codes.dtype).max).all() else codes
 
 
 def empty_frame(size: tuple[int, int], backdrop: Vec4, device: str) -> Frame:

@@ -38,7 +38,8 @@ def video_picture(frame: Frame) -> NDArray[np.uint8]:
         (height × 3 / 2, width): the rows of Y, and then those of Cb and of Cr, which are half as
         long, two in a row. FFmpeg calls it yuv420p.
     """
-    engine, codes = frame.codes_on_device(FourCodes) or _codes_in_memory(frame)
+    on_device = frame.on_device("codes", FourCodes) if frame.is_opaque else None
+    engine, codes = on_device or _codes_in_memory(frame)
     width, height = frame.size
     canvas = engine.canvas(_program(), (width // 2, height // 2))
     rows = CodeRows(codes.shape[1])

@@ -56,7 +56,7 @@ class Backdrop:
 
 @struct
 class Threshold:
-    """The least linear light of an 8-bit sRGB code."""
+    """The least linear light of an sRGB code."""
 
     light: float
 
@@ -146,8 +146,8 @@ def finished(first: Drawn, color: Vec4, thresholds: Buffer[Threshold]) -> Drawn:
 
 @shader
 def srgb_code(linear: float, thresholds: Buffer[Threshold]) -> int:
-    """The 8-bit sRGB code of linear light: by the curve, and then by the exact thresholds, so that
-    all engines agree.
+    """The sRGB code of linear light: by the curve, and then by the exact thresholds, so that all
+    engines agree. There is one threshold for each code, of 8 or 16 bits, and one beyond them.
 
     Source: IEC 61966-2-1:1999, Default RGB colour space, sRGB.
     """
@@ -156,7 +156,7 @@ def srgb_code(linear: float, thresholds: Buffer[Threshold]) -> int:
     encoded = 12.92 * light
     if light > 0.0031308:
         encoded = 1.055 * pow(light, 1.0 / 2.4) - 0.055
-    code = int(encoded * 255.0 + 0.5)
+    code = int(encoded * float(len(thresholds) - 2) + 0.5)
     if light < thresholds[code].light:
         code = code - 1
     elif light >= thresholds[code + 1].light:

@@ -1,0 +1,39 @@
+"""Codes of 16 bits, encoded on the device that drew the colours."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from basrelief.engine import Engine, PlaneBuffer
+from basrelief.images import srgb_thresholds
+from basrelief.lang import Buffer
+from basrelief.lang.program import Program
+from basrelief.shading.deep_codes import FourLights, LightRows, deep_codes
+from basrelief.shading.picture import Threshold
+from basrelief.timings import step
+
+
+@functools.cache
+def _program() -> Program:
+    return Program(deep_codes)
+
+
+@functools.cache
+def _thresholds() -> Buffer[Threshold]:
+    return Buffer([Threshold(float(light)) for light in srgb_thresholds(16)], Threshold)
+
+
+@step("draw")
+def read_deep_codes(
+    engine: Engine, lights: PlaneBuffer[FourLights], size: tuple[int, int]
+) -> NDArray[np.uint16]:
+    """The sRGB codes and alpha, (height, width, 4), of the four channels of a picture."""
+    rows = LightRows(lights.shape[1], lights.shape[1] * size[1])
+    canvas = engine.canvas(_program(), size)
+    values = {"lights": lights, "rows": rows, "thresholds": _thresholds()}
+    engine.draw(_program(), values, canvas)
+    words = np.ascontiguousarray(canvas.read("red_green", 2).transpose(1, 2, 0), "<i4")
+    return words.view(np.uint16)
