@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from basrelief.engine import PlaneBuffer, choose_device
 from basrelief.images import encode_light, read_picture, srgb_encode, srgb_thresholds
 from basrelief.lang import Buffer, Vec2, Vec4
 from basrelief.material import Map, Material, sample
+from basrelief.rendering.deep_codes import read_deep_codes
 from basrelief.rendering.render import render
 from basrelief.scene import LYING, Object, Orbit, Scene, placed
+from basrelief.shading.deep_codes import FourLights
 from basrelief.shading.picture import (
     Backdrop,
     Threshold,
@@ -87,19 +90,34 @@ def exact_code(light: np.ndarray, bits: int) -> np.ndarray:
     return np.floor(encoded * (2**bits - 1) + 0.5).astype(int)
 
 
-@pytest.mark.parametrize(("bits", "every"), [(8, 1), (16, 173)])
-def test_codes_are_those_of_the_exact_curve(bits: int, every: int) -> None:
-    """In the shader and for arrays."""
+@pytest.mark.parametrize("bits", [8, 16])
+def test_codes_of_arrays_are_those_of_the_exact_curve(bits: int) -> None:
     light = near_thresholds(bits)
-    wanted = exact_code(light, bits)
     arrays = encode_light(np.repeat(light[:, None, None], 3, 2), bits)
-    np.testing.assert_array_equal(arrays[:, 0, 0], wanted)
-    thresholds = Buffer([Threshold(float(each)) for each in srgb_thresholds(bits)], Threshold)
-    some = np.r_[: 5 * (2**bits - 1) : every, 5 * (2**bits - 1) : len(light) : 40]
+    np.testing.assert_array_equal(arrays[:, 0, 0], exact_code(light, bits))
+
+
+def test_codes_of_8_bits_are_those_of_the_exact_curve() -> None:
+    light = near_thresholds(8)
+    thresholds = Buffer([Threshold(float(each)) for each in srgb_thresholds()], Threshold)
+    some = np.r_[: 5 * 255, 5 * 255 : len(light) : 40]
     found = [srgb_code(light[k], thresholds) for k in some]
-    np.testing.assert_array_equal(found, wanted[some])
+    np.testing.assert_array_equal(found, exact_code(light, 8)[some])
     assert srgb_code(np.float32(np.nan), thresholds) == 0
-    assert srgb_code(np.float32(np.inf), thresholds) == 2**bits - 1
+    assert srgb_code(np.float32(np.inf), thresholds) == 255
+
+
+@pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])
+def test_codes_of_16_bits_are_those_of_the_exact_curve(device: str) -> None:
+    """On a device, since there are hundreds of thousands."""
+    light = near_thresholds(16)
+    light = light[: len(light) // 64 * 64].reshape(-1, 64)
+    planes = np.stack([light, light[::-1], light[:, ::-1], np.ones_like(light)])
+    lights = PlaneBuffer(FourLights, (4 * len(light), 64), planes.reshape(-1, 64).view(np.int32))
+    codes = read_deep_codes(choose_device(device), lights, (64, len(light)))
+    for channel in range(3):
+        np.testing.assert_array_equal(codes[:, :, channel], exact_code(planes[channel], 16))
+    assert (codes[:, :, 3] == 65535).all()
 
 
 @pytest.mark.parametrize("device", ["cpu", pytest.param("gpu", marks=pytest.mark.gpu)])

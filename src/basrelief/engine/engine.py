@@ -22,7 +22,8 @@ _T = TypeVar("_T")
 
 
 class PlaneBuffer(Buffer[_T]):
-    """Planes of a canvas as a buffer, row by row, for the programs of the engine that made it.
+    """Planes of a canvas as a buffer, row by row, for the programs of the engine that made it; or
+    an array, for those of any engine.
 
     A record has four scalars, the size to which a GPU aligns records; so the last record is
     incomplete, and not in the buffer, unless the number of words is divisible by 4.
@@ -32,7 +33,7 @@ class PlaneBuffer(Buffer[_T]):
     shape
         Number of rows of all planes, and of words from one row to the next.
     stored
-        The plane, as the engine has it.
+        The planes, as the engine has them, or an array of int32.
     """
 
     def __init__(self, record: type[_T], shape: tuple[int, int], stored: Any) -> None:

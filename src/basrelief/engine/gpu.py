@@ -347,9 +347,11 @@ class GpuEngine:
         """Planes of a canvas, after the number of records, in a buffer of their own on the GPU."""
         import wgpu
 
+        head = np.array([len(value), 0, 0, 0], np.int32)
+        if isinstance(value.stored, np.ndarray):
+            return self.buffer(np.concatenate([head, value.stored.ravel()]), "STORAGE")
         canvas, index, count = value.stored
         usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
-        head = np.array([len(value), 0, 0, 0], np.int32)
         row = 4 * value.shape[1]
         buffer = self.gpu.create_buffer(size=head.nbytes + value.shape[0] * row, usage=usage)
         self.gpu.queue.write_buffer(buffer, 0, head)

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine, PlaneBuffer
 from basrelief.images import srgb_thresholds
-from basrelief.lang import Buffer
 from basrelief.lang.program import Program
-from basrelief.shading.deep_codes import FourLights, LightRows, deep_codes
-from basrelief.shading.picture import Threshold
+from basrelief.shading.deep_codes import FourLights, FourThresholds, LightRows, deep_codes
 from basrelief.timings import step
 
 
@@ -22,8 +20,10 @@ def _program() -> Program:
 
 
 @functools.cache
-def _thresholds() -> Buffer[Threshold]:
-    return Buffer([Threshold(float(light)) for light in srgb_thresholds(16)], Threshold)
+def _thresholds() -> PlaneBuffer[FourThresholds]:
+    least = srgb_thresholds(16)
+    rows = np.pad(least, (0, -len(least) % 4)).reshape(1, -1)
+    return PlaneBuffer(FourThresholds, rows.shape, rows.view(np.int32))
 
 
 @step("draw")

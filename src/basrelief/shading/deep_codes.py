@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from basrelief.lang import Buffer, IVec2, saturate, shader, struct
-from basrelief.shading.picture import Threshold, srgb_code
+from basrelief.shading.picture import corrected_code, displayed, nearest_code
 
 
 @struct
@@ -33,9 +33,19 @@ class DeepCodes:
     blue_alpha: int
 
 
+@struct
+class FourThresholds:
+    """The least linear light of four codes of 16 bits."""
+
+    first: float
+    second: float
+    third: float
+    fourth: float
+
+
 @shader
 def deep_codes(
-    at: IVec2, lights: Buffer[FourLights], rows: LightRows, thresholds: Buffer[Threshold]
+    at: IVec2, lights: Buffer[FourLights], rows: LightRows, thresholds: Buffer[FourThresholds]
 ) -> DeepCodes:
     """The codes of a pixel."""
     red = at.y * rows.row + at.x
@@ -43,9 +53,19 @@ def deep_codes(
     blue = green + rows.channel
     alpha = int(saturate(light_at(lights, blue + rows.channel)) * 65535.0 + 0.5)
     return DeepCodes(
-        srgb_code(light_at(lights, red), thresholds)
-        | (srgb_code(light_at(lights, green), thresholds) << 16),
-        srgb_code(light_at(lights, blue), thresholds) | (alpha << 16),
+        deep_code(light_at(lights, red), thresholds)
+        | (deep_code(light_at(lights, green), thresholds) << 16),
+        deep_code(light_at(lights, blue), thresholds) | (alpha << 16),
+    )
+
+
+@shader
+def deep_code(linear: float, thresholds: Buffer[FourThresholds]) -> int:
+    """The 16-bit sRGB code of linear light."""
+    light = displayed(linear)
+    code = nearest_code(light, 65535.0)
+    return corrected_code(
+        code, light, threshold_of(thresholds, code), threshold_of(thresholds, code + 1)
     )
 
 
@@ -53,11 +73,22 @@ def deep_codes(
 def light_at(lights: Buffer[FourLights], index: int) -> float:
     """The light at an index, counted over all channels."""
     four = lights[index >> 2]
-    place = index & 3
+    return one_of(four.first, four.second, four.third, four.fourth, index & 3)
+
+
+@shader
+def threshold_of(thresholds: Buffer[FourThresholds], code: int) -> float:
+    four = thresholds[code >> 2]
+    return one_of(four.first, four.second, four.third, four.fourth, code & 3)
+
+
+@shader
+def one_of(first: float, second: float, third: float, fourth: float, place: int) -> float:
+    """The number at a place from 0 to 3."""
     if place == 0:
-        return four.first
+        return first
     if place == 1:
-        return four.second
+        return second
     if place == 2:
-        return four.third
-    return four.fourth
+        return third
+    return fourth

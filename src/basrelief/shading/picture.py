@@ -56,7 +56,7 @@ class Backdrop:
 
 @struct
 class Threshold:
-    """The least linear light of an sRGB code."""
+    """The least linear light of an 8-bit sRGB code."""
 
     light: float
 
@@ -146,21 +146,39 @@ def finished(first: Drawn, color: Vec4, thresholds: Buffer[Threshold]) -> Drawn:
 
 @shader
 def srgb_code(linear: float, thresholds: Buffer[Threshold]) -> int:
-    """The sRGB code of linear light: by the curve, and then by the exact thresholds, so that all
-    engines agree. There is one threshold for each code, of 8 or 16 bits, and one beyond them.
+    """The 8-bit sRGB code of linear light."""
+    light = displayed(linear)
+    code = nearest_code(light, 255.0)
+    return corrected_code(code, light, thresholds[code].light, thresholds[code + 1].light)
+
+
+@shader
+def displayed(linear: float) -> float:
+    """Linear light from 0 to 1; a NaN is black."""
+    # in this order
+    return min(max(0.0, linear), 1.0)
+
+
+@shader
+def nearest_code(light: float, largest: float) -> int:
+    """The sRGB code of light, 0 to 1, by the curve; off by one where an engine rounds otherwise.
 
     Source: IEC 61966-2-1:1999, Default RGB colour space, sRGB.
     """
-    # in this order a NaN is black
-    light = min(max(0.0, linear), 1.0)
     encoded = 12.92 * light
     if light > 0.0031308:
         encoded = 1.055 * pow(light, 1.0 / 2.4) - 0.055
-    code = int(encoded * float(len(thresholds) - 2) + 0.5)
-    if light < thresholds[code].light:
-        code = code - 1
-    elif light >= thresholds[code + 1].light:
-        code = code + 1
+    return int(encoded * largest + 0.5)
+
+
+@shader
+def corrected_code(code: int, light: float, least: float, next_least: float) -> int:
+    """The exact code, by the least light of the nearest code and of the next, so that all engines
+    agree."""
+    if light < least:
+        return code - 1
+    if light >= next_least:
+        return code + 1
     return code
 
 
