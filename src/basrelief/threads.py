@@ -18,7 +18,7 @@ def core_count() -> int:
     return os.cpu_count() or 1
 
 
-def mapped(
+def map_on_threads(
     function: Callable[[T], R], items: Iterable[T], threads: int | None = None
 ) -> Iterator[R]:
     """Results of a function for items, in their order, computed on threads; one for each core.

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import basrelief
+from basrelief.engine.cpu import CpuEngine
 from basrelief.timings import STEPS, Timings, step
 from helpers.command_line import run, write_material
 
@@ -44,6 +46,15 @@ def test_steps_outside_timings_do_not_count() -> None:
     total = timings.total
     time.sleep(0.01)
     assert timings.total == total
+
+
+def test_the_steps_of_a_picture_are_at_most_the_whole() -> None:
+    """With normals to make from heights, by a program that is compiled first."""
+    stones = basrelief.sample("gravel", 64)
+    bare = basrelief.Material("bare", height=stones.height, base_color=stones.base_color)
+    with Timings() as timings:
+        basrelief.render(bare, size=(64, 36), device=CpuEngine()).codes.any()
+    assert sum(timings.seconds.values()) <= timings.total
 
 
 @pytest.mark.parametrize("device", ["cpu", "gpu"])

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import time
+import types
 import zlib
 from pathlib import Path
 
@@ -377,3 +379,17 @@ def test_a_new_file_replaces_the_old(tmp_path: Path) -> None:
     write_picture(file, ramp())
     assert read_picture(file).pixels.shape == (5, 7, 3)
     assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".webp", ".exr", ".hdr", ".tif"])
+def test_files_without_files_in_memory_are_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    """As on macOS and Windows, by a temporary file, which has to have room."""
+    first = write_picture(tmp_path / f"first{suffix}", ramp()).read_bytes()
+    monkeypatch.delattr(os, "memfd_create", raising=False)
+    assert write_picture(tmp_path / f"second{suffix}", ramp()).read_bytes() == first
+    monkeypatch.setattr("shutil.disk_usage", lambda _: types.SimpleNamespace(free=1 << 10))
+    with pytest.raises(InputError, match="no space left"):
+        write_picture(tmp_path / f"third{suffix}", ramp())
+    assert len(list(tmp_path.iterdir())) == 2

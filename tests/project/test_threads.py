@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from basrelief.threads import core_count, mapped
+from basrelief.threads import core_count, map_on_threads
 
 
 def test_results_come_in_the_order_of_the_items() -> None:
@@ -20,8 +20,8 @@ def test_results_come_in_the_order_of_the_items() -> None:
             second_done.set()
         return number * number
 
-    assert list(mapped(square, range(50), threads=2)) == [n * n for n in range(50)]
-    assert list(mapped(square, range(1, 1))) == []
+    assert list(map_on_threads(square, range(50), threads=2)) == [n * n for n in range(50)]
+    assert list(map_on_threads(square, range(1, 1))) == []
 
 
 def test_an_error_is_raised_and_the_rest_dropped() -> None:
@@ -33,7 +33,7 @@ def test_an_error_is_raised_and_the_rest_dropped() -> None:
             raise ValueError("no 3")
         return number
 
-    results = mapped(fail_at_3, range(10_000), threads=1)
+    results = map_on_threads(fail_at_3, range(10_000), threads=1)
     assert [next(results) for _ in range(3)] == [0, 1, 2]
     with pytest.raises(ValueError, match="no 3"):
         next(results)
@@ -41,6 +41,6 @@ def test_an_error_is_raised_and_the_rest_dropped() -> None:
 
 
 def test_there_are_at_most_as_many_threads_as_requested() -> None:
-    names = set(mapped(lambda _: threading.current_thread().name, range(200), threads=3))
+    names = set(map_on_threads(lambda _: threading.current_thread().name, range(200), threads=3))
     assert 1 <= len(names) <= 3
     assert core_count() >= 1

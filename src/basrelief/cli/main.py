@@ -118,12 +118,12 @@ def _wrong_value(error: Any) -> str:
     wrong = re.match(r"(.+) is not (?:a valid (int|float)|in the range)", message)
     if option is None or wrong is None:
         return ""
-    value, kind = wrong.groups()
+    value, kind = wrong[1].strip("'"), wrong[2]
     if kind is None:
         advice = f"give a number from {option.type.min} to {option.type.max}"
     else:
         advice = "write a whole number" if kind == "int" else "write a number"
-    return f"{option.opts[0]} {value.strip(chr(39))}: {advice}"
+    return f"{option.opts[0]} {value}: {advice}"
 
 
 def _exit_after_closed_pipe() -> NoReturn:

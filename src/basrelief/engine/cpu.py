@@ -182,7 +182,7 @@ class CpuCanvas:
         planes = self.planes[index : index + count, :, : self.width]
         return planes.view(np.float32) if self.kinds[index][1] is float else planes
 
-    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
         """Planes of scalars as a buffer; see `Canvas.buffer`."""
         index = [known for known, _ in self.kinds].index(name)
         rows = self.planes[index : index + count].reshape(-1, self.planes.shape[2])

@@ -25,15 +25,15 @@ class PlaneBuffer(Buffer[_T]):
     """Planes of a canvas as a buffer, row by row, for the programs of the engine that made it; or
     an array, for those of any engine.
 
-    A record has four scalars, the size to which a GPU aligns records; so the last record is
-    incomplete, and not in the buffer, unless the number of words is divisible by 4.
+    A record has four scalars, the size to which a GPU aligns records; up to three words after the
+    last whole record are left out.
 
     Attributes
     ----------
     shape
         Number of rows of all planes, and of words from one row to the next.
     stored
-        The planes, as the engine has them, or an array of int32.
+        The planes: an array of int32, or what the engine knows them by.
     """
 
     def __init__(self, record: type[_T], shape: tuple[int, int], stored: Any) -> None:
@@ -58,9 +58,9 @@ class Canvas(Protocol):
         """The plane of a scalar, by its dotted name, and the next ones: (count, H, W), as in
         `Planes`. The array may be a view of the canvas."""
 
-    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
-        """The plane of a scalar, and the next ones, as a buffer of records of four such scalars.
-        What is drawn on the canvas later may change it."""
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
+        """The plane of a scalar, and the next ones, as a buffer of records of four such scalars;
+        None where they are too large for one. What is drawn on the canvas later may change it."""
 
 
 class Engine(Protocol):

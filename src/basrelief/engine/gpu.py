@@ -48,10 +48,12 @@ _FEATURES = ("timestamp-query", "float32-filterable")
 """Features to use if the adapter has them: for times, and for `sampled` to read heights of 32 bits.
 """
 
+_LOST = ("device is lost", "Could not map buffer")
+"""Parts of the messages of wgpu about a lost device; the second is of a RuntimeError."""
 _MAX_UNIFORMS = 256
 """Number of records that stay on the GPU."""
 _MAX_STAGING_BYTES = 1 << 26
-"""Largest buffer for reading that is kept; all planes of a 1920 × 1080 picture fit."""
+"""Largest buffer for reading that is kept; the colour of a 1920 × 1080 picture takes half of it."""
 _MAX_PLANE_BYTES = 1 << 28
 """Largest buffer of the planes of a dispatch: WebGPU's default limit for buffers, 256 MiB."""
 _MAX_CANVAS_BYTES = 1 << 30
@@ -129,8 +131,8 @@ class GpuEngine:
                     "the GPU has no memory left; draw smaller pictures, keep fewer frames whose "
                     "planes are not read, or use --device cpu"
                 ) from None
-            except wgpu.GPUError as error:
-                if "lost" not in str(error):
+            except (wgpu.GPUError, RuntimeError) as error:
+                if not any(part in str(error) for part in _LOST):
                     raise
                 self.is_lost = True
                 raise DeviceError(
@@ -208,23 +210,22 @@ class GpuEngine:
             encoder.copy_buffer_to_buffer(buffer, start, staging, 0, size)
             self.gpu.queue.submit([encoder.finish()])
             staging.map_sync(wgpu.MapMode.READ, 0, size)
-            try:
-                yield staging.read_mapped(0, size, copy=False)
-            finally:
-                staging.unmap()
+            yield staging.read_mapped(0, size, copy=False)
+            staging.unmap()
+            if size <= _MAX_STAGING_BYTES:
+                self._staging = staging
 
     def _staging_buffer(self, size: int) -> Any:
-        """Buffer of at least `size` bytes that the processor can read; one of usual size is kept,
-        since a new one takes as long as what it is read for."""
+        """Buffer of at least `size` bytes that the processor can read: the one that is kept, or a
+        new one, which takes as long to make as to read."""
         import wgpu
 
-        if self._staging is not None and self._staging.size >= size:
-            return self._staging
+        # it is kept again once it is read; after an interrupt it is still mapped
+        staging, self._staging = self._staging, None
+        if staging is not None and staging.size >= size:
+            return staging
         usage = wgpu.BufferUsage.MAP_READ | wgpu.BufferUsage.COPY_DST
-        staging = self.gpu.create_buffer(size=size, usage=usage)
-        if size <= _MAX_STAGING_BYTES:
-            self._staging = staging
-        return staging
+        return self.gpu.create_buffer(size=size, usage=usage)
 
     def max_rows(
         self, planes: int, width: int, height: int, most_bytes: int = _MAX_PLANE_BYTES
@@ -252,8 +253,9 @@ class GpuEngine:
         """
         if resource_bindings is None:
             resource_bindings = bindings(program.module.entry)
-        pipeline = self._pipeline(code, resource_bindings, "other WGSL")
-        return Job(self, pipeline, program, values, size)
+        with self.in_use():
+            pipeline = self._pipeline(code, resource_bindings, "other WGSL")
+            return Job(self, pipeline, program, values, size)
 
     @property
     def has_timestamps(self) -> bool:
@@ -262,6 +264,10 @@ class GpuEngine:
 
     def seconds(self, job: Job, rows: int, times: int = 1) -> float:
         """Mean duration of a dispatch in seconds by GPU timestamps, over `times` in a row."""
+        with self.in_use():
+            return self._seconds(job, rows, times)
+
+    def _seconds(self, job: Job, rows: int, times: int) -> float:
         import wgpu
 
         stamps = self.gpu.create_query_set(type="timestamp", count=2)
@@ -298,6 +304,8 @@ class GpuEngine:
         try:
             module = self.gpu.create_shader_module(code=code, label=label)
         except wgpu.GPUError as error:
+            if any(part in str(error) for part in _LOST):
+                raise
             reason = " ".join(str(error).split())
             raise DeviceError(f"{label}: the GPU's driver refuses the program: {reason}") from None
         layout = self.gpu.create_bind_group_layout(
@@ -458,9 +466,11 @@ class GpuCanvas:
         ]
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
-    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T]:
+    def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
         """Planes of scalars as a buffer; see `Canvas.buffer`."""
         width, height = self.size
+        if 4 * (count * height * width + 4) > self.engine.limits["max-storage-buffer-binding-size"]:
+            return None
         index = [known for known, _ in self.kinds].index(name)
         return PlaneBuffer(record, (count * height, width), (self, index, count))
 

@@ -1,7 +1,8 @@
 """Encoding of pixels as the bytes of a picture file, by OpenImageIO.
 
 OpenImageIO writes only to paths. Its writers of PNG and JPEG do not report a full disk, and that of
-JPEG ends the process, so they get a file that cannot fill up.
+JPEG ends the process. So on Linux they get a file in memory, and elsewhere a temporary one on a
+disk that has room for it.
 """
 
 from __future__ import annotations
@@ -53,8 +54,10 @@ def encoded(suffix: str, pixels: Pixels, stored: str, attributes: Mapping[str, i
     if output is None:
         raise OSError(first_line(take_error(OpenImageIO)))
     with _scratch_file(suffix, pixels.nbytes + _RESERVE) as path:
-        done = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
-        closed = output.close()
+        try:
+            done = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
+        finally:
+            closed = output.close()
         problem = take_error(output) or take_error(OpenImageIO)
         if not (done and closed):
             raise OSError(first_line(problem))
@@ -63,9 +66,8 @@ def encoded(suffix: str, pixels: Pixels, stored: str, attributes: Mapping[str, i
 
 @contextlib.contextmanager
 def _scratch_file(suffix: str, size: int) -> Iterator[Path]:
-    """A file of up to `size` bytes: in memory on Linux, elsewhere in the temporary folder, if that
-    has room for it."""
-    if hasattr(os, "memfd_create"):
+    """A file of up to `size` bytes."""
+    if hasattr(os, "memfd_create") and os.path.isdir("/proc/self/fd"):
         descriptor = os.memfd_create("picture")
         try:
             yield Path(f"/proc/self/fd/{descriptor}")

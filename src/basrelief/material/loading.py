@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
@@ -31,6 +30,7 @@ from basrelief.material.options import (
     number_in_place_of_map,
 )
 from basrelief.material.samples import sample
+from basrelief.threads import map_on_threads
 from basrelief.timings import step
 
 PathLike = str | os.PathLike[str]
@@ -234,8 +234,7 @@ class _Builder:
     def read_pictures(self, choices: dict[str, Choice]) -> None:
         """Read all files at once, on several threads: decoding is most of the work of loading."""
         paths = list(dict.fromkeys(choice.path for choice in choices.values()))
-        with ThreadPoolExecutor() as pool:
-            self.pictures = dict(zip(paths, pool.map(read_picture, paths), strict=True))
+        self.pictures = dict(zip(paths, map_on_threads(read_picture, paths), strict=True))
 
     def picture(self, choice: Choice) -> Picture:
         return self.pictures[choice.path]

@@ -34,7 +34,7 @@ from basrelief.scene import ResolvedObject, Scene, technique_named
 from basrelief.scene.presets import scene_of
 from basrelief.scene.recipe import Recipe
 from basrelief.techniques import TECHNIQUES, Technique, exact
-from basrelief.threads import mapped
+from basrelief.threads import map_on_threads
 
 __all__ = ["Candidate", "Comparison", "Result", "compare"]
 
@@ -316,7 +316,7 @@ def _at_one_angle(
         )
 
     # a frame is drawn while another is compared with the truth
-    for number, result in enumerate(mapped(result_of, scenes, threads=2), 1):
+    for number, result in enumerate(map_on_threads(result_of, scenes, threads=2), 1):
         yield result
         progress(0.5 + 0.5 * number / len(scenes))
 

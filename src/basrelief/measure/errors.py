@@ -157,7 +157,7 @@ def flip(reference: Image | Frame, picture: Image | Frame) -> float:
     """Mean FLIP error between two pictures that alternate on a screen, 0 to 1.
 
     P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, 2020, by NVIDIA's own
-    code at its default of 67 pixels a degree; 0 for equal pictures, which it need not look at.
+    code at its default of 67 pixels a degree; 0 for equal pictures, without evaluating them.
     Raises InputError where that is not installed.
     """
     evaluate = _evaluator()

@@ -18,7 +18,7 @@ from typing import Literal, assert_never, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from basrelief.threads import mapped
+from basrelief.threads import map_on_threads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -117,7 +117,7 @@ def intersect_height_field(
         )
         return _first_hits(rays, surface)
 
-    chunks = mapped(chunk_hits, range(0, len(start), _CHUNK))
+    chunks = map_on_threads(chunk_hits, range(0, len(start), _CHUNK))
     t_hit = np.concatenate([np.empty(0), *chunks])
     t = np.where(np.isnan(t_hit), 1.0, t_hit)
     return Hits(t, start + moved * t[:, None], _ray_height(t, *coefficients), ~np.isnan(t_hit))

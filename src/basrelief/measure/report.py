@@ -20,7 +20,7 @@ from basrelief.measure.figures import has_matplotlib
 from basrelief.measure.plot import DARK, LIGHT, SIZE, Point, write_plot
 from basrelief.measure.results import Result, Results, settings_of
 from basrelief.pages import check_overwritable, fill, write_page
-from basrelief.threads import mapped
+from basrelief.threads import map_on_threads
 
 GENERATOR = "basrelief compare"
 PICTURES = "pictures"
@@ -46,7 +46,7 @@ def write(folder: Path, comparison: Results, json: str) -> Path:
         reason = error.strerror or error
         raise InputError(f"{folder}: cannot be written to ({reason}); choose another") from None
     # a result is encoded in sRGB while another is compressed
-    for _ in mapped(lambda result: _write_pictures(folder, result), comparison.results, 2):
+    for _ in map_on_threads(lambda result: _write_pictures(folder, result), comparison.results, 2):
         pass
     write_page(folder / "compare.json", json)
     has_plots = has_matplotlib()

@@ -49,14 +49,20 @@ def seconds_of(
     """
     times_of: dict[str, list[float]] = {name: [] for name in scenes}
     with ExitStack() as stack:
-        draws = {name: _timed_draw(scene, timing, engine, stack) for name, scene in scenes.items()}
+        first = next(iter(scenes.values()))
+        # all programs draw on one canvas, since their planes are the same
+        canvas = engine.canvas(frame_program_of(first.resolved[0], first), timing.size)
+        draws = {
+            name: _timed_draw(scene, timing, engine, canvas, stack)
+            for name, scene in scenes.items()
+        }
         for _ in range(runs):
             for name, draw in draws.items():
                 times_of[name].append(draw())
     return {name: statistics.median(times) for name, times in times_of.items()}
 
 
-def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> Any:
+def _timed_draw(scene: Scene, timing: Timing, engine: Any, canvas: Canvas, stack: ExitStack) -> Any:
     """A function that draws a scene once and returns the seconds it took."""
     obj, size = scene.resolved[0], timing.size
     # the program that pictures are drawn with, so that there is one to compile
@@ -67,7 +73,6 @@ def _timed_draw(scene: Scene, timing: Timing, engine: Any, stack: ExitStack) -> 
             job = stack.enter_context(engine.prepare(program, values, size))
             return lambda: engine.seconds(job, size[1], _DISPATCHES)
         case "clock":
-            canvas = engine.canvas(program, size)
             # a row, to compile and to upload maps
             engine.draw(program, values, canvas, (0, 1))
             return lambda: _clocked(engine, program, values, canvas)

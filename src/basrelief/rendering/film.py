@@ -311,6 +311,7 @@ def _write_numbered(
     """Write each frame to a picture; several are written at once, while the next is drawn."""
 
     def read(frame: Frame) -> Frame:
+        # codes of 16 bits are read by those who write
         match code_bits(path, bits):
             case 8:
                 _ = frame.codes

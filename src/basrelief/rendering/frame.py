@@ -134,12 +134,13 @@ class Frame:
     ) -> tuple[Engine, PlaneBuffer[_T]] | None:
         """The engine that drew the frame, and planes of its colour or codes as its buffer.
 
-        None for a frame of arrays, and for one whose colour was read, since it may have been
-        changed.
+        None for a frame of arrays, and for one whose colour or codes were read, since they may have
+        been changed; and for planes that are too large for a buffer.
         """
-        if "color" in self.__dict__:
+        if {"color", "_codes"} & vars(self).keys():
             return None
-        return self._engine, self._canvas.buffer(f"{self._prefix}{name}", record, count)
+        buffer = self._canvas.buffer(f"{self._prefix}{name}", record, count)
+        return None if buffer is None else (self._engine, buffer)
 
     @functools.cached_property
     def color(self) -> NDArray[np.float32]:

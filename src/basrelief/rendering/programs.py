@@ -179,14 +179,17 @@ def resources_of(obj: ResolvedObject, engine: Engine) -> dict[str, Any]:
     The given engine bakes tables and normals from the heights.
     """
     material, edge, has = obj.material, map_edge(obj), available_maps(obj)
-    makers: dict[str, Callable[[], Texture | HeightField | None]] = {
-        f"maps_{name}": functools.partial(source.texture, material_of_map, edge, scale, engine)
-        for name, source, material_of_map, scale in surface_maps(obj)
-        if has[name]
-    }
+    makers: dict[str, Callable[[], Texture | HeightField | None]] = {}
+    from_heights: dict[str, Texture | HeightField | None] = {}
+    for name, source, material_of_map, scale in surface_maps(obj):
+        make = functools.partial(source.texture, material_of_map, edge, scale, engine)
+        if has[name] and source.of_heights and material_of_map.normal is None:
+            from_heights[f"maps_{name}"] = make()
+        elif has[name]:
+            makers[f"maps_{name}"] = make
     if obj.has_relief:
         makers["field"] = lambda: textures.height_field(material, edge, height_filter(obj))
-    resources = textures.made(material, makers)
+    resources = {**textures.make_textures(material, makers), **from_heights}
     baked = textures.bake_texture(
         material, edge, obj.technique.bake, engine, all_levels=obj.heights == "mip"
     )

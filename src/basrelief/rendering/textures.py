@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import weakref
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +25,7 @@ from basrelief.images.resize import resized
 from basrelief.lang.resources import Edge, Filter, HeightField, Texture
 from basrelief.material.material import Map, Material
 from basrelief.techniques import Bake
+from basrelief.threads import map_on_threads
 
 _UNIT = 65535
 """The 16-bit code of 1."""
@@ -34,17 +34,16 @@ _DEFAULT_COLOR = 0.6
 _cache: weakref.WeakKeyDictionary[Any, dict[Any, Any]] = weakref.WeakKeyDictionary()
 
 
-def made(
+def make_textures(
     material: Material, makers: Mapping[str, Callable[[], Texture | HeightField | None]]
 ) -> dict[str, Texture | HeightField]:
     """The textures that functions make, without missing ones; a material's first are made on two
-    threads."""
+    threads. The functions run no programs."""
     is_new = material not in _cache
     _cache.setdefault(material, {})
     if is_new:
         # more at once would take more memory than drawing does
-        with ThreadPoolExecutor(2) as pool:
-            textures = [*pool.map(lambda make: make(), makers.values())]
+        textures = [*map_on_threads(lambda make: make(), makers.values(), 2)]
     else:
         textures = [make() for make in makers.values()]
     named = zip(makers, textures, strict=True)
