@@ -547,3 +547,26 @@ def test_ctrl_c(bumps: Path, here: Path) -> None:
     assert (process.returncode, out) == (130, b"")
     assert err == b"basrelief: interrupted; no unfinished file is left\n"
     assert os.listdir() == []
+
+
+@pytest.mark.parametrize("suffix", [".png", ".exr"])
+def test_a_frame_may_change_once_it_is_taken(suffix: str, tmp_path: Path) -> None:
+    """One frame in several colours, as numbered pictures, which threads write."""
+    same = frame(gradient(0))
+
+    def shades() -> Iterator[Frame]:
+        for number in range(8):
+            same.color[:, :, :3] = number / 8
+            yield same
+
+    files = write_film(tmp_path / f"a{suffix}", shades(), count=8).files
+    shown = [float(read_picture(file).pixels[0, 0, 0]) for file in files]
+    wanted = encode_light(np.full((1, 8, 3), np.arange(8)[None, :, None] / 8))[0, :, 0]
+    assert shown == pytest.approx(wanted if suffix == ".png" else np.arange(8) / 8)
+
+
+def test_what_is_no_frame_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="a film is of Frames, not of ndarray"):
+        write_film(tmp_path / "a.mp4", [np.zeros((4, 4, 3))] * 3)  # type: ignore[list-item]
+    with pytest.raises(InputError, match="give them as a list"):
+        write_film(tmp_path / "a.mp4", frame(gradient(0)))  # type: ignore[arg-type]

@@ -146,7 +146,7 @@ def _channel_names(spec: Any) -> tuple[str, ...]:
         names = [str(name) for name in spec.channelnames]
     except UnicodeDecodeError:
         names = [f"channel {number}" for number in range(spec.nchannels)]
-    if spec.alpha_channel >= 0:
+    if 0 <= spec.alpha_channel < len(names):  # a GIF may name one that it does not have
         names[spec.alpha_channel] = "A"
     return tuple(names)
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from basrelief.engine import Engine
 from basrelief.errors import InputError
-from basrelief.images import WRITABLE, check_target, check_writable, code_bits, write_whole
+from basrelief.images import WRITABLE, check_target, check_writable, write_whole
 from basrelief.material import Material
 from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import Progress, render, scene_of
@@ -211,11 +211,15 @@ def write_film(
     for the whole film, and binary transparency.
     """
     path = Path(path)
+    if isinstance(frames, Frame):
+        raise InputError(f"{path}: a film is of several Frames; give them as a list")
     total = count if count is not None else operator.length_hint(frames)
     remaining = iter(frames)
     first = next(remaining, None)
     if first is None:
         raise InputError(f"{path}: a film of no frames; give one or more")
+    if not isinstance(first, Frame):
+        raise InputError(f"{path}: a film is of Frames, not of {type(first).__name__}")
     size = first.size
     check_film(path, total or _MAX_FRAMES, fps, size, bits=bits, quality=quality)
     remaining = itertools.chain([first], remaining)
@@ -310,23 +314,15 @@ def _write_numbered(
 ) -> tuple[Path, ...]:
     """Write each frame to a picture; several are written at once, while the next is drawn."""
 
-    def read(frame: Frame) -> Frame:
-        # codes of 16 bits are read by those who write
-        match code_bits(path, bits):
-            case 8:
-                _ = frame.codes
-            case None:
-                _ = frame.color
-        return frame
-
     files: list[Path] = []
     with ThreadPoolExecutor(_WRITERS) as pool:
         writing: deque[Future[Path]] = deque()
-        for number, frame in enumerate(_drawn_ahead(remaining, read), 1):
+        pictures = _drawn_ahead(remaining, lambda frame: frame.picture(path, bits))
+        for number, write in enumerate(pictures, 1):
             if len(writing) == _WRITERS:
                 files.append(writing.popleft().result())
             target = _numbered(path, number, count)
-            writing.append(pool.submit(frame.save, target, bits=bits, quality=quality))
+            writing.append(pool.submit(write, target, quality))
         files += [each.result() for each in writing]
     return tuple(files)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -195,12 +196,17 @@ class Frame:
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the colour as a picture; see `Image.save`."""
-        match code_bits(path, bits):
-            case 8:
-                return write_codes(path, _without_alpha(self.codes), quality=quality)
-            case 16:
-                return write_codes(path, _without_alpha(self._deep_codes()), quality=quality)
-        return self.image.save(path, bits=bits, quality=quality)
+        return self.picture(path, bits)(Path(path), quality)
+
+    def picture(self, path: str | Path, bits: int | None) -> Callable[[Path, int], Path]:
+        """The function that writes the colour as it is now to a file in the format of `path`, with
+        a quality."""
+        depth = code_bits(path, bits)
+        if depth is None:
+            image = Image(self.color.copy())
+            return lambda file, quality: image.save(file, bits=bits, quality=quality)
+        codes: Any = _without_alpha(self.codes if depth == 8 else self._deep_codes())
+        return lambda file, quality: write_codes(file, codes, quality=quality)
 
     def _deep_codes(self) -> NDArray[np.uint16]:
         """The colour as `codes`, in 16 bits."""

@@ -60,7 +60,7 @@ class Recipe:
     @property
     def command(self) -> str:
         """The command line, with a comment that names what it cannot describe."""
-        text = shlex.join(["basrelief", "render", *_command_parts(self.scene, self.drawing)])
+        text = shlex.join(["basrelief", "render", *_command_parts(self.scene, self._drawing())])
         omitted = [*omitted_by_command(self.scene)]
         return f"{text}  # without {', '.join(omitted)}" if omitted else text
 
@@ -74,8 +74,13 @@ class Recipe:
         else:
             inner = ", ".join([f"({', '.join(map(_object_text, objects))})", *_keywords(scene)])
             what, arguments = f"basrelief.Scene({inner})", {}
-        parts = [what, *_keywords({**arguments, **self.drawing})]
+        parts = [what, *_keywords({**arguments, **self._drawing()})]
         return f"import basrelief; basrelief.render({', '.join(parts)})"
+
+    def _drawing(self) -> dict[str, Any]:
+        """The options of drawing, with the device that a filter needs."""
+        needs_gpu = any(obj.filter == "hardware" for obj in self.scene.objects)
+        return {**({"device": "gpu"} if needs_gpu else {}), **self.drawing}
 
     def preset(self, name: str, about: str = "") -> Preset:
         """The preset: the object, the scene, and the options of reading the maps.
