@@ -393,3 +393,12 @@ def test_files_without_files_in_memory_are_the_same(
     with pytest.raises(InputError, match="no space left"):
         write_picture(tmp_path / f"third{suffix}", ramp())
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_gif_without_transparency_is_read(tmp_path: Path) -> None:
+    """One red pixel; OpenImageIO names an alpha that the picture does not have."""
+    colors = bytes([255, 0, 0, 0, 255, 0])
+    head = b"GIF89a\x01\x00\x01\x00\x80\x00\x00" + colors
+    (tmp_path / "a.gif").write_bytes(head + b",\0\0\0\0\x01\0\x01\0\0\x02\x02D\x01\0;")
+    picture = read_picture(tmp_path / "a.gif")
+    assert picture.opaque[0, 0].tolist() == [255, 0, 0]
