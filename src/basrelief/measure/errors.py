@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from basrelief.errors import InputError
 from basrelief.images import srgb_encode
-from basrelief.measure.truth import Truth
+from basrelief.measure.truth import Truth, length_of
 from basrelief.rendering.frame import Frame, Image
 
 __all__ = [
@@ -205,16 +205,13 @@ def _length(difference: Floats, truth: Truth) -> Floats:
     """Lengths of differences of texture coordinates in texels, the shortest where a map repeats."""
     if truth.wraps:
         difference = difference - np.rint(difference)
-    length: Floats = np.linalg.norm(difference * truth.texels, axis=-1)
-    return length
+    return length_of(difference * truth.texels)
 
 
 def _along_ray(difference: Floats, truth: Truth) -> Floats:
     """Parts of differences of texture coordinates along the rays over the map, in texels."""
-    travel = truth.travel * truth.texels
-    length = np.linalg.norm(travel, axis=-1, keepdims=True)
-    unit = travel / np.where(length > 0.0, length, 1.0)
-    along: Floats = (difference * truth.texels * unit).sum(-1)
+    products = difference * truth.texels * truth.direction
+    along: Floats = products[:, :, 0] + products[:, :, 1]
     return along
 
 

@@ -7,6 +7,7 @@ comes from a picture drawn by `exact`, and so does which lights a true hit faces
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,6 +61,21 @@ class Truth:
     texels: tuple[int, int]
     wraps: bool
     light: Floats | None = None
+
+    @functools.cached_property
+    def direction(self) -> Floats:
+        """Unit vectors of `travel` in texels, (h, w, 2); 0 for a ray along the normal."""
+        travel = self.travel * self.texels
+        length = length_of(travel)[:, :, None]
+        direction: Floats = travel / np.where(length > 0.0, length, 1.0)
+        return direction
+
+
+def length_of(vectors: Floats) -> Floats:
+    """Lengths of vectors, (…, 2); `np.linalg.norm` takes three times as long."""
+    x, y = vectors[..., 0], vectors[..., 1]
+    length: Floats = np.sqrt(x * x + y * y)
+    return length
 
 
 def truth(what: Scene | Object, size: tuple[int, int], *, device: str | Engine = "auto") -> Truth:
