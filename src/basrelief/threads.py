@@ -21,7 +21,8 @@ def core_count() -> int:
 def map_on_threads(
     function: Callable[[T], R], items: Iterable[T], threads: int | None = None
 ) -> Iterator[R]:
-    """Results of a function for items, in their order, computed on threads; one for each core.
+    """Results of a function for items, in their order, computed on threads, by default one for each
+    core.
 
     An error that the function raises is raised here; items whose turn has not come are dropped.
     """

@@ -219,8 +219,9 @@ def test_the_filter_of_the_heights_is_reported(waves, tmp_path) -> None:
     assert "--filter" not in commands["exact"]
     page = " ".join(by_filter.save(tmp_path / "hardware").read_text("utf-8").split())
     assert by_filter.filter_text in page
+    assert "with the techniques. Times are those" in page
     page = " ".join(by_texels.save(tmp_path / "texel").read_text("utf-8").split())
-    assert "Heights are read as texels and interpolated by the shaders." in page
+    assert "Heights are read as texels and interpolated by the shaders. Times are those" in page
     (texels, filtered), (exact, also_exact) = (
         (*by_texels.of(name), *by_filter.of(name)) for name in ("relief", "exact")
     )

@@ -12,10 +12,10 @@ from basrelief.engine import PlaneBuffer, choose_device
 from basrelief.images import encode_light, read_picture, srgb_encode, srgb_thresholds
 from basrelief.lang import Buffer, Vec2, Vec4
 from basrelief.material import Map, Material, sample
-from basrelief.rendering.deep_codes import read_deep_codes
+from basrelief.rendering.codes16 import read_codes16
 from basrelief.rendering.render import render
 from basrelief.scene import LYING, Object, Orbit, Scene, placed
-from basrelief.shading.deep_codes import FourLights
+from basrelief.shading.codes16 import FourLights
 from basrelief.shading.picture import (
     Backdrop,
     Threshold,
@@ -114,7 +114,7 @@ def test_codes_of_16_bits_are_those_of_the_exact_curve(device: str) -> None:
     light = light[: len(light) // 64 * 64].reshape(-1, 64)
     planes = np.stack([light, light[::-1], light[:, ::-1], np.ones_like(light)])
     lights = PlaneBuffer(FourLights, (4 * len(light), 64), planes.reshape(-1, 64).view(np.int32))
-    codes = read_deep_codes(choose_device(device), lights, (64, len(light)))
+    codes = read_codes16(choose_device(device), lights, (64, len(light)))
     for channel in range(3):
         np.testing.assert_array_equal(codes[:, :, channel], exact_code(planes[channel], 16))
     assert (codes[:, :, 3] == 65535).all()

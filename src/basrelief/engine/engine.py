@@ -75,8 +75,8 @@ class Engine(Protocol):
     rounding
         Identifies the arithmetic: engines with the same value compute the same planes, bit for bit.
     is_lost
-        Whether the device was lost. Such an engine raises DeviceError, and so do canvases on it
-        that were not read.
+        Whether the device was lost. Such an engine raises DeviceError, and so does reading its
+        canvases.
     """
 
     name: str

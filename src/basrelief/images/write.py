@@ -50,8 +50,8 @@ rendered material of 1920 × 1080 takes 56 ms in place of 345, and 8 % more byte
 kept and sent, take the usual ones."""
 
 _WEBP_METHOD = 2
-"""Effort of libwebp, of 0 to 6. The usual 4 takes twice as long, and 6, OpenImageIO's, five times,
-for files of equal quality that are 1 and 2 % smaller."""
+"""Effort of libwebp, of 0 to 6. The usual 4 takes twice as long, and 6, OpenImageIO's, five times.
+Rendered materials of 960 × 540 are then 2 and 6 % smaller, and 0.2 dB nearer to the original."""
 
 WRITABLE = tuple(_FORMATS)
 """Suffixes that `write_picture` supports."""

@@ -49,9 +49,7 @@ def seconds_of(
     """
     times_of: dict[str, list[float]] = {name: [] for name in scenes}
     with ExitStack() as stack:
-        first = next(iter(scenes.values()))
-        # all programs draw on one canvas, since their planes are the same
-        canvas = engine.canvas(frame_program_of(first.resolved[0], first), timing.size)
+        canvas = _canvas_for(scenes, timing, engine)
         draws = {
             name: _timed_draw(scene, timing, engine, canvas, stack)
             for name, scene in scenes.items()
@@ -62,7 +60,17 @@ def seconds_of(
     return {name: statistics.median(times) for name, times in times_of.items()}
 
 
-def _timed_draw(scene: Scene, timing: Timing, engine: Any, canvas: Canvas, stack: ExitStack) -> Any:
+def _canvas_for(scenes: Mapping[str, Scene], timing: Timing, engine: Engine) -> Canvas | None:
+    """The canvas on which all programs are timed by the clock, since their planes are the same."""
+    if timing.by != "clock":
+        return None
+    scene = next(iter(scenes.values()))
+    return engine.canvas(frame_program_of(scene.resolved[0], scene), timing.size)
+
+
+def _timed_draw(
+    scene: Scene, timing: Timing, engine: Any, canvas: Canvas | None, stack: ExitStack
+) -> Any:
     """A function that draws a scene once and returns the seconds it took."""
     obj, size = scene.resolved[0], timing.size
     # the program that pictures are drawn with, so that there is one to compile
@@ -73,6 +81,7 @@ def _timed_draw(scene: Scene, timing: Timing, engine: Any, canvas: Canvas, stack
             job = stack.enter_context(engine.prepare(program, values, size))
             return lambda: engine.seconds(job, size[1], _DISPATCHES)
         case "clock":
+            assert canvas is not None
             # a row, to compile and to upload maps
             engine.draw(program, values, canvas, (0, 1))
             return lambda: _clocked(engine, program, values, canvas)

@@ -317,7 +317,7 @@ def _write_numbered(
     files: list[Path] = []
     with ThreadPoolExecutor(_WRITERS) as pool:
         writing: deque[Future[Path]] = deque()
-        pictures = _drawn_ahead(remaining, lambda frame: frame.picture(path, bits))
+        pictures = _drawn_ahead(remaining, lambda frame: frame.picture_writer(path, bits))
         for number, write in enumerate(pictures, 1):
             if len(writing) == _WRITERS:
                 files.append(writing.popleft().result())

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from basrelief.engine import Canvas, Engine, PlaneBuffer
 from basrelief.images import code_bits, encode_light, encode_png, write_codes, write_picture
 from basrelief.lang import Vec4
-from basrelief.rendering.deep_codes import read_deep_codes
-from basrelief.shading.deep_codes import FourLights
+from basrelief.rendering.codes16 import read_codes16
+from basrelief.shading.codes16 import FourLights
 from basrelief.timings import step
 
 _T = TypeVar("_T")
@@ -196,23 +196,23 @@ class Frame:
 
     def save(self, path: str | Path, *, bits: int | None = None, quality: int = 95) -> Path:
         """Write the colour as a picture; see `Image.save`."""
-        return self.picture(path, bits)(Path(path), quality)
+        return self.picture_writer(path, bits)(Path(path), quality)
 
-    def picture(self, path: str | Path, bits: int | None) -> Callable[[Path, int], Path]:
-        """The function that writes the colour as it is now to a file in the format of `path`, with
-        a quality."""
+    def picture_writer(self, path: str | Path, bits: int | None) -> Callable[[Path, int], Path]:
+        """A function that writes the present colour to a file, in the format of `path` and with a
+        quality, whatever becomes of the frame."""
         depth = code_bits(path, bits)
         if depth is None:
             image = Image(self.color.copy())
             return lambda file, quality: image.save(file, bits=bits, quality=quality)
-        codes: Any = _without_alpha(self.codes if depth == 8 else self._deep_codes())
+        codes: Any = _without_alpha(self.codes if depth == 8 else self._codes16())
         return lambda file, quality: write_codes(file, codes, quality=quality)
 
-    def _deep_codes(self) -> NDArray[np.uint16]:
+    def _codes16(self) -> NDArray[np.uint16]:
         """The colour as `codes`, in 16 bits."""
         on_device = self.on_device("color.x", FourLights, 4)
         if on_device is not None:
-            return read_deep_codes(*on_device, self.size)
+            return read_codes16(*on_device, self.size)
         with step("encode"):
             return encode_light(self.color, 16)
 

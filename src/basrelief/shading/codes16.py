@@ -26,7 +26,7 @@ class LightRows:
 
 
 @struct
-class DeepCodes:
+class Codes16:
     """A pixel's colour in sRGB, and alpha, in 16 bits: two channels a word, the first the lower."""
 
     red_green: int
@@ -44,23 +44,23 @@ class FourThresholds:
 
 
 @shader
-def deep_codes(
+def codes16(
     at: IVec2, lights: Buffer[FourLights], rows: LightRows, thresholds: Buffer[FourThresholds]
-) -> DeepCodes:
+) -> Codes16:
     """The codes of a pixel."""
     red = at.y * rows.row + at.x
     green = red + rows.channel
     blue = green + rows.channel
     alpha = int(saturate(light_at(lights, blue + rows.channel)) * 65535.0 + 0.5)
-    return DeepCodes(
-        deep_code(light_at(lights, red), thresholds)
-        | (deep_code(light_at(lights, green), thresholds) << 16),
-        deep_code(light_at(lights, blue), thresholds) | (alpha << 16),
+    return Codes16(
+        code16(light_at(lights, red), thresholds)
+        | (code16(light_at(lights, green), thresholds) << 16),
+        code16(light_at(lights, blue), thresholds) | (alpha << 16),
     )
 
 
 @shader
-def deep_code(linear: float, thresholds: Buffer[FourThresholds]) -> int:
+def code16(linear: float, thresholds: Buffer[FourThresholds]) -> int:
     """The 16-bit sRGB code of linear light."""
     light = displayed(linear)
     code = nearest_code(light, 65535.0)

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from basrelief.engine import Engine, PlaneBuffer
 from basrelief.images import srgb_thresholds
 from basrelief.lang.program import Program
-from basrelief.shading.deep_codes import FourLights, FourThresholds, LightRows, deep_codes
+from basrelief.shading.codes16 import FourLights, FourThresholds, LightRows, codes16
 from basrelief.timings import step
 
 
 @functools.cache
 def _program() -> Program:
-    return Program(deep_codes)
+    return Program(codes16)
 
 
 @functools.cache
@@ -27,7 +27,7 @@ def _thresholds() -> PlaneBuffer[FourThresholds]:
 
 
 @step("draw")
-def read_deep_codes(
+def read_codes16(
     engine: Engine, lights: PlaneBuffer[FourLights], size: tuple[int, int]
 ) -> NDArray[np.uint16]:
     """The sRGB codes and alpha, (height, width, 4), of the four channels of a picture."""
