@@ -20,7 +20,9 @@ from basrelief.errors import DeviceError
 from basrelief.lang.program import Program
 from basrelief.lang.targets.wgsl import print_wgsl
 from basrelief.material import Material, sample
+from basrelief.rendering.frame import Frame
 from basrelief.rendering.render import render
+from basrelief.scene import Object, Scene
 from helpers.comparing import write_module
 from helpers.repository import REPOSITORY
 
@@ -179,3 +181,41 @@ def test_frames_of_two_engines_are_kept_side_by_side() -> None:
     for first, second in ((0, 2), (1, 3)):
         np.testing.assert_array_equal(frames[first].color, frames[second].color)
     assert not np.array_equal(frames[0].color, frames[1].color)
+
+
+@pytest.mark.gpu
+def test_a_canvas_that_is_gone_leaves_its_planes_to_the_next() -> None:
+    engine, material = gpu_module.GpuEngine(), sample("gravel", 32)
+
+    def frame(size: tuple[int, int], scale: float) -> Frame:
+        return render(material, size=size, samples=1, scale=scale, device=engine)
+
+    def planes(of: Frame) -> object:
+        return of._canvas.bands[0][2]
+
+    first, second = frame(SIZE, 0.05), frame(SIZE, 0.1)
+    assert planes(first) is not planes(second)
+    freed, codes = planes(first), first.codes.copy()
+    del first
+    third = frame(SIZE, 0.05)
+    assert planes(third) is freed
+    # those that are kept are not drawn over
+    assert not (second.codes == codes).all()
+    assert (third.codes == codes).all()
+    del third
+    assert planes(frame((SIZE[0] + 1, SIZE[1]), 0.05)) is not freed
+    assert engine._spare is not freed
+
+
+@pytest.mark.gpu
+def test_objects_are_composited_on_planes_that_were_used_before() -> None:
+    engine, (stones, bricks) = gpu_module.GpuEngine(), (sample(n, 32) for n in ("gravel", "bricks"))
+    both = Scene((Object(stones, shape="sphere"), Object(bricks)), background=None)
+    expected = render(both, size=SIZE, samples=3, device=gpu_module.GpuEngine())
+    other = render(Scene((Object(bricks), Object(stones))), size=SIZE, samples=2, device=engine)
+    used = other._canvas.bands[0][2]
+    del other
+    frame = render(both, size=SIZE, samples=3, device=engine)
+    assert frame._canvas.bands[0][2] is used
+    for plane in ("color", "codes", "distance", "uv", "hit", "reads"):
+        assert (getattr(frame, plane) == getattr(expected, plane)).all()

@@ -176,11 +176,13 @@ class CpuCanvas:
         stride = -(-width // lanes) * lanes
         self.planes = np.zeros((len(kinds), rows[1] - rows[0], stride), np.int32)
 
-    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+    def read(self, name: str, count: int = 1, *, interleaved: bool = False) -> NDArray[Any]:
         """Planes of scalars; see `Canvas.read`."""
         index = [known for known, _ in self.kinds].index(name)
         planes = self.planes[index : index + count, :, : self.width]
-        return planes.view(np.float32) if self.kinds[index][1] is float else planes
+        if self.kinds[index][1] is float:
+            planes = planes.view(np.float32)
+        return np.ascontiguousarray(planes.transpose(1, 2, 0)) if interleaved else planes
 
     def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
         """Planes of scalars as a buffer; see `Canvas.buffer`."""

@@ -54,9 +54,10 @@ class Canvas(Protocol):
 
     size: tuple[int, int]
 
-    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+    def read(self, name: str, count: int = 1, *, interleaved: bool = False) -> NDArray[Any]:
         """The plane of a scalar, by its dotted name, and the next ones: (count, H, W), as in
-        `Planes`. The array may be a view of the canvas."""
+        `Planes`. The array may be a view of the canvas, unless it is `interleaved`, (H, W, count).
+        """
 
     def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
         """The plane of a scalar, and the next ones, as a buffer of records of four such scalars;

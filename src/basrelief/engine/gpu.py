@@ -110,6 +110,7 @@ class GpuEngine:
         self._pipelines: dict[str, _Pipeline] = {}
         self._uniforms: dict[bytes, Any] = {}
         self._staging: Any = None
+        self._spare: Any = None
         self._uploaded: weakref.WeakKeyDictionary[Any, dict[str, Any]] = weakref.WeakKeyDictionary()
         self._lock = threading.RLock()
 
@@ -197,6 +198,18 @@ class GpuEngine:
 
         usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC
         return self.gpu.create_buffer(size=4 * count * size[0] * size[1], usage=usage)
+
+    def spare_planes(self, count: int, size: tuple[int, int]) -> Any:
+        """Buffer of planes for a picture: that of a canvas that is gone, if it has this size, or a
+        new one. Making and freeing one takes longer than drawing on it."""
+        spare, self._spare = self._spare, None
+        if spare is not None and spare.size == 4 * count * size[0] * size[1]:
+            return spare
+        return self.planes(count, size)
+
+    def keep_planes(self, planes: Any) -> None:
+        """Keep one buffer of planes for the next canvas."""
+        self._spare = planes
 
     @contextlib.contextmanager
     def read_back(self, buffer: Any, start: int, size: int) -> Iterator[Any]:
@@ -451,20 +464,22 @@ class GpuCanvas:
         self.engine, self.kinds, self.size = engine, kinds, size
         width, height = size
         self.rows = engine.max_rows(len(kinds), width, height, _MAX_CANVAS_BYTES)
+        buffer_size = (width, self.rows)
         self.bands = [
-            (first, min(first + self.rows, height), engine.planes(len(kinds), (width, self.rows)))
+            (first, min(first + self.rows, height), engine.spare_planes(len(kinds), buffer_size))
             for first in range(0, height, self.rows)
         ]
+        weakref.finalize(self, engine.keep_planes, self.bands[-1][2]).atexit = False
 
-    def read(self, name: str, count: int = 1) -> NDArray[Any]:
+    def read(self, name: str, count: int = 1, *, interleaved: bool = False) -> NDArray[Any]:
         """Planes of scalars; see `Canvas.read`."""
         index = [known for known, _ in self.kinds].index(name)
         kind = np.float32 if self.kinds[index][1] is float else np.int32
         parts = [
-            self._words(planes, index, count, last - first).view(kind)
+            self._words(planes, index, count, last - first, interleaved).view(kind)
             for first, last, planes in self.bands
         ]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        return parts[0] if len(parts) == 1 else np.concatenate(parts, 0 if interleaved else 1)
 
     def buffer(self, name: str, record: type[_T], count: int = 1) -> PlaneBuffer[_T] | None:
         """Planes of scalars as a buffer; see `Canvas.buffer`."""
@@ -474,13 +489,17 @@ class GpuCanvas:
         index = [known for known, _ in self.kinds].index(name)
         return PlaneBuffer(record, (count * height, width), (self, index, count))
 
-    def _words(self, planes: Any, index: int, count: int, rows: int) -> NDArray[np.int32]:
+    def _words(
+        self, planes: Any, index: int, count: int, rows: int, interleaved: bool
+    ) -> NDArray[np.int32]:
         """The words of `count` planes of a band, from a plane on."""
         width = self.size[0]
         size = 4 * width * self.rows
         with self.engine.read_back(planes, index * size, count * size) as mapped:
             words = np.frombuffer(mapped, np.int32).reshape(count, self.rows, width)
-            return words[:, :rows].copy()
+            words = words[:, :rows]
+            # at once, not by way of a copy
+            return np.array(words.transpose(1, 2, 0), order="C") if interleaved else words.copy()
 
 
 class Job:

@@ -35,5 +35,5 @@ def read_codes16(
     canvas = engine.canvas(_program(), size)
     values = {"lights": lights, "rows": rows, "thresholds": _thresholds()}
     engine.draw(_program(), values, canvas)
-    words = np.ascontiguousarray(canvas.read("red_green", 2).transpose(1, 2, 0), "<i4")
+    words = np.asarray(canvas.read("red_green", 2, interleaved=True), "<i4")
     return words.view(np.uint16)

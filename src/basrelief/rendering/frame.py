@@ -126,9 +126,9 @@ class Frame:
         return frame
 
     @step("draw")
-    def _planes(self, name: str, count: int) -> NDArray[Any]:
-        """Planes of scalars from the device, by the name of the first, and how many."""
-        return self._canvas.read(f"{self._prefix}{name}", count)
+    def _planes(self, name: str, count: int = 1, *, interleaved: bool = False) -> NDArray[Any]:
+        """Planes of scalars from the device; see `Canvas.read`."""
+        return self._canvas.read(f"{self._prefix}{name}", count, interleaved=interleaved)
 
     def on_device(
         self, name: str, record: type[_T], count: int = 1
@@ -145,7 +145,7 @@ class Frame:
 
     @functools.cached_property
     def color(self) -> NDArray[np.float32]:
-        return np.ascontiguousarray(self._planes("color.x", 4).transpose(1, 2, 0))
+        return self._planes("color.x", 4, interleaved=True)
 
     @property
     def codes(self) -> NDArray[np.uint8]:
@@ -157,25 +157,25 @@ class Frame:
 
     @functools.cached_property
     def _codes(self) -> NDArray[np.uint8]:
-        words = np.ascontiguousarray(self._planes("codes", 1)[0], "<i4")
+        words = np.ascontiguousarray(self._planes("codes")[0], "<i4")
         return words.view(np.uint8).reshape(*words.shape, 4)
 
     @functools.cached_property
     def distance(self) -> NDArray[np.float32]:
-        return np.where(self.hit, self._planes("distance", 1)[0], np.float32(np.inf))
+        return np.where(self.hit, self._planes("distance")[0], np.float32(np.inf))
 
     @functools.cached_property
     def uv(self) -> NDArray[np.float32]:
-        return np.ascontiguousarray(self._planes("uv.x", 2).transpose(1, 2, 0))
+        return self._planes("uv.x", 2, interleaved=True)
 
     @functools.cached_property
     def hit(self) -> NDArray[np.bool_]:
-        hit: NDArray[np.bool_] = self._planes("hit", 1)[0] != 0
+        hit: NDArray[np.bool_] = self._planes("hit")[0] != 0
         return hit
 
     @functools.cached_property
     def reads(self) -> NDArray[np.int32]:
-        return np.ascontiguousarray(self._planes("reads", 1)[0])
+        return np.ascontiguousarray(self._planes("reads")[0])
 
     def __reduce__(self) -> tuple[Any, ...]:
         """All planes, to be pickled: a canvas stays in its process."""
